@@ -1,0 +1,73 @@
+"""Errors that a user can cause. Each composes one sentence: what was given, what is allowed, what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+from pathlib import Path
+
+from pydantic import ValidationError
+
+
+class PipenavError(Exception):
+    """Base of every error that the command line prints as one line, with exit code 1."""
+
+
+class UnknownName(PipenavError):
+    """A name that is not among the known ones."""
+
+    def __init__(self, kind: str, given: str, known: Iterable[str]) -> None:
+        names = sorted(known)
+        near = get_close_matches(given, names, n=3, cutoff=0.5)
+        hint = f"did you mean {_either(near)}?" if near else f"choose {_either(names)}."
+        super().__init__(f"unknown {kind} {given!r}: {hint}" if names else f"unknown {kind} {given!r}: there are none.")
+
+
+class OutOfRange(PipenavError):
+    """A number outside the range that is allowed for it."""
+
+    def __init__(self, what: str, given: float, low: float, high: float, unit: str = "") -> None:
+        unit = f" {unit}" if unit else ""
+        super().__init__(f"{what} {given:g}{unit} is out of range: choose {low:g} to {high:g}{unit}.")
+
+
+class ConfigError(PipenavError):
+    """A configuration that does not fit its schema."""
+
+    @classmethod
+    def from_validation(cls, where: str, error: ValidationError, known: Iterable[str] = ()) -> ConfigError:
+        """The first problem that pydantic found, as one sentence.
+
+        Args:
+            where: what was being read, e.g. a file's name.
+            error: pydantic's error.
+            known: the keys that exist, to suggest the nearest one for an unknown key.
+        """
+        first = error.errors()[0]
+        key = ".".join(str(part) for part in first["loc"]) or "the value"
+        if first["type"] == "extra_forbidden":
+            return cls(f"{where}: {UnknownName('key', key, known)}")
+        more = f" ({error.error_count() - 1} more)" if error.error_count() > 1 else ""
+        given = first.get("input")
+        shown = f", given {given!r}" if isinstance(given, str | int | float | bool) else ""
+        message = str(first["msg"])
+        return cls(f"{where}: {key}: {message[0].lower()}{message[1:]}{shown}{more}.")
+
+
+class FileProblem(PipenavError):
+    """A file that cannot be read or written."""
+
+    def __init__(self, path: Path, doing: str, error: OSError) -> None:
+        super().__init__(f"cannot {doing} {path}: {error.strerror or error}.")
+
+
+class BackendUnavailable(PipenavError):
+    """A backend that is installed but cannot run here."""
+
+    def __init__(self, name: str, missing: str, remedy: str) -> None:
+        super().__init__(f"backend {name!r} cannot run: {missing}; {remedy}.")
+
+
+def _either(names: list[str]) -> str:
+    quoted = [repr(name) for name in names]
+    return " or ".join([", ".join(quoted[:-1]), quoted[-1]]) if len(quoted) > 1 else quoted[0]

@@ -1,0 +1,231 @@
+"""A pipe corner: two straight legs, joined by a mitre or a bend, in the plane of the robot.
+
+Frame: the corner (the crossing of the two centre lines) is the origin; the first leg lies along -x, the robot comes
+from -x moving towards +x, and a left turn goes towards +y. `angle` is the INTERIOR angle between the legs, so the
+heading changes by pi - angle.
+
+Every line along the pipe (a wall, the centre line, a generator of the tube) is the mitred polyline at one lateral
+offset `o` from the centre line (positive towards the inside of the turn), rounded by a fillet of radius
+`R - clip(o, -R, R)`, R being the bend radius of the centre line. For R = 0 that is a mitre; for R >= d/2 it is the
+swept bend (concentric arcs); in between, the inner edge stays sharp while the outer one is rounded, as in a short
+elbow. One formula serves walls, tube and drawing.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from typing import Literal, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, model_validator
+
+from pipenav.errors import OutOfRange, PipenavError
+from pipenav.units import deg_to_rad, m_to_mm, mm_to_m, rad_to_deg
+
+Array = NDArray[np.float64]
+Turn = Literal["left", "right"]
+
+DIAMETER_RANGE_MM = (40.0, 300.0)
+ANGLE_RANGE_DEG = (30.0, 180.0)
+BEND_RADIUS_MAX_MM = 3000.0
+WALL_RANGE_MM = (0.5, 50.0)
+LEG_MAX_MM = 20000.0
+
+DEFAULT_WALL = 0.003
+"""Wall thickness [m]: a common PVC gas pipe of 90-110 mm has about 3 mm."""
+
+MIN_DEFAULT_LEG = 0.6
+"""Shortest default leg [m]: the longest half robot (0.39 m) and its way to the corner fit in it."""
+
+ARC_TOLERANCE = 1e-4
+"""Largest distance [m] between an arc and the chords that stand for it."""
+
+
+class Lines(NamedTuple):
+    """The two walls as polylines, points in order along the pipe [m], each (k, 2)."""
+
+    inner: Array
+    outer: Array
+
+
+class Pipe(BaseModel):
+    """One corner. All lengths in metres, angles in radians; `Pipe.of` takes millimetres and degrees.
+
+    Attributes:
+        diameter: inner diameter of both legs [m].
+        angle: interior angle between the legs [rad]; pi is a straight pipe.
+        turn: the side that the pipe turns to, seen by the robot.
+        bend_radius: radius of the centre line's bend [m]; 0 is a mitre.
+        leg: length of each leg along its centre line, from the corner [m].
+        wall: wall thickness [m].
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    diameter: float
+    angle: float
+    turn: Turn = "left"
+    bend_radius: float = 0.0
+    leg: float
+    wall: float = DEFAULT_WALL
+
+    @classmethod
+    def of(
+        cls,
+        diameter_mm: float,
+        angle_deg: float,
+        turn: str = "left",
+        bend_radius_mm: float = 0.0,
+        leg_mm: float | None = None,
+        wall_mm: float | None = None,
+    ) -> Self:
+        """A pipe from the numbers that people use.
+
+        Raises:
+            OutOfRange: a number outside its allowed range.
+            PipenavError: an unknown turn, or legs too short for the bend.
+        """
+        if turn not in ("left", "right"):
+            raise PipenavError(f"turn {turn!r} is unknown: choose 'left' or 'right'.")
+        _check_range("diameter", diameter_mm, *DIAMETER_RANGE_MM, "mm")
+        _check_range("interior angle", angle_deg, *ANGLE_RANGE_DEG, "deg")
+        _check_range("bend radius", bend_radius_mm, 0.0, BEND_RADIUS_MAX_MM, "mm")
+        wall = DEFAULT_WALL if wall_mm is None else mm_to_m(wall_mm)
+        _check_range("wall thickness", m_to_mm(wall), *WALL_RANGE_MM, "mm")
+        diameter, angle, bend = mm_to_m(diameter_mm), deg_to_rad(angle_deg), mm_to_m(bend_radius_mm)
+        shortest = _shortest_leg(diameter, angle, bend, wall)
+        leg = max(MIN_DEFAULT_LEG, shortest + diameter) if leg_mm is None else mm_to_m(leg_mm)
+        _check_range("leg length", m_to_mm(leg), math.ceil(m_to_mm(shortest) - 1e-9), LEG_MAX_MM, "mm")
+        return cls(diameter=diameter, angle=angle, turn=turn, bend_radius=bend, leg=leg, wall=wall)
+
+    @model_validator(mode="after")
+    def _possible(self) -> Self:
+        numbers = (self.diameter, self.angle, self.bend_radius, self.leg, self.wall)
+        if not all(math.isfinite(x) for x in numbers) or self.diameter <= 0 or not 0 < self.angle <= math.pi:
+            raise ValueError("a pipe needs finite numbers, a positive diameter and an angle in (0, pi]")
+        return self
+
+    @property
+    def radius(self) -> float:
+        return self.diameter / 2
+
+    @property
+    def side(self) -> float:
+        """+1 for a left turn, -1 for a right one: y of a left-turn frame times this is y of the pipe's frame."""
+        return 1.0 if self.turn == "left" else -1.0
+
+    @property
+    def heading_change(self) -> float:
+        """Signed change of heading from the first leg to the second [rad], positive to the left."""
+        return self.side * (math.pi - self.angle)
+
+    @property
+    def second_leg(self) -> Array:
+        """Unit vector along the second leg, away from the corner, (2,)."""
+        return np.array([math.cos(self.heading_change), math.sin(self.heading_change)])
+
+    @property
+    def inner_edge(self) -> float:
+        """How far before and after the corner, along either leg, the inner wall's bend ends [m]."""
+        return self.tangent_length(self.radius)
+
+    @property
+    def name(self) -> str:
+        """`corner-d100-a75-left`; a bend radius is added where there is one."""
+        bend = f"-r{m_to_mm(self.bend_radius):g}" if self.bend_radius else ""
+        return f"corner-d{m_to_mm(self.diameter):g}-a{rad_to_deg(self.angle):g}{bend}-{self.turn}"
+
+    @property
+    def label(self) -> str:
+        """The pipe in words, for tables and messages."""
+        return f"{m_to_mm(self.diameter):g} mm, {rad_to_deg(self.angle):g} deg, {self.turn}"
+
+    def tangent_length(self, offset: float) -> float:
+        """Distance along a leg from the corner to where the line at `offset` starts to bend [m]."""
+        return (offset + _fillet(offset, self.bend_radius)) / math.tan(self.angle / 2)
+
+    def line(self, offset: float, arc_segments: int | None = None) -> Array:
+        """The line at lateral `offset` [m] (positive: inside of the turn), points (k, 2) from start to end.
+
+        Args:
+            offset: distance from the centre line.
+            arc_segments: how many chords stand for the arc; by default as few as `ARC_TOLERANCE` allows.
+        """
+        half = self.angle / 2
+        radius = _fillet(offset, self.bend_radius)
+        start = self.tangent_length(offset)
+        turn_angle = math.pi - self.angle
+        if arc_segments is None:
+            arc_segments = _arc_segments(radius, turn_angle)
+        phi = np.linspace(0.0, turn_angle, arc_segments + 1) if arc_segments else np.zeros(1)  # (k,)
+        centre = np.array([-start, offset + radius])
+        arc = centre + radius * np.stack([np.sin(phi), -np.cos(phi)], axis=1)
+        if arc_segments == 0:
+            arc = np.array([[-offset / math.tan(half), offset]])
+        direction = np.array([math.cos(turn_angle), math.sin(turn_angle)])
+        normal = np.array([-math.sin(turn_angle), math.cos(turn_angle)])
+        first = np.array([[-self.leg, offset]])
+        last = (self.leg * direction + offset * normal)[None]
+        points = np.concatenate([first, arc, last])
+        return np.asarray(points * np.array([1.0, self.side]))
+
+    @cached_property
+    def walls(self) -> Lines:
+        """Inner and outer wall."""
+        return Lines(self.line(self.radius), self.line(-self.radius))
+
+    @cached_property
+    def segments(self) -> Array:
+        """Wall segments `[[x1, y1], [x2, y2]]`, free space on the left of each: (s, 2, 2) [m]."""
+        # A left turn's outer wall has the pipe on its left as it runs forwards, its inner wall as it runs backwards.
+        walls = [self.walls.outer, self.walls.inner[::-1]]
+        pairs = [np.stack([line[:-1], line[1:]], axis=1) for line in walls]
+        stacked = np.concatenate(pairs)
+        return stacked if self.turn == "left" else stacked[:, ::-1]
+
+    def contains(self, points: Array) -> NDArray[np.bool_]:
+        """Whether points (..., 2) lie inside the pipe (not in or beyond a wall)."""
+        from matplotlib.path import Path as Polygon
+
+        outline = np.concatenate([self.walls.outer, self.walls.inner[::-1]])
+        flat = np.asarray(points, float).reshape(-1, 2)
+        return Polygon(outline).contains_points(flat).reshape(np.shape(points)[:-1])
+
+    def along_second_leg(self, points: Array) -> Array:
+        """Points (..., 2) of the pipe's frame as (distance past the corner, offset to the left) of the second leg."""
+        u = self.second_leg
+        return np.stack([points @ u, points @ np.array([-u[1], u[0]])], axis=-1)
+
+    def centre_line_distance(self, points: Array) -> Array:
+        """Distance travelled along the mitred centre line, 0 at the corner, for points (..., 2): (...) [m].
+
+        A point counts to the leg on its side of the corner's bisector.
+        """
+        first = points[..., 0]
+        second = points @ self.second_leg
+        return np.where(first + second > 0, np.maximum(second, 0.0), np.minimum(first, 0.0))
+
+
+def _fillet(offset: float, bend_radius: float) -> float:
+    return bend_radius - min(max(offset, -bend_radius), bend_radius)
+
+
+def _arc_segments(radius: float, turn_angle: float) -> int:
+    if radius <= ARC_TOLERANCE or turn_angle < 1e-9:
+        return 0
+    step = 2 * math.acos(1 - min(ARC_TOLERANCE / radius, 1.0))
+    return max(1, math.ceil(turn_angle / step))
+
+
+def _shortest_leg(diameter: float, angle: float, bend_radius: float, wall: float) -> float:
+    """The legs must reach past every bend, of the outer surface too, by a tenth of the diameter."""
+    outside = diameter / 2 + wall
+    reach = max((o + _fillet(o, bend_radius)) / math.tan(angle / 2) for o in (-outside, outside))
+    return max(reach, 0.0) + 0.1 * diameter
+
+
+def _check_range(what: str, given: float, low: float, high: float, unit: str) -> None:
+    if not low - 1e-9 <= given <= high + 1e-9:  # also false for NaN
+        raise OutOfRange(what, given, low, high, unit)
