@@ -42,6 +42,9 @@ MIN_DEFAULT_LEG = 0.6
 ARC_TOLERANCE = 1e-4
 """Largest distance [m] between an arc and the chords that stand for it."""
 
+SHARP = 1e-6
+"""An arc of a smaller radius than this [m] is drawn as a corner: its chords would be shorter than any tool resolves."""
+
 
 class Lines(NamedTuple):
     """The two walls as polylines, points in order along the pipe [m], each (k, 2)."""
@@ -84,27 +87,23 @@ class Pipe(BaseModel):
         """A pipe from the numbers that people use.
 
         Raises:
-            OutOfRange: a number outside its allowed range.
-            PipenavError: an unknown turn, or legs too short for the bend.
+            OutOfRange: a number outside its allowed range; for the leg that range begins past the bend.
+            PipenavError: an unknown turn.
         """
         if turn not in ("left", "right"):
             raise PipenavError(f"turn {turn!r} is unknown: choose 'left' or 'right'.")
-        _check_range("diameter", diameter_mm, *DIAMETER_RANGE_MM, "mm")
-        _check_range("interior angle", angle_deg, *ANGLE_RANGE_DEG, "deg")
-        _check_range("bend radius", bend_radius_mm, 0.0, BEND_RADIUS_MAX_MM, "mm")
         wall = DEFAULT_WALL if wall_mm is None else mm_to_m(wall_mm)
-        _check_range("wall thickness", m_to_mm(wall), *WALL_RANGE_MM, "mm")
         diameter, angle, bend = mm_to_m(diameter_mm), deg_to_rad(angle_deg), mm_to_m(bend_radius_mm)
-        shortest = _shortest_leg(diameter, angle, bend, wall)
-        leg = max(MIN_DEFAULT_LEG, shortest + diameter) if leg_mm is None else mm_to_m(leg_mm)
-        _check_range("leg length", m_to_mm(leg), math.ceil(m_to_mm(shortest) - 1e-9), LEG_MAX_MM, "mm")
+        _check_corner(diameter, angle, bend, wall)  # before the leg, whose default follows from these
+        default = max(MIN_DEFAULT_LEG, _shortest_leg(diameter, angle, bend, wall) + diameter)
+        leg = default if leg_mm is None else mm_to_m(leg_mm)
         return cls(diameter=diameter, angle=angle, turn=turn, bend_radius=bend, leg=leg, wall=wall)
 
     @model_validator(mode="after")
-    def _possible(self) -> Self:
-        numbers = (self.diameter, self.angle, self.bend_radius, self.leg, self.wall)
-        if not all(math.isfinite(x) for x in numbers) or self.diameter <= 0 or not 0 < self.angle <= math.pi:
-            raise ValueError("a pipe needs finite numbers, a positive diameter and an angle in (0, pi]")
+    def _within_ranges(self) -> Self:
+        _check_corner(self.diameter, self.angle, self.bend_radius, self.wall)
+        shortest = m_to_mm(_shortest_leg(self.diameter, self.angle, self.bend_radius, self.wall))
+        _check_range("leg length", m_to_mm(self.leg), math.ceil(shortest - 1e-9), LEG_MAX_MM, "mm")
         return self
 
     @property
@@ -132,6 +131,11 @@ class Pipe(BaseModel):
         return self.tangent_length(self.radius)
 
     @property
+    def gap(self) -> float:
+        """Free width along the corner's bisector, from inner to outer wall [m]; d / sin(angle/2) for a mitre."""
+        return self.apex(self.radius) - self.apex(-self.radius)
+
+    @property
     def name(self) -> str:
         """`corner-d100-a75-left`; a bend radius is added where there is one."""
         bend = f"-r{m_to_mm(self.bend_radius):g}" if self.bend_radius else ""
@@ -146,12 +150,17 @@ class Pipe(BaseModel):
         """Distance along a leg from the corner to where the line at `offset` starts to bend [m]."""
         return (offset + _fillet(offset, self.bend_radius)) / math.tan(self.angle / 2)
 
+    def apex(self, offset: float) -> float:
+        """Where the line at `offset` crosses the corner's bisector [m], positive towards the inside of the turn."""
+        fillet = _fillet(offset, self.bend_radius)
+        return (offset + fillet) / math.sin(self.angle / 2) - fillet
+
     def line(self, offset: float, arc_segments: int | None = None) -> Array:
         """The line at lateral `offset` [m] (positive: inside of the turn), points (k, 2) from start to end.
 
         Args:
             offset: distance from the centre line.
-            arc_segments: how many chords stand for the arc; by default as few as `ARC_TOLERANCE` allows.
+            arc_segments: chords that stand for the arc, 0 for a corner; by default as few as `ARC_TOLERANCE` allows.
         """
         half = self.angle / 2
         radius = _fillet(offset, self.bend_radius)
@@ -174,7 +183,10 @@ class Pipe(BaseModel):
     @cached_property
     def walls(self) -> Lines:
         """Inner and outer wall."""
-        return Lines(self.line(self.radius), self.line(-self.radius))
+        lines = Lines(self.line(self.radius), self.line(-self.radius))
+        for line in lines:
+            line.setflags(write=False)  # kept for the pipe's life
+        return lines
 
     @cached_property
     def segments(self) -> Array:
@@ -183,15 +195,22 @@ class Pipe(BaseModel):
         walls = [self.walls.outer, self.walls.inner[::-1]]
         pairs = [np.stack([line[:-1], line[1:]], axis=1) for line in walls]
         stacked = np.concatenate(pairs)
-        return stacked if self.turn == "left" else stacked[:, ::-1]
+        if self.turn == "right":
+            stacked = stacked[:, ::-1]
+        stacked.setflags(write=False)
+        return stacked
 
     def contains(self, points: Array) -> NDArray[np.bool_]:
-        """Whether points (..., 2) lie inside the pipe (not in or beyond a wall)."""
-        from matplotlib.path import Path as Polygon
-
+        """Whether points (..., 2) lie inside the pipe (not in or beyond a wall, nor beyond an open end): (...)."""
         outline = np.concatenate([self.walls.outer, self.walls.inner[::-1]])
-        flat = np.asarray(points, float).reshape(-1, 2)
-        return Polygon(outline).contains_points(flat).reshape(np.shape(points)[:-1])
+        x, y = np.moveaxis(np.asarray(points, float), -1, 0)
+        inside = np.zeros(x.shape, bool)
+        # A point is inside where a ray from it towards +x crosses the outline an odd number of times.
+        for (x1, y1), (x2, y2) in zip(outline, np.roll(outline, -1, axis=0), strict=True):
+            if y1 != y2:
+                crosses = (y1 > y) != (y2 > y)
+                inside ^= crosses & (x < x1 + (y - y1) * (x2 - x1) / (y2 - y1))
+        return inside
 
     def along_second_leg(self, points: Array) -> Array:
         """Points (..., 2) of the pipe's frame as (distance past the corner, offset to the left) of the second leg."""
@@ -213,7 +232,7 @@ def _fillet(offset: float, bend_radius: float) -> float:
 
 
 def _arc_segments(radius: float, turn_angle: float) -> int:
-    if radius <= ARC_TOLERANCE or turn_angle < 1e-9:
+    if radius < SHARP or turn_angle < 1e-9:
         return 0
     step = 2 * math.acos(1 - min(ARC_TOLERANCE / radius, 1.0))
     return max(1, math.ceil(turn_angle / step))
@@ -224,6 +243,13 @@ def _shortest_leg(diameter: float, angle: float, bend_radius: float, wall: float
     outside = diameter / 2 + wall
     reach = max((o + _fillet(o, bend_radius)) / math.tan(angle / 2) for o in (-outside, outside))
     return max(reach, 0.0) + 0.1 * diameter
+
+
+def _check_corner(diameter: float, angle: float, bend_radius: float, wall: float) -> None:
+    _check_range("diameter", m_to_mm(diameter), *DIAMETER_RANGE_MM, "mm")
+    _check_range("interior angle", rad_to_deg(angle), *ANGLE_RANGE_DEG, "deg")
+    _check_range("bend radius", m_to_mm(bend_radius), 0.0, BEND_RADIUS_MAX_MM, "mm")
+    _check_range("wall thickness", m_to_mm(wall), *WALL_RANGE_MM, "mm")
 
 
 def _check_range(what: str, given: float, low: float, high: float, unit: str) -> None:

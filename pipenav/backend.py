@@ -1,0 +1,68 @@
+"""The seam that every backend plugin implements."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict
+
+from pipenav.pipe import Pipe
+from pipenav.robot import RobotSpec
+from pipenav.state import Command, Reading, Truth
+
+Array = NDArray[np.float64]
+
+CONTROL_PERIOD = 0.1
+"""One control step [s] (thesis 4.4.2: t_s = 0.1 s)."""
+
+
+class Options(BaseModel):
+    """Base of a backend's own settings: frozen, strict, unknown keys refused."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+
+class Backend(ABC):
+    """n robots of one kind, each in a pipe of its own, stepped together.
+
+    Args of a constructor:
+        robot: the robot.
+        n: how many of them.
+        options: an instance of the class's `Options`.
+        wall_segments: the most wall segments that any pipe given to `reset` will have.
+    """
+
+    Options: type[Options]
+
+    @abstractmethod
+    def __init__(self, robot: RobotSpec, n: int, options: Options, wall_segments: int = 4) -> None: ...
+
+    @abstractmethod
+    def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> None:
+        """Put some robots at rest into pipes; the others are untouched.
+
+        Args:
+            robots: which robots, sorted and unique, (k,).
+            pipes: the pipe of each, k of them.
+            q: joint positions, (k, joints) [rad or m].
+            base: where each robot's frame starts on the first leg's axis, x in the pipe's frame, (k,) [m].
+        """
+
+    @abstractmethod
+    def step(self, command: Command) -> None:
+        """Advance every robot by one control period."""
+
+    @abstractmethod
+    def read(self) -> Reading:
+        """What the sensors give now, in arrays of the caller's own."""
+
+    @abstractmethod
+    def truth(self) -> Truth | None:
+        """What a simulator knows of the last control period; None on hardware."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Release everything; closing twice is harmless."""

@@ -1,0 +1,103 @@
+"""Sets of pipes: shipped ones by name, a TOML file, or one pipe typed as `d=90,angle=60,turn=right`."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from pipenav import assets
+from pipenav.errors import ConfigError, FileProblem, PipenavError, UnknownName
+from pipenav.pipe import Pipe
+
+
+class _Range(BaseModel):
+    """Evenly spaced values, both ends included."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    start: float
+    stop: float
+    step: float = Field(gt=0)
+
+    def values(self) -> list[float]:
+        count = round((self.stop - self.start) / self.step) + 1
+        return [round(float(x), 6) for x in np.linspace(self.start, self.stop, count)]
+
+
+class PipeSetFile(BaseModel):
+    """A pipe set as TOML: every diameter with every angle and turn."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    description: str
+    diameters_mm: list[float] | _Range
+    angles_deg: list[float] | _Range
+    turns: list[str] = Field(["left"], min_length=1)
+    bend_radius_mm: float = 0.0
+
+    def pipes(self) -> list[Pipe]:
+        diameters, angles = _values(self.diameters_mm), _values(self.angles_deg)
+        return [Pipe.of(d, a, turn, self.bend_radius_mm) for turn in self.turns for d in diameters for a in angles]
+
+
+def _values(given: list[float] | _Range) -> list[float]:
+    return given.values() if isinstance(given, _Range) else given
+
+
+def pipe_set_names() -> list[str]:
+    """The shipped pipe sets."""
+    return sorted(path.stem for path in assets.pipes_dir().glob("*.toml"))
+
+
+def parse_pipes(given: Sequence[str]) -> list[Pipe]:
+    """All pipes of the given sets, in order, each once.
+
+    Args:
+        given: shipped names, TOML files, or `d=90,angle=60[,turn=right][,bend_radius=100]` (mm, deg).
+
+    Raises:
+        PipenavError: something that is none of these, or a pipe that is out of range.
+    """
+    pipes = [pipe for text in given for pipe in _parse_one(text)]
+    return list(dict.fromkeys(pipes))
+
+
+def _parse_one(text: str) -> list[Pipe]:
+    if "=" in text:
+        return [_typed_pipe(text)]
+    if text.endswith(".toml"):
+        return _read(Path(text))
+    if text not in pipe_set_names():
+        raise UnknownName("pipe set", text, [*pipe_set_names(), "FILE.toml", "d=90,angle=60"])
+    return _read(assets.pipes_dir() / f"{text}.toml")
+
+
+def _typed_pipe(text: str) -> Pipe:
+    allowed = {"d": None, "angle": None, "turn": "left", "bend_radius": "0"}
+    values = {}
+    for part in text.split(","):
+        key, _, value = part.partition("=")
+        if key.strip() not in allowed:
+            raise UnknownName(f"pipe key in {text!r}", key.strip(), allowed)
+        values[key.strip()] = value.strip()
+    given = {**allowed, **values}
+    try:
+        numbers = {key: float(given[key] or "missing") for key in ("d", "angle", "bend_radius")}
+    except ValueError:
+        raise PipenavError(f"pipe {text!r} is incomplete: write it as d=90,angle=60[,turn=right].") from None
+    return Pipe.of(numbers["d"], numbers["angle"], given["turn"] or "left", numbers["bend_radius"])
+
+
+def _read(path: Path) -> list[Pipe]:
+    try:
+        return PipeSetFile.model_validate(tomllib.loads(path.read_text(encoding="utf-8"))).pipes()
+    except OSError as error:
+        raise FileProblem(path, "read", error) from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{path} is not valid TOML: {error}.") from error
+    except ValidationError as error:
+        raise ConfigError.from_validation(str(path), error, PipeSetFile.model_fields) from error

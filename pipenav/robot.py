@@ -1,0 +1,207 @@
+"""A robot as its `robot.toml` describes it: links, joints, actuators and laser, each physical number once."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from functools import cached_property
+from pathlib import Path
+from typing import Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from pipenav import assets
+from pipenav.errors import ConfigError, FileProblem, UnknownName
+
+Array = NDArray[np.float64]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+
+class Actuator(_Table):
+    """A geared DC motor under a voltage limit: effort = limit * (drive - speed / speed limit), drive in [-1, 1].
+
+    That is the straight torque-speed line of a brushed motor: full effort only at standstill, none at the no-load
+    speed. The on-board position controller drives in proportion to the position error, saturated.
+    """
+
+    source: str
+    stall_effort: float = Field(gt=0, description="effort at standstill under full voltage [N m, or N for a slide]")
+    noload_speed: float = Field(gt=0, description="speed without load under full voltage [rad/s, or m/s]")
+    output_limit: float = Field(gt=0, le=1, description="share of full voltage that the driver allows")
+    full_drive_error: float = Field(gt=0, description="position error at which the controller asks for full voltage")
+    armature: float = Field(ge=0, description="inertia of rotor and gear seen at the joint [kg m^2, or kg]")
+
+    @property
+    def effort_limit(self) -> float:
+        """Largest effort, at standstill [N m, or N]."""
+        return self.output_limit * self.stall_effort
+
+    @property
+    def speed_limit(self) -> float:
+        """Largest speed, without load [rad/s, or m/s]."""
+        return self.output_limit * self.noload_speed
+
+    @property
+    def damping(self) -> float:
+        """Slope of the torque-speed line [N m s/rad, or N s/m]."""
+        return self.stall_effort / self.noload_speed
+
+    @property
+    def position_gain(self) -> float:
+        """Stiffness of the position controller [N m/rad, or N/m]."""
+        return self.stall_effort / self.full_drive_error
+
+
+class Joint(_Table):
+    """A joint and its actuator; a slide moves along its parent's x axis, a hinge turns about z."""
+
+    name: str
+    type: Literal["slide", "hinge"]
+    lower: float = Field(description="smallest position [rad, or m]")
+    upper: float = Field(description="largest position [rad, or m]")
+    limit_source: str
+    actuator: str = Field(description="key of the actuator in the file's [actuators]")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if not self.lower < 0 < self.upper:
+            raise ValueError("the straight start pose, 0, must lie strictly between lower and upper")
+        return self
+
+
+class Link(_Table):
+    """One link, a box from its joint (x = 0) to the next joint (x = length)."""
+
+    name: str
+    length: float = Field(gt=0, description="along x, to the next joint or the tip [m]")
+    width: float = Field(gt=0, description="across, in the robot's plane [m]")
+    height: float = Field(gt=0, description="across the robot's plane [m]")
+    mass: float = Field(gt=0, description="[kg]")
+    joint: Joint
+
+
+class Laser(_Table):
+    """A fan of beams at the tip, symmetric about the tip link's axis."""
+
+    source: str
+    beams: int = Field(ge=2, le=1081)
+    fan_deg: float = Field(gt=0, le=360)
+    fan: Literal["centred", "printed"] = Field(
+        "centred", description="beams at the centres of equal sectors, or as the thesis's eq 3.16 prints them"
+    )
+    range_min: float = Field(ge=0, description="smallest reading [m]")
+    range_max: float = Field(gt=0, description="largest reading, also that of a beam that meets nothing [m]")
+    resolution: float = Field(gt=0, description="readings are multiples of this [m]")
+
+    @cached_property
+    def angles(self) -> Array:
+        """Angle of each beam from the tip link's axis, from right to left [rad], (beams,).
+
+        Eq 3.16 puts beam 1 on the fan's right edge and the last one a sector short of the left edge; `centred` turns
+        the same fan by half a sector, so that left and right see the same.
+        """
+        fan = math.radians(self.fan_deg)
+        sector = fan / self.beams
+        first = -fan / 2 + (sector / 2 if self.fan == "centred" else 0.0)
+        angles = first + sector * np.arange(self.beams)
+        angles.flags.writeable = False
+        return angles
+
+
+class RobotSpec(_Table):
+    """A planar chain of links, from the one that slides along the first leg to the one that carries the laser."""
+
+    schema_version: Literal[1]
+    name: str
+    description: str
+    source: str
+    friction: float = Field(ge=0, le=2, description="Coulomb friction coefficient between robot and pipe")
+    friction_source: str
+    links: tuple[Link, ...] = Field(min_length=1, strict=False)
+    actuators: dict[str, Actuator]
+    laser: Laser
+
+    @model_validator(mode="after")
+    def _named(self) -> Self:
+        for joint in self.joints:
+            if joint.actuator not in self.actuators:
+                raise ValueError(f"joint {joint.name!r} names actuator {joint.actuator!r}, which is not described")
+        if len({joint.name for joint in self.joints}) < len(self.joints):
+            raise ValueError("joint names must differ")
+        return self
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        return tuple(link.joint for link in self.links)
+
+    @property
+    def joint_actuators(self) -> tuple[Actuator, ...]:
+        """The actuator of each joint, in joint order."""
+        return tuple(self.actuators[joint.actuator] for joint in self.joints)
+
+    @property
+    def length(self) -> float:
+        """From the first link's rear end to the tip, straight [m]."""
+        return sum(link.length for link in self.links)
+
+    @property
+    def width(self) -> float:
+        """Of the widest link [m]."""
+        return max(link.width for link in self.links)
+
+    @property
+    def lower(self) -> Array:
+        """Joint limits, (joints,)."""
+        return np.array([joint.lower for joint in self.joints])
+
+    @property
+    def upper(self) -> Array:
+        """Joint limits, (joints,)."""
+        return np.array([joint.upper for joint in self.joints])
+
+    @property
+    def speed_limits(self) -> Array:
+        """No-load speed of each joint, (joints,) [rad/s or m/s]."""
+        return np.array([actuator.speed_limit for actuator in self.joint_actuators])
+
+    @property
+    def effort_limits(self) -> Array:
+        """Stall effort of each joint, (joints,) [N m or N]."""
+        return np.array([actuator.effort_limit for actuator in self.joint_actuators])
+
+    @property
+    def mirror_signs(self) -> Array:
+        """What a reflection about the first leg's axis does to joint positions: +1 slide, -1 hinge, (joints,)."""
+        return np.array([1.0 if joint.type == "slide" else -1.0 for joint in self.joints])
+
+
+def robot_names() -> list[str]:
+    """The shipped robots."""
+    return sorted(path.parent.name for path in assets.robots_dir().glob("*/robot.toml"))
+
+
+def load_robot(name: str) -> RobotSpec:
+    """A shipped robot by name, or any robot by the path of its `robot.toml`.
+
+    Raises:
+        UnknownName: no such robot.
+        ConfigError: the file does not fit the schema.
+        FileProblem: the file cannot be read.
+    """
+    path = Path(name) if name.endswith(".toml") else assets.robots_dir() / name / "robot.toml"
+    if not name.endswith(".toml") and name not in robot_names():
+        raise UnknownName("robot", name, robot_names())
+    try:
+        text = path.read_text(encoding="utf-8")
+        return RobotSpec.model_validate(tomllib.loads(text))
+    except OSError as error:
+        raise FileProblem(path, "read", error) from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{path} is not valid TOML: {error}.") from error
+    except ValidationError as error:
+        raise ConfigError.from_validation(str(path), error) from error

@@ -1,0 +1,58 @@
+"""What passes between a backend and the rest: what sensors give, what only a simulator knows, what is commanded."""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Control = Literal["torque", "position"]
+
+
+class Reading(NamedTuple):
+    """What the robots' own sensors give. A policy sees this and nothing else of the world.
+
+    Attributes:
+        q: joint positions, (n, joints) [rad or m].
+        qd: joint speeds, (n, joints) [rad/s or m/s].
+        ranges: laser readings from right to left, (n, beams) [m].
+        time: time since each robot's reset, (n,) [s].
+    """
+
+    q: Array
+    qd: Array
+    ranges: Array
+    time: Array
+
+
+class Truth(NamedTuple):
+    """What only a simulator knows; rewards and verdicts may use it, policies never.
+
+    Force and penetration are the peaks over all physics steps of the last control period.
+
+    Attributes:
+        tip: tip position and heading in the pipe's frame, (n, 3) [m, m, rad].
+        contact_force: largest net force of the pipe on any one link, (n,) [N].
+        penetration: deepest overlap of robot and pipe, (n,) [m].
+        contact_share: share of the physics steps with contact, (n,).
+    """
+
+    tip: Array
+    contact_force: Array
+    penetration: Array
+    contact_share: Array
+
+
+class Command(NamedTuple):
+    """What all robots shall do for one control period.
+
+    Attributes:
+        control: `torque`: values are drives, the share of each actuator's effort limit in [-1, 1];
+            `position`: values are set-points for the on-board position controllers.
+        values: (n, joints) [1, or rad and m].
+    """
+
+    control: Control
+    values: Array

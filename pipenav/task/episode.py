@@ -1,0 +1,99 @@
+"""Where an episode starts, where its target lies, and how it ends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.pipe import Pipe
+from pipenav.robot import RobotSpec
+from pipenav.task.config import TaskConfig
+
+Array = NDArray[np.float64]
+
+
+class Verdict(IntEnum):
+    """How an episode stands or ended."""
+
+    RUNNING = 0
+    REACHED = 1
+    LIMIT = 2
+    PENETRATION = 3
+    TIMEOUT = 4
+
+    @property
+    def label(self) -> str:
+        return self.name.lower()
+
+
+class Episodes(NamedTuple):
+    """k episodes about to start.
+
+    Attributes:
+        pipes: the pipe of each.
+        q: start joint positions in the robot's own frame, (k, joints).
+        base: x of the robot's frame in the pipe's frame, (k,) [m].
+        side: +1 for a left turn, -1 for a right one, (k,).
+        goal: target in the canonical frame, (k, 2) [m].
+        edge: where the inner wall's bend ends on the second leg's side of the sharpest point, canonical, (k, 2) [m].
+    """
+
+    pipes: tuple[Pipe, ...]
+    q: Array
+    base: Array
+    side: Array
+    goal: Array
+    edge: Array
+
+
+def sample(robot: RobotSpec, config: TaskConfig, pipes: Sequence[Pipe], rng: np.random.Generator) -> Episodes:
+    """Random start poses and targets, one episode for each of the given pipes."""
+    k = len(pipes)
+    hinge = robot.mirror_signs < 0
+    q = np.where(hinge, rng.uniform(-config.start_bend, config.start_bend, (k, len(hinge))), 0.0)
+    gap = rng.uniform(*config.start_gap, k)
+    depth = rng.uniform(*config.target_depth, k)
+    lateral = rng.uniform(-config.target_lateral, config.target_lateral, k)
+    side = np.array([pipe.side for pipe in pipes])
+    inner = np.array([pipe.inner_edge for pipe in pipes])
+    radius = np.array([pipe.radius for pipe in pipes])
+    base = -inner - gap - robot.length
+    along, left = _second_leg(pipes)
+    along_goal = (inner + depth)[:, None] * along + (2 * radius * lateral)[:, None] * left
+    edge = np.stack([-np.array([pipe.tangent_length(pipe.radius) for pipe in pipes]), radius], axis=1)
+    offset = np.stack([base, np.zeros(k)], axis=1)
+    return Episodes(tuple(pipes), q, base, side, along_goal - offset, edge - offset)
+
+
+def _second_leg(pipes: Sequence[Pipe]) -> tuple[Array, Array]:
+    """Directions along the second leg and to its left, as a left turn, (k, 2) each."""
+    turn = np.array([abs(pipe.heading_change) for pipe in pipes])
+    along = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    return along, np.stack([-along[:, 1], along[:, 0]], axis=1)
+
+
+def way_to_goal(tip: Array, goal: Array, edge: Array) -> Array:
+    """Length of the way from the tip to the target: straight, or around the inner edge where that is in between.
+
+    Args:
+        tip: (n, 2) [m], canonical frame.
+        goal: (n, 2) [m].
+        edge: the inner edge, (n, 2) [m].
+    """
+    direct = goal - tip
+    to_edge = edge - tip
+    cross = direct[:, 0] * to_edge[:, 1] - direct[:, 1] * to_edge[:, 0]
+    before = tip[:, 0] < edge[:, 0]
+    around = np.linalg.norm(to_edge, axis=1) + np.linalg.norm(goal - edge, axis=1)
+    straight = np.linalg.norm(direct, axis=1)
+    return np.asarray(np.where(before & (cross < 0), around, straight))
+
+
+def at_limit(robot: RobotSpec, config: TaskConfig, q: Array) -> NDArray[np.bool_]:
+    """Whether any joint has hit its limit, (n,)."""
+    margin = config.limit_margin * (robot.upper - robot.lower)
+    return np.asarray(((q <= robot.lower + margin) | (q >= robot.upper - margin)).any(axis=1))

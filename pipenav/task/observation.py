@@ -1,0 +1,93 @@
+"""States of eq 3.1 and 3.2, mirrored for right turns, scaled by fixed physical numbers."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav import kinematics
+from pipenav.robot import RobotSpec
+from pipenav.state import Reading
+from pipenav.task.config import TaskConfig
+
+Array = NDArray[np.float64]
+
+POSITION_SCALE = 0.5
+"""Positions are observed in units of this [m]: about the robot's reach, so that values stay near [-1, 1]."""
+
+
+class Part(NamedTuple):
+    """One named stretch of the observation vector."""
+
+    name: str
+    unit: str
+    scale: Array
+
+
+class Snapshot(NamedTuple):
+    """Readings of one control step in the canonical frame: q, qd (n, joints), ranges (n, beams)."""
+
+    q: Array
+    qd: Array
+    ranges: Array
+
+
+def canonical(robot: RobotSpec, reading: Reading, side: Array) -> Snapshot:
+    """Readings as if every turn were a left turn.
+
+    Args:
+        robot: the robot.
+        reading: what the sensors give.
+        side: +1 for a left turn, -1 for a right one, (n,).
+    """
+    signs = joint_signs(robot, side)
+    ranges = np.where(side[:, None] > 0, reading.ranges, reading.ranges[:, ::-1])
+    return Snapshot(reading.q * signs, reading.qd * signs, ranges)
+
+
+def joint_signs(robot: RobotSpec, side: Array) -> Array:
+    """Factor on joint positions, speeds and actions that turns them into the canonical frame or back, (n, joints)."""
+    return np.where(side[:, None] > 0, 1.0, robot.mirror_signs)
+
+
+def layout(robot: RobotSpec, config: TaskConfig) -> list[Part]:
+    """The observation's parts in order, with the scale that each value is divided by."""
+    joints = len(robot.joints)
+    position = np.maximum(-robot.lower, robot.upper)
+    ranges = np.full(robot.laser.beams, robot.laser.range_max)
+    q, qd = Part("q", "rad, m", position), Part("qd", "rad/s, m/s", robot.speed_limits)
+    scans = Part("ranges", "m", ranges)
+    xy = np.full(2, POSITION_SCALE)
+    tip, goal = Part("p_ee", "m", xy), Part("p_goal", "m", xy)
+    if config.observation == "basic":
+        return [q, qd, tip, goal, scans]
+    before = [part._replace(name=f"{part.name}_before") for part in (q, qd, scans)]
+    return [q, qd, scans, *before, Part("action_before", "1", np.ones(joints)), tip, goal]
+
+
+def observe(
+    robot: RobotSpec, config: TaskConfig, now: Snapshot, before: Snapshot, action_before: Array, goal: Array
+) -> Array:
+    """Unscaled observation, (n, size): eq 3.1 `[q, qd, p_ee, p_goal, D]` or eq 3.2 with the step before.
+
+    Args:
+        robot: the robot.
+        config: names the state.
+        now: this step's readings.
+        before: the step before's; at the first step the same as `now`.
+        action_before: the last action in the canonical frame, zero at the first step, (n, joints).
+        goal: the target in the canonical frame, (n, 2) [m].
+    """
+    tip = kinematics.forward(robot, now.q).tip
+    if config.observation == "basic":
+        return np.concatenate([now.q, now.qd, tip, goal, now.ranges], axis=1)
+    return np.concatenate(
+        [now.q, now.qd, now.ranges, before.q, before.qd, before.ranges, action_before, tip, goal], axis=1
+    )
+
+
+def scale_of(robot: RobotSpec, config: TaskConfig) -> Array:
+    """What each value of the observation is divided by, (size,)."""
+    return np.concatenate([part.scale for part in layout(robot, config)])

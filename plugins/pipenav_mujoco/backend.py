@@ -1,0 +1,118 @@
+"""n robots on MuJoCo's batch: one model, walls placed per robot, beams once per control step."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import mujoco
+import mujoco.batch
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from pipenav import backend, kinematics, laser
+from pipenav.errors import PipenavError
+from pipenav.pipe import Pipe
+from pipenav.robot import RobotSpec
+from pipenav.state import Command, Control, Reading, Truth
+
+from pipenav_mujoco.model import Contact, build_spec, wall_boxes
+
+Array = NDArray[np.float64]
+
+
+class MujocoOptions(backend.Options):
+    """Settings of the MuJoCo backend."""
+
+    timestep: float = Field(0.0025, gt=0, le=0.01, description="physics step [s]; must divide the control period")
+    threads: int = Field(0, ge=0, le=1024, description="threads that step the robots; 0 uses every core")
+    contact_time_constant: float = Field(0.005, gt=0, le=0.1, description="solref time constant of contacts [s]")
+    contact_impedance: tuple[float, float, float] = Field(
+        (0.95, 0.99, 0.001), strict=False, description="solimp d0, d_width [1] and width [m] of contacts"
+    )
+
+
+class MujocoBackend(backend.Backend):
+    """See `pipenav.backend.Backend`."""
+
+    Options = MujocoOptions
+
+    def __init__(self, robot: RobotSpec, n: int, options: backend.Options, wall_segments: int = 4) -> None:
+        assert isinstance(options, MujocoOptions)
+        self._robot = robot
+        self._slots = wall_segments
+        self._substeps = round(backend.CONTROL_PERIOD / options.timestep)
+        if abs(self._substeps * options.timestep - backend.CONTROL_PERIOD) > 1e-9:
+            raise PipenavError(
+                f"a timestep of {options.timestep:g} s does not divide the control period of "
+                f"{backend.CONTROL_PERIOD:g} s: choose for example 0.0025 or 0.001."
+            )
+        contact = Contact(options.contact_time_constant, options.contact_impedance)
+        self._model = build_spec(robot, wall_segments, options.timestep, contact).compile()
+        self._batch = mujoco.batch.Batch(self._model, n, options.threads)
+        self._segments = np.full((n, wall_segments, 2, 2), np.inf)
+        self._base = np.zeros(n)
+        self._control: Control | None = None
+        self._stiffness = np.array([actuator.position_gain for actuator in robot.joint_actuators])
+        self._bind(n)
+
+    def _bind(self, n: int) -> None:
+        """Live views of the batch's state, and room for what every physics step records."""
+        batch, model = self._batch, self._model
+        self._q, self._qd, self._time = batch.bind("qpos"), batch.bind("qvel"), batch.bind("time")
+        self._ctrl, self._warm = batch.bind("ctrl"), batch.bind("qacc_warmstart")
+        self._wall_position, self._wall_quaternion = batch.bind("mocap_pos"), batch.bind("mocap_quat")
+        first = model.geom("wall0").id
+        self._wall_half_size = batch.expand("geom_size")[:, first : first + self._slots]
+        self._gain, self._bias = batch.expand("actuator_gainprm"), batch.expand("actuator_biasprm")
+        self._record = {"sensordata": np.zeros((n, self._substeps, model.nsensordata))}
+        self._peak_force, self._peak_depth, self._contact_share = np.zeros(n), np.zeros(n), np.zeros(n)
+
+    def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> None:
+        for i, pipe, x in zip(robots, pipes, base, strict=True):
+            count = len(pipe.segments)
+            if count > self._slots:
+                raise PipenavError(
+                    f"pipe {pipe.name} has {count} wall segments, this backend was opened for {self._slots}."
+                )
+            boxes = wall_boxes(pipe, self._slots, x)
+            self._wall_position[i], self._wall_quaternion[i], self._wall_half_size[i] = boxes
+            self._segments[i] = pipe.segments[-1]  # repeated in the slots that are left over
+            self._segments[i, :count] = pipe.segments
+        self._base[robots] = base
+        self._segments[robots, ..., 0] -= base[:, None, None]
+        self._q[robots], self._qd[robots], self._time[robots], self._warm[robots] = q, 0.0, 0.0, 0.0
+        self._peak_force[robots], self._peak_depth[robots], self._contact_share[robots] = 0.0, 0.0, 0.0
+
+    def step(self, command: Command) -> None:
+        if command.control != self._control:
+            self._set_control(command.control)
+        self._ctrl[:] = command.values
+        self._batch.rollout(self._substeps, record=("sensordata",), out=self._record)
+        sensors = self._record["sensordata"]  # (n, substeps, 3 per link + found + dist)
+        force = np.linalg.norm(sensors[:, :, :-2].reshape(*sensors.shape[:2], -1, 3), axis=3)
+        self._peak_force = force.max(axis=(1, 2))
+        self._peak_depth = np.maximum(-sensors[:, :, -1].min(axis=1), 0.0)
+        self._contact_share = (sensors[:, :, -2] > 0).mean(axis=1)
+
+    def _set_control(self, control: Control) -> None:
+        """Make the actuators position servos or plain drives; both share the motor's torque-speed line."""
+        position = control == "position"
+        self._gain[:, :, 0] = self._stiffness if position else self._robot.effort_limits
+        self._bias[:, :, 1] = -self._stiffness if position else 0.0
+        self._control = control
+
+    def read(self) -> Reading:
+        pose = kinematics.forward(self._robot, self._q)
+        beams = pose.headings[:, -1:] + self._robot.laser.angles
+        ranges = laser.measure(self._robot.laser, laser.cast(pose.tip, beams, self._segments))
+        return Reading(self._q.copy(), self._qd.copy(), ranges, self._time.copy())
+
+    def truth(self) -> Truth:
+        pose = kinematics.forward(self._robot, self._q)
+        tip = np.concatenate([pose.tip, pose.headings[:, -1:]], axis=1)
+        tip[:, 0] += self._base
+        return Truth(tip, self._peak_force.copy(), self._peak_depth.copy(), self._contact_share.copy())
+
+    def close(self) -> None:
+        self.__dict__.pop("_batch", None)

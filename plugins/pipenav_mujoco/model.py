@@ -1,0 +1,197 @@
+"""The MuJoCo model of a robot and the walls around it, built from RobotSpec and Pipe."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.pipe import Pipe
+from pipenav.robot import Link, RobotSpec
+
+Array = NDArray[np.float64]
+
+ROBOT, WALL = 1, 2
+"""Collision groups: links meet walls only, never each other."""
+
+WALL_HALF_HEIGHT = 0.05
+"""Half height of a wall box [m]: taller than any robot, so that contacts are those of the plane."""
+
+OUTER_THICKNESS = 0.02
+"""Thickness of a wall box behind its face [m]: nothing can be pushed out at its back."""
+
+INNER_THICKNESS = 1e-4
+"""Thickness of the boxes next to a convex edge [m].
+
+At an acute corner the square end of a box sticks out through the other leg's wall by thickness x cos(angle); a tenth
+of a millimetre keeps that below the tolerance of the geometry. A link is pushed out on the side of its centre, so a
+thin wall stops it as a thick one does until half the link is through.
+"""
+
+PARKED = 100.0
+"""Where wall boxes that a pipe does not need stand [m]."""
+
+MAX_HALF_LENGTH = 10.5
+"""Half length that bounding volumes are computed for [m]; the longest leg is 20 m."""
+
+
+class WallBoxes(NamedTuple):
+    """Boxes for wall slots: centre (slots, 3), quaternion (slots, 4) and half sizes (slots, 3) [m]."""
+
+    position: Array
+    quaternion: Array
+    half_size: Array
+
+
+def wall_boxes(pipe: Pipe, slots: int, base: float = 0.0) -> WallBoxes:
+    """The pipe's wall segments as boxes behind their faces; slots that are left over are parked far away.
+
+    The robot never moves its mount: the walls come to it, so `base`, where the robot's frame starts on the first
+    leg's axis, is subtracted.
+
+    Where the free space is convex (the outer wall's vertices) a box runs on past the vertex by its thickness, so that
+    no gap opens between neighbours; at the inner wall's edges boxes end at the vertex and are thin.
+    """
+    segments = pipe.segments
+    count = len(segments)
+    boxes = WallBoxes(np.zeros((slots, 3)), np.zeros((slots, 4)), np.full((slots, 3), 0.01))
+    boxes.position[:, 2] = PARKED
+    boxes.quaternion[:, 0] = 1.0
+    outer = np.zeros(count, bool)
+    outer[: len(pipe.walls.outer) - 1] = True
+    thickness = np.where(outer, OUTER_THICKNESS, INNER_THICKNESS)
+    overlap = np.where(outer, OUTER_THICKNESS, 0.0)
+    start, end = segments[:, 0] - [base, 0.0], segments[:, 1] - [base, 0.0]
+    length = np.linalg.norm(end - start, axis=1)
+    along = (end - start) / length[:, None]
+    behind = np.stack([along[:, 1], -along[:, 0]], axis=1)  # the free space lies to the left
+    yaw = np.arctan2(along[:, 1], along[:, 0])
+    boxes.position[:count, :2] = (start + end) / 2 + behind * thickness[:, None] / 2
+    boxes.position[:count, 2] = 0.0
+    boxes.quaternion[:count] = np.stack([np.cos(yaw / 2), 0 * yaw, 0 * yaw, np.sin(yaw / 2)], axis=1)
+    boxes.half_size[:count] = np.stack(
+        [length / 2 + overlap, thickness / 2, np.full(count, WALL_HALF_HEIGHT)], axis=1
+    )
+    return boxes
+
+
+class Contact(NamedTuple):
+    """Contact parameters, see the backend's Options."""
+
+    time_constant: float
+    impedance: tuple[float, float, float]
+
+
+def build_spec(robot: RobotSpec, slots: int, timestep: float, contact: Contact) -> Any:
+    """An MjSpec of the robot among `slots` wall boxes on mocap bodies, parked until a reset places them."""
+    spec = mujoco.MjSpec()
+    spec.modelname = robot.name
+    spec.option.timestep = timestep
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.gravity = [0.0, 0.0, 0.0]  # the arm lies in a plane, carried by its rails (thesis 4.2.1)
+    spec.compiler.degree = False
+    spec.add_material(name="wall", rgba=[0.7, 0.72, 0.75, 1.0])
+    _add_robot(spec, robot, contact)
+    for i in range(slots):
+        body = spec.worldbody.add_body(name=f"wall{i}", mocap=True, pos=[0, 0, PARKED])
+        _add_wall_geom(body, f"wall{i}", [MAX_HALF_LENGTH, OUTER_THICKNESS, WALL_HALF_HEIGHT], robot, contact)
+    _add_sensors(spec, robot)
+    return spec
+
+
+def static_spec(robot: RobotSpec, pipe: Pipe, timestep: float, contact: Contact) -> Any:
+    """The same model with this pipe's walls as static geoms: the reference that the mocap walls are tested against."""
+    spec = build_spec(robot, 0, timestep, contact)
+    boxes = wall_boxes(pipe, len(pipe.segments))
+    for i, (position, quaternion, half_size) in enumerate(zip(*boxes, strict=True)):
+        geom = _add_wall_geom(spec.worldbody, f"wall{i}", half_size, robot, contact)
+        geom.pos, geom.quat = position, quaternion
+    return spec
+
+
+def _add_robot(spec: Any, robot: RobotSpec, contact: Contact) -> None:
+    parent = spec.worldbody
+    offset = 0.0
+    for link, actuator in zip(robot.links, robot.joint_actuators, strict=True):
+        body = parent.add_body(name=link.name, pos=[offset, 0, 0])
+        hinge = link.joint.type == "hinge"
+        body.add_joint(
+            name=link.joint.name,
+            type=mujoco.mjtJoint.mjJNT_HINGE if hinge else mujoco.mjtJoint.mjJNT_SLIDE,
+            axis=[0, 0, 1] if hinge else [1, 0, 0],
+            range=[link.joint.lower, link.joint.upper],
+            limited=True,
+            damping=actuator.damping,
+            armature=actuator.armature,
+        )
+        _add_link_geom(body, link, robot, contact)
+        spec.add_actuator(
+            name=link.joint.name,
+            trntype=mujoco.mjtTrn.mjTRN_JOINT,
+            target=link.joint.name,
+            gaintype=mujoco.mjtGain.mjGAIN_FIXED,
+            biastype=mujoco.mjtBias.mjBIAS_AFFINE,
+            forcelimited=True,
+            forcerange=[-actuator.effort_limit, actuator.effort_limit],
+        )
+        parent, offset = body, link.length
+    parent.add_site(name="tip", pos=[robot.links[-1].length, 0, 0])
+
+
+def _add_link_geom(body: Any, link: Link, robot: RobotSpec, contact: Contact) -> None:
+    body.add_geom(
+        name=link.name,
+        type=mujoco.mjtGeom.mjGEOM_BOX,
+        pos=[link.length / 2, 0, 0],
+        size=[link.length / 2, link.width / 2, link.height / 2],
+        mass=link.mass,
+        contype=ROBOT,
+        conaffinity=WALL,
+        **_surface(robot, contact),
+    )
+
+
+def _add_wall_geom(body: Any, name: str, half_size: Any, robot: RobotSpec, contact: Contact) -> Any:
+    return body.add_geom(
+        name=name,
+        type=mujoco.mjtGeom.mjGEOM_BOX,
+        size=half_size,
+        material="wall",
+        contype=WALL,
+        conaffinity=ROBOT,
+        **_surface(robot, contact),
+    )
+
+
+def _surface(robot: RobotSpec, contact: Contact) -> dict[str, Any]:
+    return {
+        "friction": [robot.friction, 0.0, 0.0],
+        "condim": 3,
+        "solref": [contact.time_constant, 1.0],
+        "solimp": [*contact.impedance, 0.5, 2.0],
+    }
+
+
+def _add_sensors(spec: Any, robot: RobotSpec) -> None:
+    """Per link the net force of the walls, then the depth of the deepest contact."""
+    kind, reduce = mujoco.mjtSensor.mjSENS_CONTACT, {"mindist": 1, "netforce": 3}
+    found, force, dist = 1 << 0, 1 << 1, 1 << 3
+    for link in robot.links:
+        spec.add_sensor(
+            name=f"force_{link.name}",
+            type=kind,
+            objtype=mujoco.mjtObj.mjOBJ_BODY,
+            objname=link.name,
+            reftype=mujoco.mjtObj.mjOBJ_UNKNOWN,
+            intprm=[force, reduce["netforce"], 1],
+        )
+    spec.add_sensor(
+        name="depth",
+        type=kind,
+        objtype=mujoco.mjtObj.mjOBJ_UNKNOWN,
+        reftype=mujoco.mjtObj.mjOBJ_UNKNOWN,
+        intprm=[found | dist, reduce["mindist"], 1],
+    )
+
