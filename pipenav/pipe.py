@@ -14,8 +14,8 @@ elbow. One formula serves walls, tube and drawing.
 from __future__ import annotations
 
 import math
-from functools import cached_property
-from typing import Literal, NamedTuple, Self
+from functools import lru_cache
+from typing import Literal, NamedTuple, Self, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,9 +95,11 @@ class Pipe(BaseModel):
         wall = DEFAULT_WALL if wall_mm is None else mm_to_m(wall_mm)
         diameter, angle, bend = mm_to_m(diameter_mm), deg_to_rad(angle_deg), mm_to_m(bend_radius_mm)
         _check_corner(diameter, angle, bend, wall)  # before the leg, whose default follows from these
-        default = max(MIN_DEFAULT_LEG, _shortest_leg(diameter, angle, bend, wall) + diameter)
+        shortest = _shortest_leg(diameter, angle, bend, wall)
+        default = max(MIN_DEFAULT_LEG, math.ceil((shortest + diameter) * 100) / 100)  # whole centimetres
         leg = default if leg_mm is None else mm_to_m(leg_mm)
-        return cls(diameter=diameter, angle=angle, turn=turn, bend_radius=bend, leg=leg, wall=wall)
+        side = cast(Turn, turn)
+        return cls(diameter=diameter, angle=angle, turn=side, bend_radius=bend, leg=leg, wall=wall)
 
     @model_validator(mode="after")
     def _within_ranges(self) -> Self:
@@ -180,25 +182,15 @@ class Pipe(BaseModel):
         points = np.concatenate([first, arc, last])
         return np.asarray(points * np.array([1.0, self.side]))
 
-    @cached_property
+    @property
     def walls(self) -> Lines:
-        """Inner and outer wall."""
-        lines = Lines(self.line(self.radius), self.line(-self.radius))
-        for line in lines:
-            line.setflags(write=False)  # kept for the pipe's life
-        return lines
+        """Inner and outer wall; the arrays are read-only."""
+        return _walls(self)
 
-    @cached_property
+    @property
     def segments(self) -> Array:
-        """Wall segments `[[x1, y1], [x2, y2]]`, free space on the left of each: (s, 2, 2) [m]."""
-        # A left turn's outer wall has the pipe on its left as it runs forwards, its inner wall as it runs backwards.
-        walls = [self.walls.outer, self.walls.inner[::-1]]
-        pairs = [np.stack([line[:-1], line[1:]], axis=1) for line in walls]
-        stacked = np.concatenate(pairs)
-        if self.turn == "right":
-            stacked = stacked[:, ::-1]
-        stacked.setflags(write=False)
-        return stacked
+        """Wall segments `[[x1, y1], [x2, y2]]`, free space on the left of each: (s, 2, 2) [m], read-only."""
+        return _segments(self)
 
     def contains(self, points: Array) -> NDArray[np.bool_]:
         """Whether points (..., 2) lie inside the pipe (not in or beyond a wall, nor beyond an open end): (...)."""
@@ -225,6 +217,26 @@ class Pipe(BaseModel):
         first = points[..., 0]
         second = points @ self.second_leg
         return np.where(first + second > 0, np.maximum(second, 0.0), np.minimum(first, 0.0))
+
+
+# Kept beside the pipes and not in them: a cached array inside a model breaks its equality and outlives a copy's update.
+@lru_cache(maxsize=1024)
+def _walls(pipe: Pipe) -> Lines:
+    lines = Lines(pipe.line(pipe.radius), pipe.line(-pipe.radius))
+    for line in lines:
+        line.setflags(write=False)
+    return lines
+
+
+@lru_cache(maxsize=1024)
+def _segments(pipe: Pipe) -> Array:
+    # A left turn's outer wall has the pipe on its left as it runs forwards, its inner wall as it runs backwards.
+    walls = [pipe.walls.outer, pipe.walls.inner[::-1]]
+    stacked = np.concatenate([np.stack([line[:-1], line[1:]], axis=1) for line in walls])
+    if pipe.turn == "right":
+        stacked = stacked[:, ::-1]
+    stacked.setflags(write=False)
+    return stacked
 
 
 def _fillet(offset: float, bend_radius: float) -> float:

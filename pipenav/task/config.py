@@ -38,7 +38,9 @@ class RewardConfig(_Table):
 class TaskConfig(_Table):
     """The corner task."""
 
-    observation: Literal["basic", "history"] = Field("basic", description="state of eq 3.1 or of eq 3.2")
+    observation: Literal["basic", "history", "relative"] = Field(
+        "basic", description="state of eq 3.1, of eq 3.2, or of eq 3.1 with the target as the tip sees it"
+    )
     control: Control = Field("torque", description="actions are drives (eq 3.3) or position steps (eq 3.4)")
     alpha: float = Field(0.2, gt=0, le=1, description="position step of a full action, in units (eq 3.5; 5.2)")
     slide_unit: float = Field(0.1, gt=0, description="unit step of a slide [m]: 0.2 x 0.1 m is the thesis's v0 (5.3.1)")

@@ -54,19 +54,35 @@ def sample(robot: RobotSpec, config: TaskConfig, pipes: Sequence[Pipe], rng: np.
     """Random start poses and targets, one episode for each of the given pipes."""
     k = len(pipes)
     hinge = robot.mirror_signs < 0
-    q = np.where(hinge, rng.uniform(-config.start_bend, config.start_bend, (k, len(hinge))), 0.0)
+    bend = np.where(hinge, rng.uniform(-config.start_bend, config.start_bend, (k, len(hinge))), 0.0)
     gap = rng.uniform(*config.start_gap, k)
     depth = rng.uniform(*config.target_depth, k)
     lateral = rng.uniform(-config.target_lateral, config.target_lateral, k)
     side = np.array([pipe.side for pipe in pipes])
     inner = np.array([pipe.inner_edge for pipe in pipes])
     radius = np.array([pipe.radius for pipe in pipes])
+    q = bend * _room(robot, bend, radius)[:, None]
     base = -inner - gap - robot.length
     along, left = _second_leg(pipes)
     along_goal = (inner + depth)[:, None] * along + (2 * radius * lateral)[:, None] * left
     edge = np.stack([-np.array([pipe.tangent_length(pipe.radius) for pipe in pipes]), radius], axis=1)
     offset = np.stack([base, np.zeros(k)], axis=1)
     return Episodes(tuple(pipes), q, base, side, along_goal - offset, edge - offset)
+
+
+START_CLEARANCE = 0.002
+"""Least room between the robot and the wall at the start [m]."""
+
+
+def _room(robot: RobotSpec, bend: Array, radius: Array) -> Array:
+    """Factor in [0, 1] on start angles that keeps the robot off the walls, (k,).
+
+    Every hinge swings the rest of the robot sideways by at most its angle times the length that follows it.
+    """
+    following = np.cumsum([link.length for link in robot.links][::-1])[::-1]
+    sideways = np.abs(bend) @ following
+    free = radius - robot.width / 2 - START_CLEARANCE
+    return np.asarray(np.clip(free / np.maximum(sideways, 1e-9), 0.0, 1.0))
 
 
 def _second_leg(pipes: Sequence[Pipe]) -> tuple[Array, Array]:

@@ -17,6 +17,9 @@ Array = NDArray[np.float64]
 POSITION_SCALE = 0.5
 """Positions are observed in units of this [m]: about the robot's reach, so that values stay near [-1, 1]."""
 
+NEAR = 0.03
+"""Distance at which `goal_near` has half its length [m]: it resolves the last centimetres, where success is decided."""
+
 
 class Part(NamedTuple):
     """One named stretch of the observation vector."""
@@ -61,6 +64,8 @@ def layout(robot: RobotSpec, config: TaskConfig) -> list[Part]:
     scans = Part("ranges", "m", ranges)
     xy = np.full(2, POSITION_SCALE)
     tip, goal = Part("p_ee", "m", xy), Part("p_goal", "m", xy)
+    if config.observation == "relative":
+        return [q, qd, scans, Part("goal_in_tip", "m", xy), Part("goal_near", "1", np.ones(2))]
     if config.observation == "basic":
         return [q, qd, tip, goal, scans]
     before = [part._replace(name=f"{part.name}_before") for part in (q, qd, scans)]
@@ -70,7 +75,7 @@ def layout(robot: RobotSpec, config: TaskConfig) -> list[Part]:
 def observe(
     robot: RobotSpec, config: TaskConfig, now: Snapshot, before: Snapshot, action_before: Array, goal: Array
 ) -> Array:
-    """Unscaled observation, (n, size): eq 3.1 `[q, qd, p_ee, p_goal, D]` or eq 3.2 with the step before.
+    """Unscaled observation, (n, size): eq 3.1 `[q, qd, p_ee, p_goal, D]`, eq 3.2 with the step before, or `relative`.
 
     Args:
         robot: the robot.
@@ -80,12 +85,25 @@ def observe(
         action_before: the last action in the canonical frame, zero at the first step, (n, joints).
         goal: the target in the canonical frame, (n, 2) [m].
     """
-    tip = kinematics.forward(robot, now.q).tip
+    pose = kinematics.forward(robot, now.q)
+    tip = pose.tip
+    if config.observation == "relative":
+        goal_in_tip = _in_tip_frame(goal - tip, pose.headings[:, -1])
+        distance = np.linalg.norm(goal_in_tip, axis=1, keepdims=True)
+        near = goal_in_tip / (distance + NEAR)
+        return np.concatenate([now.q, now.qd, now.ranges, goal_in_tip, near], axis=1)
     if config.observation == "basic":
         return np.concatenate([now.q, now.qd, tip, goal, now.ranges], axis=1)
     return np.concatenate(
         [now.q, now.qd, now.ranges, before.q, before.qd, before.ranges, action_before, tip, goal], axis=1
     )
+
+
+def _in_tip_frame(vector: Array, heading: Array) -> Array:
+    """World vectors (n, 2) in frames turned by `heading` (n,)."""
+    cos, sin = np.cos(heading), np.sin(heading)
+    x, y = vector[:, 0], vector[:, 1]
+    return np.stack([cos * x + sin * y, cos * y - sin * x], axis=1)
 
 
 def scale_of(robot: RobotSpec, config: TaskConfig) -> Array:
