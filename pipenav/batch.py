@@ -50,7 +50,7 @@ class CornerBatch:
         self._scale = observation.scale_of(robot, config)
         joints = len(robot.joints)
         self.pipes: list[Pipe | None] = [None] * n
-        self.steps = np.zeros(n, int)
+        self.steps, self._ages = np.zeros(n, int), np.zeros(n, int)
         self._side, self._goal, self._edge = np.ones(n), np.zeros((n, 2)), np.zeros((n, 2))
         self._way = np.zeros(n)
         self._action = np.zeros((n, joints))
@@ -68,6 +68,11 @@ class CornerBatch:
         return self._goal.copy()
 
     @property
+    def edge(self) -> Array:
+        """Where the inner wall starts to bend, in the canonical frame, (n, 2) [m]."""
+        return self._edge.copy()
+
+    @property
     def snapshot(self) -> observation.Snapshot:
         """This step's readings in the canonical frame."""
         return self._now
@@ -79,7 +84,8 @@ class CornerBatch:
         self._backend.reset(robots, episodes.pipes, episodes.q, episodes.base)
         for i, pipe in zip(robots, episodes.pipes, strict=True):
             self.pipes[i] = pipe
-        self.steps[robots] = 0
+        self.steps[robots] = self._ages[robots]
+        self._ages[robots] = 0
         self._side[robots], self._goal[robots], self._edge[robots] = episodes.side, episodes.goal, episodes.edge
         self._action[robots] = 0.0
         self._look()
@@ -88,6 +94,10 @@ class CornerBatch:
             old[robots] = new[robots]
         self._way[robots] = self._way_left()[robots]
         return self._observe()
+
+    def stagger(self, rng: np.random.Generator) -> None:
+        """Make the next episodes start at random ages, so that their time-outs do not all fall into one step."""
+        self._ages = rng.integers(0, self.config.max_steps // 2, self.n)
 
     def step(self, action: Array) -> StepResult:
         """One control step of every robot.
@@ -146,12 +156,12 @@ class CornerBatch:
 
 
 def random_episodes(
-    robot: RobotSpec, config: TaskConfig, pipes: Sequence[Pipe], rng: np.random.Generator
+    robot: RobotSpec, config: TaskConfig, sets: Sequence[Sequence[Pipe]], rng: np.random.Generator
 ) -> EpisodeSource:
-    """Episodes in pipes drawn at random, with random starts and targets."""
+    """Episodes with random starts and targets in random pipes: first a set is drawn, each alike, then a pipe of it."""
 
     def source(robots: NDArray[np.intp]) -> Episodes:
-        drawn = rng.integers(len(pipes), size=len(robots))
-        return episode.sample(robot, config, [pipes[i] for i in drawn], rng)
+        chosen = [sets[i] for i in rng.integers(len(sets), size=len(robots))]
+        return episode.sample(robot, config, [pipes[rng.integers(len(pipes))] for pipes in chosen], rng)
 
     return source

@@ -25,6 +25,9 @@ THINNING = 8.0
 EDGE_TOLERANCE = 5e-5
 """Length [m] at the very tip of a sharp inner edge that no box needs to fill."""
 
+OVERLAP = 2e-3
+"""How far boxes run past each other at least, where they can [m]: Bullet rounds every box by 1 mm."""
+
 Faces = NDArray[np.int64]
 
 
@@ -90,6 +93,8 @@ def wall_boxes(pipe: Pipe) -> list[Box]:
     count = len(pipe.walls.outer) - 1
     order = 1 if pipe.turn == "left" else -1  # segments keep the pipe on their left: those of a right turn run back
     outer, inner = pipe.segments[:count][::order], pipe.segments[count:][::order]
+    if pipe.angle == math.pi:
+        outer, inner = (np.array([[chain[0, 0], chain[-1, 1]]]) for chain in (outer, inner))
     return _outer_boxes(outer, pipe.wall) + _inner_boxes(inner, pipe.wall)
 
 
@@ -125,7 +130,7 @@ def _outer_boxes(chain: Array, wall: float) -> list[Box]:
     """Boxes behind a chain of segments (s, 2, 2) that bends towards free space, lengthened to close the outside."""
     along, length = _directions(chain)
     cosine = np.sum(along[:-1] * along[1:], axis=1)
-    mitre = wall * np.minimum(np.sqrt((1 - cosine) / (1 + cosine)), 1.0)
+    mitre = np.maximum(wall * np.minimum(np.sqrt((1 - cosine) / (1 + cosine)), 1.0), OVERLAP)
     before, after = np.append(0.0, mitre), np.append(mitre, 0.0)
     stairs = [Stair(-before[i], length[i] + after[i], wall) for i in range(len(chain))]
     return [_box(f"outer_{i}", chain[i, 0], along[i], stair) for i, stair in enumerate(stairs)]

@@ -204,4 +204,12 @@ def load_robot(name: str) -> RobotSpec:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ConfigError(f"{path} is not valid TOML: {error}.") from error
     except ValidationError as error:
-        raise ConfigError.from_validation(str(path), error) from error
+        raise ConfigError.from_validation(str(path), error, _known_beside(error)) from error
+
+
+def _known_beside(error: ValidationError) -> list[str]:
+    """The keys that exist where pydantic found its first problem."""
+    first, *rest = place = error.errors()[0]["loc"][:-1] or ("",)
+    tables: dict[str, type[BaseModel]] = {"links": Link, "actuators": Actuator, "laser": Laser}
+    known = Joint if "joint" in rest else tables.get(str(first), RobotSpec)
+    return [".".join(map(str, [*filter(None, map(str, place)), key])) for key in known.model_fields]

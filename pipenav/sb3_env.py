@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from gymnasium import spaces
+from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import VecEnv
 
 from pipenav.batch import CornerBatch
+from pipenav.env import action_space, observation_space, one_info, step_info
 from pipenav.task.episode import Verdict
 
 
 class CornerVecEnv(VecEnv):  # type: ignore[misc]  # Stable-Baselines3 is imported untyped
-    """n corner episodes; an ended one starts anew at once, its last observation is in `info["terminal_observation"]`."""
+    """n corner episodes; an ended one starts anew at once, with its last observation in `terminal_observation`."""
+
+    render_mode: str | None = None
 
     def __init__(self, batch: CornerBatch) -> None:
         self.batch = batch
-        size, joints = batch.observation_size, len(batch.robot.joints)
-        observation = spaces.Box(-np.inf, np.inf, (size,), np.float32)
-        super().__init__(batch.n, observation, spaces.Box(-1.0, 1.0, (joints,), np.float32))
+        super().__init__(batch.n, observation_space(batch), action_space(batch))
         self._returns = np.zeros(batch.n)
 
     def reset(self) -> np.ndarray:
@@ -36,14 +37,11 @@ class CornerVecEnv(VecEnv):  # type: ignore[misc]  # Stable-Baselines3 is import
         self._returns += result.reward
         done = result.verdict != Verdict.RUNNING
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
-        ended = np.flatnonzero(done)
-        for i in ended:
-            verdict = Verdict(result.verdict[i])
-            infos[i] = {
+        ended, info = np.flatnonzero(done), step_info(result)
+        for i in ended.tolist():
+            infos[i] = one_info(info, i) | {
                 "terminal_observation": observation[i],
-                "TimeLimit.truncated": verdict is Verdict.TIMEOUT,
-                "is_success": verdict is Verdict.REACHED,
-                "verdict": verdict.label,
+                "TimeLimit.truncated": bool(result.verdict[i] == Verdict.TIMEOUT),
                 "episode": {"r": float(self._returns[i]), "l": int(self.batch.steps[i])},
             }
         if len(ended):
@@ -58,14 +56,15 @@ class CornerVecEnv(VecEnv):  # type: ignore[misc]  # Stable-Baselines3 is import
         return [getattr(self, attr_name)] * len(list(self._get_indices(indices)))
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        raise AttributeError(f"{attr_name} cannot be set: all robots share one backend")
+        raise AttributeError(f"{attr_name} cannot be set to {value!r} for robots {indices}: all share one backend")
 
-    def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> list[Any]:
+    def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> list[Any]:  # noqa: ARG002
         raise AttributeError(f"there is no method {method_name} of a single robot: all share one backend")
 
-    def env_is_wrapped(self, wrapper_class: Callable[..., Any], indices: Any = None) -> list[bool]:
-        return [False] * len(list(self._get_indices(indices)))
+    def env_is_wrapped(self, wrapper_class: type, indices: Any = None) -> list[bool]:
+        """As if wrapped in a Monitor: `info["episode"]` is here already."""
+        return [wrapper_class is Monitor] * len(list(self._get_indices(indices)))
 
-    def seed(self, seed: int | None = None) -> Sequence[None | int]:
+    def seed(self, seed: int | None = None) -> Sequence[int | None]:  # noqa: ARG002
         """Seeds belong to the episode source, which the batch was built with."""
         return [None] * self.num_envs

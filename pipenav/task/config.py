@@ -46,7 +46,10 @@ class TaskConfig(_Table):
     slide_unit: float = Field(0.1, gt=0, description="unit step of a slide [m]: 0.2 x 0.1 m is the thesis's v0 (5.3.1)")
     max_steps: int = Field(100, ge=1, description="control steps until an episode times out (4.4.2)")
     reach_tolerance: float = Field(
-        0.010, gt=0, description="distance of tip and target that counts as reached [m]: half of the tip's width"
+        0.020,
+        gt=0,
+        description="distance of tip and target that counts as reached [m]; the thesis gives none. The width of the tip: "
+        "what counts is to have passed the corner, not to park",
     )
     max_penetration: float = Field(0.002, gt=0, description="overlap with the wall that fails an episode [m]")
     limit_margin: float = Field(

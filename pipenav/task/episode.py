@@ -92,21 +92,29 @@ def _second_leg(pipes: Sequence[Pipe]) -> tuple[Array, Array]:
     return along, np.stack([-along[:, 1], along[:, 0]], axis=1)
 
 
+INSIDE_WALL = np.deg2rad(165.0)
+"""A heading from the inner edge that lies in every pipe's wall: that fills pi - angle to pi, with angle >= 30 deg."""
+
+
 def way_to_goal(tip: Array, goal: Array, edge: Array) -> Array:
     """Length of the way from the tip to the target: straight, or around the inner edge where that is in between.
+
+    Seen from the edge, the free space is a wedge; the wall is in between when tip and target lie more than a half turn
+    apart in it. The way changes by no more than the tip moves.
 
     Args:
         tip: (n, 2) [m], canonical frame.
         goal: (n, 2) [m].
         edge: the inner edge, (n, 2) [m].
     """
-    direct = goal - tip
-    to_edge = edge - tip
-    cross = direct[:, 0] * to_edge[:, 1] - direct[:, 1] * to_edge[:, 0]
-    before = tip[:, 0] < edge[:, 0]
-    around = np.linalg.norm(to_edge, axis=1) + np.linalg.norm(goal - edge, axis=1)
-    straight = np.linalg.norm(direct, axis=1)
-    return np.asarray(np.where(before & (cross < 0), around, straight))
+    hidden = _turn_from_wall(goal - edge) - _turn_from_wall(tip - edge) > np.pi
+    around = np.linalg.norm(edge - tip, axis=1) + np.linalg.norm(goal - edge, axis=1)
+    return np.asarray(np.where(hidden, around, np.linalg.norm(goal - tip, axis=1)))
+
+
+def _turn_from_wall(vector: Array) -> Array:
+    """Heading of vectors (n, 2), counted from `INSIDE_WALL` counter-clockwise: (n,) in [0, 2 pi)."""
+    return np.asarray(np.mod(np.arctan2(vector[:, 1], vector[:, 0]) - INSIDE_WALL, 2 * np.pi))
 
 
 def at_limit(robot: RobotSpec, config: TaskConfig, q: Array) -> NDArray[np.bool_]:

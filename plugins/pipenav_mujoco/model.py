@@ -101,10 +101,10 @@ def build_spec(robot: RobotSpec, slots: int, timestep: float, contact: Contact) 
     return spec
 
 
-def static_spec(robot: RobotSpec, pipe: Pipe, timestep: float, contact: Contact) -> Any:
+def static_spec(robot: RobotSpec, pipe: Pipe, timestep: float, contact: Contact, base: float = 0.0) -> Any:
     """The same model with this pipe's walls as static geoms: the reference that the mocap walls are tested against."""
     spec = build_spec(robot, 0, timestep, contact)
-    boxes = wall_boxes(pipe, len(pipe.segments))
+    boxes = wall_boxes(pipe, len(pipe.segments), base)
     for i, (position, quaternion, half_size) in enumerate(zip(*boxes, strict=True)):
         geom = _add_wall_geom(spec.worldbody, f"wall{i}", half_size, robot, contact)
         geom.pos, geom.quat = position, quaternion

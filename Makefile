@@ -1,0 +1,41 @@
+# make demo: a pipe, a trained policy and its evaluation, in demo/
+# make test: what continuous integration runs
+# make clean: remove everything that these make
+
+PYTHON ?= $(shell command -v python3.11 || command -v python3)
+BIN := .venv/bin
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
+
+.PHONY: demo test clean
+
+demo: .venv/installed
+	rm -rf demo
+	$(BIN)/pipenav gen-pipe --d 100 --angle 75 --out demo
+	$(BIN)/pipenav train --backend mujoco --out demo/run
+	$(BIN)/pipenav eval --policy demo/run/best.zip --out demo/eval
+	@echo
+	@echo "The pictures:"
+	@find demo -name '*.png' | sort | sed 's/^/  /'
+
+test: .venv/installed-dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/pytest
+
+clean:
+	rm -rf .venv demo .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	find pipenav plugins tests -name __pycache__ -prune -exec rm -rf {} +
+
+.venv/bin/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+	    echo "pipenav needs Python 3.11 or newer: make PYTHON=/path/to/python3.11 ..." >&2; exit 1; }
+	$(PYTHON) -m venv .venv
+
+.venv/installed: pyproject.toml constraints.txt | .venv/bin/python
+	$(PIP) -e .
+	touch $@
+
+.venv/installed-dev: pyproject.toml constraints.txt | .venv/bin/python
+	$(PIP) -e '.[dev]'
+	touch $@ .venv/installed

@@ -1,0 +1,5 @@
+"""`python -m pipenav`."""
+
+from pipenav.cli import main
+
+main()

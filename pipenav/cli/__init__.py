@@ -1,0 +1,120 @@
+"""The command line: one thin file per subcommand, imported only when that command is asked for.
+
+A command is a function whose docstring's first line is its line in `pipenav --help`; it raises `PipenavError` for what
+a user can cause, which is printed as one line here. Exit codes: 0 done, 1 an error, 2 wrong usage, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from typer.core import TyperCommand, TyperGroup
+
+import pipenav
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+COMMANDS = {
+    "gen-pipe": (
+        "pipenav.cli.gen_pipe:gen_pipe",
+        "Make a pipe corner: a folder with STL meshes, MuJoCo, URDF and SDF models, a drawing and its numbers.",
+    ),
+    "train": ("pipenav.cli.train:train", "Train a policy by PPO and save it as one file, best.zip."),
+    "eval": (
+        "pipenav.cli.eval:evaluate",
+        "Measure in which pipes a policy passes: success with 95 % intervals, failures, clearance, contact, pictures.",
+    ),
+    "backends": ("pipenav.cli.backends:backends", "List the installed backends, or the settings of one."),
+    "robots": ("pipenav.cli.robots:robots", "List the robots that can be trained and driven."),
+    "presets": ("pipenav.cli.presets:presets", "List the training presets, one line each."),
+}
+"""Each command's function and its line in the list, which must be known without importing the function."""
+
+REDIRECTED_WIDTH = 1000
+"""Columns for a table that goes to a file or another program: one line a row."""
+
+_SETTINGS = {"help_option_names": ["-h", "--help"]}
+
+
+class LazyCommand(TyperCommand):
+    """A line in the list of commands that becomes the real command as soon as it is asked for."""
+
+    def __init__(self, name: str, target: str, help: str) -> None:
+        super().__init__(name, help=help)
+        self.target = target
+
+    def make_context(self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any) -> Any:
+        return self.load().make_context(info_name, args, parent, **extra)
+
+    def load(self) -> Any:
+        """Import the command's module and build the command from its function."""
+        module, _, function = self.target.partition(":")
+        try:
+            callback = getattr(import_module(module), function)
+        except ModuleNotFoundError as error:
+            from pipenav.errors import PipenavError
+
+            missing = f"command {self.name!r} needs Python module {error.name!r}, which is not installed"
+            raise PipenavError(f"{missing}: reinstall pipenav with pip install --force-reinstall pipenav.") from error
+        single = typer.Typer(add_completion=False, context_settings=_SETTINGS)
+        single.command(self.name)(callback)
+        return typer.main.get_command(single)
+
+
+def command_line() -> TyperGroup:
+    """The `pipenav` command with all its subcommands."""
+    app = typer.Typer(no_args_is_help=True, context_settings=_SETTINGS)
+    app.callback()(_root)
+    group = typer.main.get_command(app)
+    assert isinstance(group, TyperGroup)
+    for name, (target, line) in COMMANDS.items():
+        group.add_command(LazyCommand(name, target, line))
+    return group
+
+
+def main(args: Sequence[str] | None = None) -> None:
+    """Run the command line, by default on the process's arguments; always leaves by SystemExit."""
+    try:
+        command_line()(args, prog_name="pipenav")
+    except KeyboardInterrupt:
+        sys.exit(130)
+    except Exception as error:
+        from pipenav.errors import PipenavError
+
+        if not isinstance(error, PipenavError):
+            raise
+        message = " ".join(str(error).split())
+        typer.echo(f"{typer.style('pipenav: error:', fg='red', bold=True)} {message}", err=True)
+        sys.exit(1)
+
+
+def table_console() -> Console:
+    """A console for tables: as wide as the terminal; where there is none, no row is ever wrapped."""
+    from rich.console import Console
+
+    console = Console()
+    if not console.is_terminal:
+        console.width = REDIRECTED_WIDTH
+    return console
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"pipenav {pipenav.__version__}")
+        raise typer.Exit
+
+
+def _root(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version and exit.")
+    ] = False,
+) -> None:
+    """Train, evaluate and deploy controllers that take a pipe-inspection robot around sharp pipe corners.
+
+    A first walk: pipenav gen-pipe --d 100 --angle 75, then pipenav train, then pipenav eval --policy runs/arm/best.zip
+    """

@@ -1,0 +1,57 @@
+"""`pipenav backends`: what is installed, what is missing for it, and the settings of one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from pipenav.cli import table_console
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+
+def backends(
+    name: Annotated[str | None, typer.Argument(help="Show the settings of this backend.", show_default=False)] = None,
+) -> None:
+    """List the installed backends, or the settings of one.
+
+    Examples:
+
+        pipenav backends
+
+        pipenav backends mujoco
+    """
+    table_console().print(_plugins() if name is None else _settings(name))
+
+
+def _plugins() -> Table:
+    from rich.table import Table
+    from rich.text import Text
+
+    from pipenav.errors import PipenavError
+    from pipenav.registry import NONE_INSTALLED, availability, find_backends
+
+    if not find_backends():
+        raise PipenavError("{}; {}.".format(*NONE_INSTALLED))
+    table = Table("backend", "runs here", "from", "what is missing", box=None, pad_edge=False)
+    for plugin in find_backends().values():
+        can_load, missing, remedy = availability(plugin)
+        runs = Text("yes", "green") if can_load else Text("no", "red")
+        why = Text(f"{missing}; {remedy}" if missing else "")
+        table.add_row(Text(plugin.name, "bold"), runs, plugin.origin, why)
+    return table
+
+
+def _settings(name: str) -> Table:
+    from rich.table import Table
+    from rich.text import Text
+
+    from pipenav.registry import load_backend
+
+    table = Table("setting", "default", "meaning", box=None, pad_edge=False)
+    for key, field in load_backend(name).Options.model_fields.items():
+        default = "required" if field.is_required() else repr(field.get_default(call_default_factory=True))
+        table.add_row(Text(key, "bold"), Text(default), Text(field.description or ""))
+    return table

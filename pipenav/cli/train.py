@@ -1,0 +1,162 @@
+"""`pipenav train`."""
+
+from __future__ import annotations
+
+import shlex
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from pipenav.errors import PipenavError
+from pipenav.train_config import DEFAULT_PRESET, TrainConfig, load_config
+
+if TYPE_CHECKING:
+    from pipenav.run_folder import RunFolder
+    from pipenav.train import Outcome
+    from pipenav.train import Progress as TrainingProgress
+
+
+def train(
+    backend: Annotated[str | None, typer.Option(help="Backend to train on; see `pipenav backends`.")] = None,
+    preset: Annotated[str, typer.Option(help="Shipped recipe; see `pipenav presets`.")] = DEFAULT_PRESET,
+    config: Annotated[Path | None, typer.Option(help="TOML file laid over the preset.")] = None,
+    set_: Annotated[list[str] | None, typer.Option("--set", help="key=value laid over both; repeatable.")] = None,
+    steps: Annotated[int | None, typer.Option(help="Control steps of all robots together.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Seed of everything random.")] = None,
+    robot: Annotated[str | None, typer.Option(help="Robot; see `pipenav robots`.")] = None,
+    control: Annotated[str | None, typer.Option(help="torque or position.")] = None,
+    pipes: Annotated[list[str] | None, typer.Option(help="Pipe set, file or d=90,angle=60; repeatable.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Run folder; default runs/PRESET.")] = None,
+    resume: Annotated[Path | None, typer.Option(help="Run folder to go on with.")] = None,
+) -> None:
+    """Train a policy by PPO and save it as one file, best.zip.
+
+    Examples:
+
+        pipenav train --backend mujoco
+
+        pipenav train --preset thesis-position --seed 1 --out runs/position-1
+
+        pipenav train --pipes d=90,angle=60 --steps 50000 --set learner.epochs=4
+
+        pipenav train --resume runs/arm
+    """
+    options = {
+        "backend": backend,
+        "steps": steps,
+        "seed": seed,
+        "robot": robot,
+        "task.control": control,
+        "pipes": pipes,
+    }
+    folder, resolved, where = _prepare(preset, config, set_ or [], options, out, resume)
+    console = Console()
+    console.print(f"training [bold]{where}[/] on {resolved.backend}: {resolved.steps:,} steps, run folder {folder.path}")
+    outcome = _run(console, resolved, folder, resumed=resume is not None)
+    _tell(console, folder, outcome)
+    if outcome.stopped:
+        raise typer.Exit(130)
+
+
+def _prepare(
+    preset: str,
+    config: Path | None,
+    settings: list[str],
+    options: dict[str, Any],
+    out: Path | None,
+    resume: Path | None,
+) -> tuple[RunFolder, TrainConfig, str]:
+    """The run folder and its configuration, new or to be resumed."""
+    from pipenav.registry import find_backends
+    from pipenav.run_folder import RunFolder, default_run_path
+
+    if resume is not None:
+        if config is not None or settings or any(v is not None for k, v in options.items() if k != "steps"):
+            raise PipenavError("--resume goes on with a run as it was configured: only --steps can be given with it.")
+        folder, resolved = RunFolder.open(resume)
+        if options["steps"] is not None:
+            resolved = resolved.model_copy(update={"steps": options["steps"]})
+        return folder, resolved, str(resume)
+    resolved = load_config(preset, config, settings, options)
+    _check_names(resolved, list(find_backends()))
+    command = shlex.join(["pipenav", *sys.argv[1:]])
+    return RunFolder.create(out or default_run_path(preset), resolved, command), resolved, preset
+
+
+def _check_names(config: TrainConfig, backends: list[str]) -> None:
+    """Refuse unknown names before a folder is made for them."""
+    from pipenav.errors import UnknownName
+    from pipenav.pipe_set import parse_pipes
+    from pipenav.robot import load_robot
+
+    load_robot(config.robot)
+    parse_pipes(config.pipes)
+    parse_pipes(config.check.pipes)
+    if config.backend not in backends:
+        raise UnknownName("backend", config.backend, backends)
+
+
+def _run(console: Console, config: TrainConfig, folder: RunFolder, resumed: bool) -> Outcome:
+    with _stop_signals() as stopped, console.status("loading the learner ..."):
+        from pipenav.train import train as run_training
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.percentage:>3.0f}%"),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+    )
+    with _stop_signals() as stopped, Progress(*columns, console=console) as bar:
+        task = bar.add_task("starting", total=config.steps)
+        last_line = [0.0]
+
+        def report(progress: TrainingProgress) -> None:
+            text = (
+                f"{progress.steps_per_s:,.0f} steps/s, success {progress.success:.1%}, "
+                f"clearance {progress.clearance * 1e3:.0f} mm"
+            )
+            bar.update(task, completed=progress.steps, description=text)
+            if not console.is_terminal and time.monotonic() - last_line[0] > 10:
+                last_line[0] = time.monotonic()
+                console.print(f"{progress.steps:>9,} of {config.steps:,} steps: {text}")
+
+        return run_training(config, folder, resumed, report, stopped)
+
+
+@contextmanager
+def _stop_signals() -> Iterator[Callable[[], bool]]:
+    """Turn Ctrl-C and SIGTERM into a flag: training stops at the next step and saves."""
+    seen: list[int] = []
+
+    def note(number: int, _frame: object) -> None:
+        if seen and number == signal.SIGINT:
+            raise KeyboardInterrupt  # a second Ctrl-C does not wait for the saving
+        seen.append(number)
+
+    before = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield lambda: bool(seen)
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _tell(console: Console, folder: RunFolder, outcome: Outcome) -> None:
+    if outcome.stopped:
+        console.print(
+            f"stopped after {outcome.steps:,} steps and saved; go on with: pipenav train --resume {folder.path}"
+        )
+        return
+    console.print(
+        f"trained {outcome.steps:,} steps in {outcome.seconds:.0f} s; best check {outcome.check_success:.1%} success\n"
+        f"policy   {folder.best}\npicture  {folder.plot}\nmeasure it: pipenav eval --policy {folder.best}"
+    )

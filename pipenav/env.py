@@ -1,0 +1,293 @@
+"""The corner task as a Gymnasium environment, `pipenav/Corner-v0`: thin adapters over CornerBatch.
+
+Importing this module registers it: `gymnasium.make("pipenav.env:pipenav/Corner-v0")` does both at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, cast
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from gymnasium.utils import seeding
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+from pydantic import ValidationError
+
+from pipenav import kinematics
+from pipenav.batch import CornerBatch, StepResult, random_episodes
+from pipenav.errors import ConfigError, PipenavError
+from pipenav.pipe_set import parse_pipes
+from pipenav.robot import load_robot
+from pipenav.task.config import RewardConfig, TaskConfig
+from pipenav.task.episode import Episodes, Verdict
+
+Float32s = NDArray[np.float32]
+
+ENV_ID = "pipenav/Corner-v0"
+
+VERDICT_LABELS = np.array([verdict.label for verdict in Verdict])
+
+
+class Corners:
+    """n robots of one batch, each drawing its episodes from a generator of its own.
+
+    So robot i of many lives through the same episodes as a single one with the same seed.
+
+    Attributes:
+        batch: the robots.
+        generators: one for each robot; whoever resets the batch sets them first.
+        episodes: each robot's running episode, as `Episodes` of k = 1.
+    """
+
+    def __init__(
+        self,
+        n: int,
+        robot: str,
+        pipes: Sequence[str],
+        backend: str,
+        task: TaskConfig | Mapping[str, Any] | None,
+        options: Mapping[str, Any] | None,
+    ) -> None:
+        from pipenav.registry import open_backend
+
+        self.generators: list[np.random.Generator] = []
+        self.episodes: dict[int, Episodes] = {}
+        self._robot, self._config = load_robot(robot), _task_config(task)
+        self._sets = [parse_pipes([text]) for text in ([pipes] if isinstance(pipes, str) else pipes)]
+        if not self._sets:
+            raise PipenavError("no pipes given: name a pipe set, a TOML file, or a pipe such as d=90,angle=60.")
+        slots = max(len(pipe.segments) for one in self._sets for pipe in one)
+        opened = open_backend(backend, self._robot, n, dict(options or {}), slots)
+        self.batch = CornerBatch(self._robot, self._config, opened, n, self._draw)
+
+    def _draw(self, robots: NDArray[np.intp]) -> Episodes:
+        for i in robots:
+            draw = random_episodes(self._robot, self._config, self._sets, self.generators[i])
+            self.episodes[int(i)] = draw(np.array([i]))
+        pipes, *arrays = zip(*(self.episodes[int(i)] for i in robots), strict=True)
+        return Episodes(tuple(one for (one,) in pipes), *map(np.concatenate, arrays))
+
+
+def _task_config(task: TaskConfig | Mapping[str, Any] | None) -> TaskConfig:
+    if isinstance(task, TaskConfig):
+        return task
+    try:
+        return TaskConfig.model_validate(dict(task or {}))
+    except ValidationError as error:
+        known = [*TaskConfig.model_fields, *(f"reward.{key}" for key in RewardConfig.model_fields)]
+        raise ConfigError.from_validation("task", error, known) from error
+
+
+def observation_space(batch: CornerBatch) -> spaces.Space[Float32s]:
+    """Of one robot. Unbounded: no sensor limits what an impact does to a joint's speed."""
+    return cast("spaces.Space[Float32s]", spaces.Box(-np.inf, np.inf, (batch.observation_size,), np.float32))
+
+
+def action_space(batch: CornerBatch) -> spaces.Space[Float32s]:
+    """Of one robot: every actuator's share in [-1, 1]."""
+    return cast("spaces.Space[Float32s]", spaces.Box(-1.0, 1.0, (len(batch.robot.joints),), np.float32))
+
+
+def step_info(result: StepResult) -> dict[str, NDArray[Any]]:
+    """What `info` says after a step, one array for each key, (n,)."""
+    return {
+        "verdict": VERDICT_LABELS[result.verdict],
+        "is_success": result.verdict == Verdict.REACHED,
+        "clearance_m": result.clearance,
+        "contact_force_n": result.truth.contact_force,
+        "penetration_m": result.truth.penetration,
+    }
+
+
+def one_info(info: Mapping[str, NDArray[Any]], i: int) -> dict[str, Any]:
+    """Robot i's part of `step_info`, in Python's own types."""
+    return {key: column[i].item() for key, column in info.items()}
+
+
+class CornerEnv(gymnasium.Env[Float32s, Float32s]):
+    """Bring the arm's tip to a target around the corner of a pipe.
+
+    Float32s, float32, each value divided by a fixed physical number (`pipenav.task.observation.layout`); right
+    turns are shown mirrored, as left turns. For the 4 joints and 10 beams of the thesis's arm:
+
+    | task.observation | values, in order | size |
+    | --- | --- | --- |
+    | `basic` (eq 3.1) | q 4, qd 4, tip xy 2, target xy 2, laser 10 | 22 |
+    | `history` (eq 3.2) | q 4, qd 4, laser 10, the same of the step before 18, last action 4, tip 2, target 2 | 44 |
+    | `relative` | q 4, qd 4, laser 10, target seen from the tip 2, the same with its last centimetres wide 2 | 22 |
+
+    | unit before scaling | values |
+    | --- | --- |
+    | rad, m | q: the slide [m], then the hinges [rad], positive to the left; qd the same per second |
+    | m | tip, target: in the robot's frame (rear end at rest, x along the first leg) |
+    | m | laser: from right to left |
+
+    Action, float32 in [-1, 1], one value per joint in joint order:
+
+    | task.control | 1 means |
+    | --- | --- |
+    | `torque` (eq 3.3) | the actuator's largest effort forwards or to the left [N, N m] |
+    | `position` (eq 3.4, 3.5) | a set-point alpha x 1 rad, or alpha x slide_unit, from the measured position |
+
+    An episode terminates when the tip reaches the target, a joint its limit, or the robot sinks into the wall; it is
+    truncated after `task.max_steps`. `info` after each step: `verdict`, `is_success`, `clearance_m` (the smallest laser
+    reading), `contact_force_n` and `penetration_m` (the step's peaks).
+
+    Args:
+        robot: a shipped robot or the path of a `robot.toml`.
+        pipes: texts as `pipenav.pipe_set.parse_pipes` takes them; each episode draws one text, then a pipe of it.
+        backend: name of a simulator backend.
+        task: the task's configuration; None for the defaults.
+        options: the backend's own options.
+        render_mode: None, or `rgb_array` for a top view.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012
+
+    def __init__(
+        self,
+        robot: str = "basic",
+        pipes: Sequence[str] = ("thesis-train",),
+        backend: str = "mujoco",
+        task: TaskConfig | Mapping[str, Any] | None = None,
+        options: Mapping[str, Any] | None = None,
+        render_mode: str | None = None,
+    ) -> None:
+        self.render_mode = render_mode
+        self._corners = Corners(1, robot, pipes, backend, task, options)
+        self.batch = self._corners.batch
+        self.observation_space = observation_space(self.batch)
+        self.action_space = action_space(self.batch)
+
+    def reset(
+        self,
+        *,
+        seed: int | None = None,
+        options: dict[str, Any] | None = None,  # noqa: ARG002
+    ) -> tuple[Float32s, dict[str, Any]]:
+        super().reset(seed=seed)
+        self._corners.generators = [self.np_random]
+        return self.batch.reset()[0].astype(np.float32), {}
+
+    def step(self, action: Float32s) -> tuple[Float32s, float, bool, bool, dict[str, Any]]:
+        result = self.batch.step(np.asarray(action, float)[None])
+        verdict = Verdict(result.verdict[0])
+        truncated = verdict is Verdict.TIMEOUT
+        terminated = verdict is not Verdict.RUNNING and not truncated
+        observation = result.observation[0].astype(np.float32)
+        return observation, float(result.reward[0]), terminated, truncated, one_info(step_info(result), 0)
+
+    def render(self) -> NDArray[np.uint8] | None:
+        return None if self.render_mode is None else top_view(self.batch, self._corners.episodes[0])
+
+    def close(self) -> None:
+        self.batch.close()
+
+
+class CornerVectorEnv(VectorEnv[Float32s, Float32s, NDArray[Any]]):
+    """n corner episodes in one batch. An ended one starts anew in the next step, whose action it ignores.
+
+    Robot i of `reset(seed=s)` lives through the episodes of a `CornerEnv` with seed s + i. `info` holds the keys of
+    `CornerEnv` as arrays, with `_<key>` false for the robots that started anew. Arguments as for `CornerEnv`.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}  # noqa: RUF012
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        robot: str = "basic",
+        pipes: Sequence[str] = ("thesis-train",),
+        backend: str = "mujoco",
+        task: TaskConfig | Mapping[str, Any] | None = None,
+        options: Mapping[str, Any] | None = None,
+    ) -> None:
+        self.num_envs = num_envs
+        self._corners = Corners(num_envs, robot, pipes, backend, task, options)
+        self.batch = self._corners.batch
+        self.single_observation_space = observation_space(self.batch)
+        self.single_action_space = action_space(self.batch)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self._ended = np.zeros(num_envs, bool)
+
+    def reset(
+        self,
+        *,
+        seed: int | Sequence[int | None] | None = None,
+        options: dict[str, Any] | None = None,  # noqa: ARG002
+    ) -> tuple[Float32s, dict[str, Any]]:
+        self._seed(seed)
+        self._ended = np.zeros(self.num_envs, bool)
+        return self.batch.reset().astype(np.float32), {}
+
+    def _seed(self, seed: int | Sequence[int | None] | None) -> None:
+        """An int seeds robot i with seed + i; a robot without a seed goes on with the generator it has."""
+        seeds = [seed] * self.num_envs if seed is None else seed
+        seeds = [seeds + i for i in range(self.num_envs)] if isinstance(seeds, int) else list(seeds)
+        if len(seeds) != self.num_envs:
+            raise PipenavError(
+                f"{len(seeds)} seeds given for {self.num_envs} robots: give one for each, or one number."
+            )
+        old = self._corners.generators or [seeding.np_random()[0] for _ in seeds]
+        self._corners.generators = [
+            generator if one is None else seeding.np_random(one)[0] for one, generator in zip(seeds, old, strict=True)
+        ]
+
+    def step(self, actions: Float32s) -> tuple[Float32s, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
+        anew, result = self._ended, self.batch.step(np.asarray(actions, float))
+        verdict = np.where(anew, Verdict.RUNNING, result.verdict)
+        reward = np.where(anew, 0.0, result.reward)
+        truncated = verdict == Verdict.TIMEOUT
+        self._ended = verdict != Verdict.RUNNING
+        observation = self.batch.reset(np.flatnonzero(anew)) if anew.any() else result.observation
+        info = step_info(result)
+        valid = {f"_{key}": ~anew for key in info}
+        return observation.astype(np.float32), reward, self._ended & ~truncated, truncated, info | valid
+
+    def close_extras(self, **kwargs: Any) -> None:  # noqa: ARG002
+        self.batch.close()
+
+
+def top_view(batch: CornerBatch, episodes: Episodes, pixels: int = 480) -> NDArray[np.uint8]:
+    """A picture of the first robot from above, (pixels, pixels, 3): walls, links, beams and target.
+
+    Args:
+        batch: the robots.
+        episodes: the first robot's episode, k = 1.
+        pixels: width and height.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    robot, now = batch.robot, batch.snapshot
+    pose = kinematics.forward(robot, now.q[:1])
+    to_pipe = np.array([1.0, episodes.side[0]])
+    shift = np.array([episodes.base[0], 0.0])
+    tip, goal = (pose.tip[0] + shift) * to_pipe, (episodes.goal[0] + shift) * to_pipe
+    beams = pose.headings[0, -1] + robot.laser.angles
+    ends = tip + now.ranges[0, :, None] * np.stack([np.cos(beams), np.sin(beams)], axis=1) * to_pipe
+
+    figure = Figure(figsize=(pixels / 100, pixels / 100), dpi=100)
+    canvas = FigureCanvasAgg(figure)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    for wall in episodes.pipes[0].walls:
+        axes.plot(*wall.T, color="0.3", linewidth=2)
+    for end in ends:
+        axes.plot(*np.stack([tip, end]).T, color="tab:red", linewidth=0.5)
+    for start, heading, link in zip(pose.joints[0], pose.headings[0], robot.links, strict=True):
+        corners = np.array([[0, -1], [1, -1], [1, 1], [0, 1]]) * [link.length, link.width / 2]
+        forwards = np.array([np.cos(heading), np.sin(heading)])
+        axes.fill(*((corners @ [forwards, [-forwards[1], forwards[0]]] + start + shift) * to_pipe).T, "tab:blue")
+    axes.plot(*goal, "x", color="tab:green", markersize=10)
+    axes.set(xlim=(tip[0] - 0.4, tip[0] + 0.4), ylim=(tip[1] - 0.4, tip[1] + 0.4))
+    axes.set_axis_off()
+    canvas.draw()
+    return np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
+
+
+gymnasium.register(ENV_ID, entry_point="pipenav.env:CornerEnv", vector_entry_point="pipenav.env:CornerVectorEnv")

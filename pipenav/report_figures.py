@@ -1,0 +1,303 @@
+"""The pictures of evaluations and training runs, in percent, millimetres and degrees."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+from pipenav.records import Evaluation, PipeRecord, by_diameter, wilson
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.colors import Colormap
+    from matplotlib.figure import Figure
+    from matplotlib.image import AxesImage
+
+INK, MUTED, GRID = "#20262c", "#66727e", "#e3e7eb"
+MAIN, SECOND, THIRD = "#0072b2", "#d55e00", "#009e73"
+"""Blue, vermilion and green of Okabe and Ito's palette, which the colour-blind can tell apart."""
+
+MARKERS = "osD^vP*X"
+DPI = 150
+SINGLE_ANGLE_DODGE = 0.9
+"""Sideways step [deg] between the diameters where all stand at one angle and would hide each other."""
+
+
+class Cell(NamedTuple):
+    """Episodes of one diameter and angle: how many there were, how many succeeded."""
+
+    successes: int
+    episodes: int
+
+    @property
+    def share(self) -> float:
+        return self.successes / self.episodes
+
+
+def png(figure: Figure) -> bytes:
+    """The figure as a PNG file's content."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    FigureCanvasAgg(figure)
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=DPI, bbox_inches="tight", pad_inches=0.2)
+    return buffer.getvalue()
+
+
+def headline(evaluation: Evaluation) -> str:
+    """What was measured and what came of it, in one line."""
+    low, high = evaluation.success_low, evaluation.success_high
+    return (
+        f"{evaluation.policy}: {percent(evaluation.success)} % of {evaluation.episodes:,} episodes "
+        f"(95 % interval {percent(low)}–{percent(high)})"
+    )
+
+
+def circumstances(evaluation: Evaluation) -> str:
+    """Where and how it was measured, in one line."""
+    pipes = len(evaluation.pipes)
+    return (
+        f"stage {evaluation.stage}, {pipes} pipe{'s' if pipes > 1 else ''} × {evaluation.episodes_per_pipe} episodes, "
+        f"{evaluation.robot} robot, backend {evaluation.backend}, seed {evaluation.seed}"
+    )
+
+
+def percent(share: float, decimals: int = 1) -> str:
+    """A share in percent; it reads 100 and 0 only where nothing, or everything, failed."""
+    if share in (0.0, 1.0):
+        return f"{share * 100:.0f}"
+    least = 10.0**-decimals
+    return f"{min(max(share * 100, least), 100 - least):.{decimals}f}"
+
+
+def pooled(pipes: Sequence[PipeRecord]) -> dict[float, Cell]:
+    """Episodes by angle [deg], ascending, turns together."""
+    angles = sorted({record.angle_deg for record in pipes})
+    groups = ([record for record in pipes if record.angle_deg == angle] for angle in angles)
+    cells = (Cell(sum(r.successes for r in group), sum(r.episodes for r in group)) for group in groups)
+    return dict(zip(angles, cells, strict=True))
+
+
+def success_figure(evaluation: Evaluation) -> Figure:
+    """Success over the corner angle, one line per diameter with its Wilson 95 % band, left and right together."""
+    from matplotlib import colormaps
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import MaxNLocator
+
+    figure = Figure((9.0, 5.4), facecolor="white", layout="constrained")
+    axes = figure.add_subplot()
+    _plain(axes)
+    lines = {diameter: pooled(records) for diameter, records in by_diameter(evaluation.pipes).items()}
+    angles = sorted({angle for line in lines.values() for angle in line})
+    shades = colormaps["viridis"]
+    lowest = 1.0
+    for i, (diameter, line) in enumerate(lines.items()):
+        colour = shades(0.86 * (1 - i / (len(lines) - 1)) if len(lines) > 1 else 0.3)  # narrow, hence hard, is dark
+        dodge = (i - (len(lines) - 1) / 2) * SINGLE_ANGLE_DODGE if len(angles) == 1 else 0.0
+        # Lines at 100 % cover each other: the first ones are the thicker, and stay visible below the later ones.
+        weight = 1.0 + 1.2 * (1 - i / (len(lines) - 1)) if len(lines) > 1 else 1.0
+        style = _Style(colour, MARKERS[i % len(MARKERS)], weight, dodge)
+        lowest = min(lowest, _draw_line(axes, f"{diameter:g} mm", line, style))
+    floor = 5 * math.floor((100 * lowest - 2) / 5)
+    bottom = (
+        floor if floor >= 50 else 0
+    )  # a cut axis shows small differences, but must not make a poor policy look good
+    axes.set(ylim=(bottom - (100 - bottom) * 0.02, 100 + (100 - bottom) * 0.03), ylabel="success [%]")
+    axes.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10], integer=True))
+    margin = 0.025 * (angles[-1] - angles[0]) or 5.0
+    axes.set(xlabel="interior corner angle [deg] (smaller is sharper)", xlim=(angles[0] - margin, angles[-1] + margin))
+    if len(angles) <= 20:
+        axes.set_xticks(angles, [f"{angle:g}" for angle in angles])
+    legend = axes.legend(
+        title="pipe diameter", loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=9.5
+    )
+    legend.get_title().set_color(INK)
+    given = {record.turn for record in evaluation.pipes}
+    turns = "left and right turns together" if len(given) > 1 else f"{given.pop()} turns"
+    _title(axes, "Success over the corner angle", evaluation, f"{turns}; Wilson 95 % intervals")
+    return figure
+
+
+class _Style(NamedTuple):
+    """How one diameter is drawn: `weight` scales its line, `dodge` moves it sideways [deg]."""
+
+    colour: tuple[float, float, float, float]
+    marker: str
+    weight: float
+    dodge: float
+
+
+def _draw_line(axes: Axes, label: str, line: dict[float, Cell], style: _Style) -> float:
+    """One diameter; returns the lowest end of its intervals."""
+    x = [angle + style.dodge for angle in line]
+    share = [100 * cell.share for cell in line.values()]
+    intervals = [wilson(*cell) for cell in line.values()]
+    low, high = [100 * interval.low for interval in intervals], [100 * interval.high for interval in intervals]
+    if len(line) == 1:  # a band of no width would not be seen
+        error = [[share[0] - low[0]], [high[0] - share[0]]]
+        artist = axes.errorbar(x, share, error, color=style.colour, capsize=4, lw=1.6, label=label, clip_on=False)[0]
+        artist.set(marker=style.marker, markersize=7)
+    else:
+        axes.fill_between(x, low, high, color=style.colour, alpha=0.09, linewidth=0)
+        artist = axes.plot(x, share, color=style.colour, lw=1.6 * style.weight, label=label, clip_on=False)[0]
+        artist.set(
+            marker=style.marker, markersize=4.5 * style.weight**0.7, markeredgecolor="white", markeredgewidth=0.6
+        )
+    return min(low) / 100
+
+
+def map_figure(evaluation: Evaluation) -> Figure:
+    """Success by diameter and angle with the numbers in the cells, one panel for each turn."""
+    from matplotlib.figure import Figure
+
+    turns = [turn for turn in ("left", "right") if any(record.turn == turn for record in evaluation.pipes)]
+    angles = sorted({record.angle_deg for record in evaluation.pipes})
+    rows = len(evaluation.diameters)
+    width, height = max(0.56 * len(angles) + 2.2, 6.5), len(turns) * (0.42 * rows + 0.75) + 1.2
+    figure = Figure((width, height), facecolor="white", layout="constrained")
+    panels = figure.subplots(len(turns), 1, squeeze=False)[:, 0]
+    for turn, axes in zip(turns, panels, strict=True):
+        records = [record for record in evaluation.pipes if record.turn == turn]
+        image = _draw_map(axes, records, angles, [row.diameter_mm for row in evaluation.diameters])
+        axes.set_ylabel(f"{turn} turn\ndiameter [mm]", color=INK)
+    panels[-1].set_xlabel("interior corner angle [deg] (smaller is sharper)", color=INK)
+    bar = figure.colorbar(image, ax=list(panels), label="success [%]", fraction=0.05, pad=0.015, aspect=12 * len(turns))
+    bar.outline.set_visible(False)
+    _title(panels[0], "Success by diameter and corner angle", evaluation, "percent of the episodes; empty: not run")
+    return figure
+
+
+def _draw_map(axes: Axes, records: Sequence[PipeRecord], angles: list[float], diameters: list[float]) -> AxesImage:
+    """One panel: rows are diameters, widest on top, columns are angles. Returns what a colour bar needs."""
+    shares = [[math.nan] * len(angles) for _ in diameters]
+    colours = _map_colours()
+    for diameter, group in by_diameter(records).items():
+        for angle, cell in pooled(group).items():
+            row, column = diameters.index(diameter), angles.index(angle)
+            shares[row][column] = 100 * cell.share
+            ink = "white" if _is_dark(colours(cell.share)) else INK
+            axes.text(column, row, percent(cell.share, 0), ha="center", va="center", fontsize=9, color=ink)
+    image = axes.imshow(shares, cmap=colours, vmin=0, vmax=100, aspect="auto")
+    axes.set_xticks(range(len(angles)), [f"{angle:g}" for angle in angles])
+    axes.set_yticks(range(len(diameters)), [f"{diameter:g}" for diameter in diameters])
+    axes.set_xticks([i - 0.5 for i in range(1, len(angles))], minor=True)
+    axes.set_yticks([i - 0.5 for i in range(1, len(diameters))], minor=True)
+    axes.grid(which="minor", color="white", linewidth=2)
+    axes.tick_params(which="both", length=0, labelcolor=INK, labelsize=9)
+    axes.set_facecolor("#f4f6f8")
+    for spine in axes.spines.values():
+        spine.set_visible(False)
+    return image
+
+
+def _map_colours() -> Colormap:
+    """From dark red over orange to pale where little fails, blue only at the very top: failures draw the eye.
+
+    Red and blue ends also differ in lightness, so that the map reads without colour vision and in grey.
+    """
+    from matplotlib.colors import LinearSegmentedColormap
+
+    stops = [
+        (0.0, "#6b1d0e"),
+        (0.4, "#c8511b"),
+        (0.75, "#f2a65a"),
+        (0.93, "#fbe3bf"),
+        (0.975, "#eef4f8"),
+        (1.0, "#b9d7ec"),
+    ]
+    return LinearSegmentedColormap.from_list("success", stops, N=512)
+
+
+def _is_dark(rgba: tuple[float, float, float, float]) -> bool:
+    red, green, blue, _ = rgba
+    return 0.299 * red + 0.587 * green + 0.114 * blue < 0.55
+
+
+def progress_columns(text: str) -> dict[str, list[float]]:
+    """The columns of a progress.csv; NaN where a cell is empty or no number. Broken rows are left out."""
+    reader = csv.DictReader(io.StringIO(text))
+    rows = [row for row in reader if None not in row.values() and not math.isnan(_number(row.get("steps")))]
+    return {name: [_number(row.get(name)) for row in rows] for name in reader.fieldnames or []}
+
+
+def _number(cell: str | None) -> float:
+    try:
+        value = float(cell or "nan")
+    except ValueError:
+        return math.nan
+    return value if math.isfinite(value) else math.nan
+
+
+def training_figure(columns: dict[str, list[float]], run: str) -> Figure:
+    """Success (top) and clearance (bottom) over the control steps of one run.
+
+    Args:
+        columns: those of progress.csv, as far as there are any.
+        run: the run's name.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure((9.0, 6.0), facecolor="white", layout="constrained")
+    top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=[3, 2])
+    _curve(top, columns, "success", MAIN, "training episodes, with exploration noise", 100)
+    for name in ("check_success", "eval_success"):
+        _curve(top, columns, name, SECOND, "check, without noise", 100, drawstyle="steps-post")
+    _curve(bottom, columns, "clearance_m", THIRD, "", 1000)
+    top.set(ylim=(-2, 103), ylabel="success [%]")
+    bottom.set_ylim(bottom=0)
+    bottom.set(ylabel="mean clearance\nat the tip [mm]", xlabel="control steps")
+    bottom.xaxis.set_major_formatter("{x:,.0f}")
+    for axes in (top, bottom):
+        _plain(axes)
+    if top.get_legend_handles_labels()[0]:
+        top.legend(loc="lower right", fontsize=9, frameon=True, framealpha=0.9, edgecolor="none", labelcolor=INK)
+    steps, seconds = columns.get("steps", []), columns.get("seconds", [])
+    took = f", {seconds[-1]:,.0f} s" if seconds and not math.isnan(seconds[-1]) else ""
+    _heading(
+        top,
+        f"Training of {run}" if run else "Training",
+        f"{steps[-1]:,.0f} control steps{took}" if steps else "no steps yet",
+    )
+    return figure
+
+
+def _curve(
+    axes: Axes,
+    columns: dict[str, list[float]],
+    name: str,
+    colour: str,
+    label: str,
+    scale: float,
+    drawstyle: Literal["default", "steps-post"] = "default",
+) -> None:
+    steps = columns.get("steps", [])
+    points = [(x, scale * y) for x, y in zip(steps, columns.get(name, []), strict=False) if not math.isnan(y)]
+    if points:
+        marker = "o" if len(points) < 3 else ""  # a line needs points; one or two need a mark to be seen
+        axes.plot(*zip(*points, strict=True), color=colour, label=label, lw=1.8, marker=marker, drawstyle=drawstyle)
+
+
+def _plain(axes: Axes) -> None:
+    """Two thin axes lines and a pale grid behind the data."""
+    axes.grid(color=GRID, linewidth=0.7)
+    axes.set_axisbelow(True)
+    axes.tick_params(color="#b4bec8", labelcolor=INK, labelsize=9)
+    axes.xaxis.label.set_color(INK)
+    axes.yaxis.label.set_color(INK)
+    for name, spine in axes.spines.items():
+        spine.set_visible(name in ("left", "bottom"))
+        spine.set_color("#b4bec8")
+
+
+def _title(axes: Axes, title: str, evaluation: Evaluation, note: str) -> None:
+    _heading(axes, title, f"{headline(evaluation)}\n{circumstances(evaluation)}\n{note}")
+
+
+def _heading(axes: Axes, title: str, text: str) -> None:
+    lines = text.count("\n") + 1
+    axes.set_title(title, loc="left", fontsize=14, fontweight="bold", color=INK, pad=12 + 14 * lines)
+    note = axes.annotate(text, (0, 1), (0, 8), xycoords="axes fraction", textcoords="offset points", color=MUTED)
+    note.set(fontsize=9.5, linespacing=1.35)

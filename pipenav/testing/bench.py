@@ -1,0 +1,69 @@
+"""What the laws are checked on: one backend with its robot, and how its robots start and move."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import closing
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.backend import Backend
+from pipenav.pipe import Pipe
+from pipenav.registry import check_options, open_backend
+from pipenav.robot import RobotSpec, load_robot
+from pipenav.state import Command, Control
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Bench:
+    """What a check is run on.
+
+    Attributes:
+        backend: a backend's name in the registry, or its class.
+        robot: the robot.
+        n: how many; with 1 the laws about several robots hold trivially.
+        options: the backend's settings.
+    """
+
+    backend: str | type[Backend]
+    robot: RobotSpec = field(default_factory=lambda: load_robot("basic"))
+    n: int = 3
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def open(self, wall_segments: int = 4) -> closing[Backend]:
+        """A new backend, closed at the end of the `with` block."""
+        if isinstance(self.backend, str):
+            return closing(open_backend(self.backend, self.robot, self.n, self.options, wall_segments))
+        options = check_options(self.backend.__name__, self.backend, self.options)
+        return closing(self.backend(self.robot, self.n, options, wall_segments))
+
+    def commands(self, steps: int, control: Control = "torque", seed: int = 0) -> list[Command]:
+        """Random commands: drives, or set-points within the middle half of the joints' travel."""
+        values = np.random.default_rng(seed).uniform(-1.0, 1.0, (steps, self.n, len(self.robot.joints)))
+        if control == "position":
+            values *= 0.5 * np.minimum(-self.robot.lower, self.robot.upper)
+        return [Command(control, v) for v in values]
+
+
+class Start(NamedTuple):
+    """Arguments of `Backend.reset`."""
+
+    robots: NDArray[np.intp]
+    pipes: list[Pipe]
+    q: Array
+    base: Array
+
+
+def starts(bench: Bench, seed: int = 0) -> Start:
+    """Every robot before a corner of its own, its tip 80 mm or less from where the corner begins, nearly straight."""
+    rng = np.random.default_rng(seed)
+    corners = [Pipe.of(90, 90), Pipe.of(110, 75, "right"), Pipe.of(100, 120)]
+    pipes = [corners[(i + seed) % len(corners)] for i in range(bench.n)]
+    q = rng.uniform(-0.02, 0.02, (bench.n, len(bench.robot.joints)))
+    edges = np.array([pipe.inner_edge for pipe in pipes])
+    return Start(np.arange(bench.n), pipes, q, -edges - rng.uniform(0.05, 0.08, bench.n) - bench.robot.length)

@@ -1,0 +1,75 @@
+"""A backend without physics, for tests and examples of all that is built on backends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from pipenav import backend, kinematics, laser
+from pipenav.backend import CONTROL_PERIOD, Backend
+from pipenav.errors import PipenavError
+from pipenav.pipe import Pipe
+from pipenav.robot import RobotSpec
+from pipenav.state import Command, Reading, Truth
+
+Array = NDArray[np.float64]
+
+
+class KinematicOptions(backend.Options):
+    """Settings of the backend without physics."""
+
+    speed_share: float = Field(1.0, gt=0, le=1, description="share of their no-load speed that full drives reach")
+
+
+class KinematicBackend(Backend):
+    """Joints follow the command at once, up to their speed limit; walls are seen and never felt. Deterministic."""
+
+    Options = KinematicOptions
+
+    def __init__(self, robot: RobotSpec, n: int, options: backend.Options, wall_segments: int = 4) -> None:
+        assert isinstance(options, KinematicOptions)
+        self._robot = robot
+        self._reach = options.speed_share * robot.speed_limits * CONTROL_PERIOD  # farthest in one step, (joints,)
+        self._q = np.zeros((n, len(robot.joints)))
+        self._qd = np.zeros_like(self._q)
+        self._time, self._base = np.zeros(n), np.zeros(n)
+        self._segments = np.full((n, wall_segments, 2, 2), np.inf)
+
+    def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> None:
+        slots = self._segments.shape[1]
+        for i, pipe in zip(robots, pipes, strict=True):
+            count = len(pipe.segments)
+            if count > slots:
+                raise PipenavError(f"pipe {pipe.name} has {count} wall segments, this backend was opened for {slots}.")
+            self._segments[i] = pipe.segments[-1]  # repeated in the slots that are left over
+            self._segments[i, :count] = pipe.segments
+        self._q[robots], self._qd[robots], self._time[robots], self._base[robots] = q, 0.0, 0.0, base
+
+    def step(self, command: Command) -> None:
+        if command.control == "torque":
+            change = np.clip(command.values, -1.0, 1.0) * self._reach
+        else:
+            change = np.clip(command.values - self._q, -self._reach, self._reach)
+        before, self._q = self._q, np.clip(self._q + change, self._robot.lower, self._robot.upper)
+        self._qd = (self._q - before) / CONTROL_PERIOD
+        self._time += CONTROL_PERIOD
+
+    def read(self) -> Reading:
+        tip = self._tip()
+        beams = tip[:, 2:] + self._robot.laser.angles
+        ranges = laser.measure(self._robot.laser, laser.cast(tip[:, :2], beams, self._segments))
+        return Reading(self._q.copy(), self._qd.copy(), ranges, self._time.copy())
+
+    def truth(self) -> Truth:
+        untouched = np.zeros((3, len(self._q)))
+        return Truth(self._tip(), *untouched)
+
+    def close(self) -> None:
+        """There is nothing to release."""
+
+    def _tip(self) -> Array:
+        pose = kinematics.forward(self._robot, self._q)
+        return np.concatenate([pose.tip + np.stack([self._base, 0 * self._base], 1), pose.headings[:, -1:]], axis=1)

@@ -1,0 +1,229 @@
+"""Starts, targets, the way to them, and how episodes end, over all pipes of the working range."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from pipenav import kinematics
+from pipenav.backend import Backend, Options
+from pipenav.batch import CornerBatch, random_episodes
+from pipenav.pipe import Pipe
+from pipenav.pipe_set import parse_pipes
+from pipenav.robot import load_robot
+from pipenav.state import Command, Reading, Truth
+from pipenav.task import episode
+from pipenav.task.config import RewardConfig, TaskConfig
+from pipenav.task.episode import Verdict, way_to_goal
+from pipenav.task.observation import scale_of
+
+Array = NDArray[np.float64]
+
+ROBOT, TASK = load_robot("basic"), TaskConfig()
+PIPES = parse_pipes(["working-range"])
+seeds = st.integers(0, 2**32 - 1)
+any_pipe = st.sampled_from(PIPES)
+
+
+def drawn(seed: int, pipes: Sequence[Pipe] = PIPES) -> episode.Episodes:
+    return episode.sample(ROBOT, TASK, pipes, np.random.default_rng(seed))
+
+
+def in_pipe(points: Array, base: float, side: float) -> Array:
+    """Points (..., 2) of the canonical frame in the pipe's frame."""
+    return (points + [base, 0.0]) * [1.0, side]
+
+
+@settings(max_examples=25)
+@given(seeds)
+def test_every_target_lies_in_the_second_leg(seed: int) -> None:
+    episodes = drawn(seed)
+    for i, pipe in enumerate(PIPES):
+        goal = in_pipe(episodes.goal[i], episodes.base[i], episodes.side[i])
+        along, left = pipe.along_second_leg(goal)
+        assert pipe.contains(goal)
+        assert pipe.inner_edge + TASK.target_depth[0] - 1e-9 <= along <= pipe.inner_edge + TASK.target_depth[1] + 1e-9
+        assert abs(left) <= TASK.target_lateral * pipe.diameter + 1e-9
+
+
+@given(seeds)
+def test_start_poses_keep_off_the_wall(seed: int) -> None:
+    episodes = drawn(seed)
+    pose = kinematics.forward(ROBOT, episodes.q)
+    half = np.array([link.width / 2 for link in ROBOT.links])
+    normal = np.stack([-np.sin(pose.headings), np.cos(pose.headings)], axis=-1) * half[:, None]
+    ends = np.concatenate([pose.joints[:, 1:], pose.tip[:, None]], axis=1)
+    corners = np.stack([pose.joints + normal, pose.joints - normal, ends + normal, ends - normal])
+    radius = np.array([pipe.radius for pipe in PIPES])[:, None]
+    assert np.all(np.abs(corners[..., 1]) <= radius - episode.START_CLEARANCE + 1e-9)
+    edge = np.array([pipe.inner_edge for pipe in PIPES])
+    front = corners[..., 0].max(axis=(0, 2)) + episodes.base
+    assert np.all(front <= -edge - TASK.start_gap[0] + half.max() * 0.2)  # a bent tip's corner stands out a little
+
+
+@given(seeds)
+def test_starts_are_at_no_limit_and_targets_are_not_reached_yet(seed: int) -> None:
+    episodes = drawn(seed)
+    tip = kinematics.forward(ROBOT, episodes.q).tip
+    assert not episode.at_limit(ROBOT, TASK, episodes.q).any()
+    assert np.all(np.linalg.norm(tip - episodes.goal, axis=1) > 5 * TASK.reach_tolerance)
+
+
+@given(seeds, any_pipe)
+def test_turns_mirror_each_other(seed: int, pipe: Pipe) -> None:
+    other = pipe.model_copy(update={"turn": "right" if pipe.turn == "left" else "left"})
+    one, two = drawn(seed, [pipe]), drawn(seed, [other])
+    assert one.side == -two.side
+    for name in ("q", "base", "goal", "edge"):
+        assert np.array_equal(getattr(one, name), getattr(two, name))
+
+
+def crossing(p: Array, q: Array, a: Array, b: Array) -> bool:
+    """Whether the segments pq and ab cross: the ends of each lie on either side of the other."""
+
+    def side(u: Array, v: Array, w: Array) -> float:
+        return float((v - u)[0] * (w - u)[1] - (v - u)[1] * (w - u)[0])
+
+    return side(p, q, a) * side(p, q, b) < 0 and side(a, b, p) * side(a, b, q) < 0
+
+
+sharp_pipes = st.builds(Pipe.of, st.floats(70, 120), st.floats(30, 179), st.just("left"))
+
+
+@given(seeds, sharp_pipes)
+def test_the_way_is_the_shortest_path_in_the_pipe(seed: int, pipe: Pipe) -> None:
+    episodes, rng = drawn(seed, [pipe]), np.random.default_rng(seed)
+    goal, edge = (in_pipe(a[0], episodes.base[0], 1.0) for a in (episodes.goal, episodes.edge))
+    before, corner, after = pipe.walls.inner
+    assert corner == pytest.approx(edge)
+    tips = rng.uniform(-0.5, 0.5, (400, 2))
+    for tip in tips[pipe.contains(tips)][:60]:
+        hidden = crossing(tip, goal, before, corner) or crossing(tip, goal, corner, after)
+        around = np.linalg.norm(tip - edge) + np.linalg.norm(goal - edge)
+        expected = around if hidden else np.linalg.norm(tip - goal)
+        assert way_to_goal(tip[None], goal[None], edge[None])[0] == pytest.approx(expected)
+
+
+@given(seeds, any_pipe, st.floats(0, 0.01), st.floats(-np.pi, np.pi))
+def test_the_way_changes_by_no_more_than_the_tip_moves(seed: int, pipe: Pipe, step: float, heading: float) -> None:
+    episodes, rng = drawn(seed, [pipe]), np.random.default_rng(seed)
+    tips = rng.uniform(-0.5, 0.5, (400, 2))
+    moved = tips + step * np.array([np.cos(heading), np.sin(heading)])
+    side = episodes.side[0]
+    inside = pipe.contains(tips * [1, side]) & pipe.contains(moved * [1, side])
+    inside &= pipe.contains((tips + moved) / 2 * [1, side])
+    goal, edge = (a + [episodes.base[0], 0.0] for a in (episodes.goal, episodes.edge))
+    change = way_to_goal(moved, goal, edge) - way_to_goal(tips, goal, edge)
+    assert np.all(np.abs(change[inside]) <= step + 1e-9)
+
+
+@given(seeds, any_pipe)
+def test_the_way_falls_to_zero_along_the_way(seed: int, pipe: Pipe) -> None:
+    episodes = drawn(seed, [pipe])
+    tip = kinematics.forward(ROBOT, episodes.q).tip
+    stations = [np.linspace(tip[0], episodes.edge[0], 50), np.linspace(episodes.edge[0], episodes.goal[0], 50)]
+    path = np.concatenate(stations)
+    path[:, 1] -= 1e-9  # on the free side of the edge
+    ways = way_to_goal(path, episodes.goal, episodes.edge)
+    assert np.all(np.diff(ways) <= 1e-8)
+    assert ways[-1] == pytest.approx(0.0, abs=1e-8)
+
+
+class Puppet(Backend):
+    """A backend without physics: the robot is where the test puts it."""
+
+    Options = Options
+
+    def __init__(self, robot=ROBOT, n: int = 1, options: Options | None = None, wall_segments: int = 4) -> None:  # type: ignore[no-untyped-def]
+        self.q, self.penetration, self.commands = np.zeros((n, 4)), np.zeros(n), list[Command]()
+        self.ranges = np.full((n, 10), 0.3)
+
+    def reset(self, robots, pipes, q, base) -> None:  # type: ignore[no-untyped-def]
+        self.q[robots] = q
+
+    def step(self, command: Command) -> None:
+        self.commands.append(command)
+
+    def read(self) -> Reading:
+        return Reading(self.q.copy(), np.zeros_like(self.q), self.ranges.copy(), np.zeros(len(self.q)))
+
+    def truth(self) -> Truth:
+        zero = np.zeros(len(self.q))
+        return Truth(np.zeros((len(self.q), 3)), zero, self.penetration.copy(), zero)
+
+    def close(self) -> None:
+        pass
+
+
+def puppet_batch(**task: object) -> tuple[CornerBatch, Puppet]:
+    backend, config = Puppet(), TaskConfig.model_validate(task)
+    source = random_episodes(ROBOT, config, [PIPES[:1]], np.random.default_rng(1))
+    batch = CornerBatch(ROBOT, config, backend, 1, source)
+    batch.reset()
+    return batch, backend
+
+
+def put_tip_at_the_goal(batch: CornerBatch, backend: Puppet) -> None:
+    """By slide and two hinges: two links to the target, the head in line with the second."""
+    x, y = batch.goal[0]
+    theta = np.arctan2(y, x - 0.04 - 0.2)
+    distance = np.hypot(y, x - 0.24)
+    far = 0.23  # link2 and the head
+    bend = np.arccos(np.clip((distance**2 - 0.12**2 - far**2) / (2 * 0.12 * far), -1, 1))
+    first = theta - np.arctan2(far * np.sin(bend), 0.12 + far * np.cos(bend))
+    backend.q[0] = [0.2, first, bend, 0.0]
+    assert kinematics.forward(ROBOT, backend.q).tip[0] == pytest.approx(batch.goal[0])
+
+
+STILL = np.zeros((1, 4))
+
+
+def test_verdicts_have_an_order_of_precedence() -> None:
+    batch, backend = puppet_batch(max_steps=1)
+    assert batch.step(STILL).verdict == Verdict.TIMEOUT
+    put_tip_at_the_goal(batch, backend)
+    assert batch.step(STILL).verdict == Verdict.REACHED
+    backend.q[0, 0] = ROBOT.upper[0]
+    assert batch.step(STILL).verdict == Verdict.LIMIT
+    backend.penetration[0] = 1.01 * TASK.max_penetration
+    assert batch.step(STILL).verdict == Verdict.PENETRATION
+
+
+def test_an_episode_that_reaches_its_target_in_a_wall_has_failed() -> None:
+    batch, backend = puppet_batch()
+    put_tip_at_the_goal(batch, backend)
+    backend.penetration[0] = 1.01 * TASK.max_penetration
+    result = batch.step(STILL)
+    assert result.verdict == Verdict.PENETRATION
+    assert result.reward == pytest.approx([RewardConfig().limit])
+
+
+@pytest.mark.parametrize("joint", range(4))
+@pytest.mark.parametrize("end", ["lower", "upper"])
+def test_every_joint_has_two_limits(joint: int, end: str) -> None:
+    q = np.zeros((1, 4))
+    q[0, joint] = 0.95 * getattr(ROBOT, end)[joint]
+    assert not episode.at_limit(ROBOT, TASK, q).any()
+    q[0, joint] = getattr(ROBOT, end)[joint]
+    assert episode.at_limit(ROBOT, TASK, q).all()
+
+
+def test_the_first_history_state_repeats_the_present_and_knows_no_action() -> None:
+    batch, backend = puppet_batch(observation="history")
+    scale = scale_of(ROBOT, batch.config)
+    first = batch.reset()[0] * scale
+    assert np.array_equal(first[:18], first[18:36])
+    assert np.array_equal(first[36:40], np.zeros(4))
+    backend.q[0] += 0.01
+    second = batch.step(np.array([[0.5, -2.0, 0.0, 1.0]])).observation[0] * scale
+    assert second[18:36] == pytest.approx(first[:18])
+    assert second[36:40] == pytest.approx([0.5, -1.0, 0.0, 1.0])
+    backend.q[0] += 0.01
+    again = batch.reset()[0] * scale
+    assert np.array_equal(again[:18], again[18:36])
+    assert np.array_equal(again[36:40], np.zeros(4))

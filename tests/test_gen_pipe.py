@@ -1,0 +1,94 @@
+"""The command `gen-pipe`, through a small application of its own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import typer
+from typer.testing import CliRunner, Result
+
+from pipenav.cli.gen_pipe import gen_pipe
+from pipenav.errors import PipenavError
+from pipenav.pipe import Pipe
+from pipenav.pipe_export import FILES, read_pipe
+
+app = typer.Typer()
+app.command("gen-pipe")(gen_pipe)
+WIDE = {"COLUMNS": "200", "TERM": "dumb", "NO_COLOR": "1"}
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without the slow part, the drawing."""
+    monkeypatch.setattr("pipenav.pipe_drawing.draw_pipe", lambda _, path: path.write_bytes(b"png"))
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(app, [str(argument) for argument in arguments], env=WIDE)
+
+
+def test_makes_the_pipe_that_was_asked_for(tmp_path: Path) -> None:
+    result = run("--d", 100, "--angle", 75, "--out", tmp_path)
+    assert result.exit_code == 0, result.output
+    assert read_pipe(tmp_path / "corner-d100-a75-left") == Pipe.of(100, 75)
+
+
+def test_every_option_reaches_the_pipe(tmp_path: Path) -> None:
+    options = (
+        "--turn",
+        "right",
+        "--bend-radius",
+        150,
+        "--leg",
+        800,
+        "--wall",
+        4.5,
+        "--out",
+        tmp_path / "new" / "place",
+    )
+    assert run("--d", 62.5, "--angle", 90, *options).exit_code == 0
+    folder = tmp_path / "new" / "place" / "corner-d62.5-a90-r150-right"
+    assert read_pipe(folder) == Pipe.of(62.5, 90, "right", 150, leg_mm=800, wall_mm=4.5)
+
+
+def test_says_what_it_made(tmp_path: Path) -> None:
+    output = run("--d", 100, "--angle", 75, "--out", tmp_path).output
+    assert str(tmp_path / "corner-d100-a75-left") in output.replace("\n", "")
+    for name, purpose in FILES.items():
+        assert name in output and purpose in output
+    for dimension in ("164.3 mm", "65.2 mm", "changes by 105 deg to the left"):
+        assert dimension in output
+
+
+def test_a_straight_pipe_is_called_so(tmp_path: Path) -> None:
+    assert "a straight pipe" in run("--d", 120, "--angle", 180, "--out", tmp_path).output
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--d", 10, "--angle", 75), "diameter 10 mm is out of range: choose 40 to 300 mm."),
+        (("--d", 100, "--angle", 20), "interior angle 20 deg is out of range: choose 30 to 180 deg."),
+        (("--d", 100, "--angle", 75, "--turn", "up"), "turn 'up' is unknown: choose 'left' or 'right'."),
+        (("--d", 100, "--angle", 75, "--leg", 10), "leg length 10 mm is out of range: choose 80 to 20000 mm."),
+    ],
+)
+def test_a_problem_is_left_to_the_caller_and_nothing_is_made(
+    tmp_path: Path, arguments: tuple[object, ...], message: str
+) -> None:
+    result = run(*arguments, "--out", tmp_path)
+    assert isinstance(result.exception, PipenavError) and str(result.exception) == message
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_help_names_units_ranges_and_examples() -> None:
+    output = " ".join(run("--help").output.replace("│", " ").split())
+    for text in (
+        "in mm, 40 to 300",
+        "in deg, 30 to 180",
+        "0.5 to 50",
+        "pipenav gen-pipe --d 100 --angle 75",
+        "left or right",
+    ):
+        assert text in output

@@ -1,0 +1,87 @@
+"""Robot descriptions: what the shipped one says, and what a wrong one is told."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipenav.assets import robots_dir
+from pipenav.errors import ConfigError, FileProblem, UnknownName
+from pipenav.robot import load_robot, robot_names
+
+TEXT = (robots_dir() / "basic" / "robot.toml").read_text(encoding="utf-8")
+
+
+def message(tmp_path: Path, text: str) -> str:
+    """What is said about a robot.toml of this text."""
+    path = tmp_path / "robot.toml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(ConfigError) as caught:
+        load_robot(str(path))
+    said = str(caught.value)
+    assert said.startswith(str(path))
+    assert "\n" not in said
+    assert said.endswith((".", "?"))
+    return said
+
+
+@pytest.mark.parametrize("name", robot_names())
+def test_every_shipped_robot_loads_under_its_folders_name(name: str) -> None:
+    robot = load_robot(name)
+    assert robot.name == name
+    assert np.all(robot.lower < 0)
+    assert np.all(robot.upper > 0)
+    assert robot.mirror_signs.tolist() == [1.0 if joint.type == "slide" else -1.0 for joint in robot.joints]
+
+
+def test_the_basic_robot_is_the_thesiss() -> None:
+    robot = load_robot("basic")
+    assert [link.length for link in robot.links] == [0.04, 0.12, 0.12, 0.11]
+    assert robot.length == pytest.approx(0.39)
+    assert (robot.laser.beams, robot.laser.range_min, robot.laser.range_max) == (10, 0.005, 0.5)
+    assert [joint.name for joint in robot.joints] == ["l", "theta1", "theta2", "theta3"]
+
+
+def test_an_actuator_is_a_torque_speed_line() -> None:
+    # effort = limit * drive - damping * speed: nothing is left at full drive and the no-load speed.
+    for actuator in load_robot("basic").joint_actuators:
+        assert actuator.effort_limit - actuator.damping * actuator.speed_limit == pytest.approx(0.0)
+        assert actuator.position_gain * actuator.full_drive_error == pytest.approx(actuator.stall_effort)
+
+
+def test_an_unknown_robot_is_answered_with_the_nearest() -> None:
+    with pytest.raises(UnknownName, match=r"unknown robot 'basci': did you mean 'basic'\?"):
+        load_robot("basci")
+
+
+def test_a_missing_file_is_named(tmp_path: Path) -> None:
+    with pytest.raises(FileProblem, match=r"cannot read .*none\.toml"):
+        load_robot(str(tmp_path / "none.toml"))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("friction = 0.3", "fricton = 0.3", r"friction"),
+        ("friction = 0.3", "friction = 0.3\ncolour = 1", r"unknown key 'colour'"),
+        ("length = 0.040", "lenght = 0.040", r"links.0.length: field required"),
+        ("mass = 0.10 ", "mass = 0.10\nwidht = 1.0 ", r"unknown key 'links.0.widht': did you mean 'links.0.width'"),
+        ("stall_effort = 1.5", 'stall_effort = "1.5"', r"actuators.hinge.stall_effort: .*number.*given '1.5'"),
+        ("range_min = 0.005", "range_min = 0.005\nrange_mix = 1", r"did you mean 'laser.range_min'"),
+        ("lower = -2.4, upper", "lower = 0.1, upper", r"start pose, 0, must lie strictly between lower and upper"),
+        ('actuator = "slide"', 'actuator = "slider"', r"names actuator 'slider', which is not described"),
+        ('name = "theta2"', 'name = "theta1"', r"joint names must differ"),
+        ("lower = -2.4,", "lowr = 1, lower = -2.4,", r"did you mean 'links.1.joint.lower'"),
+        ("schema_version = 1", "schema_version = 2", r"schema_version: input should be 1, given 2"),
+        ("schema_version = 1", "schema_version = = 2", r"is not valid TOML"),
+    ],
+)
+def test_errors_are_one_sentence_that_names_the_key(tmp_path: Path, old: str, new: str, said: str) -> None:
+    import re
+
+    text = TEXT.replace(old, new, 1)
+    assert text != TEXT
+    given = message(tmp_path, text)
+    assert re.search(said, given), given
