@@ -19,7 +19,7 @@ CONTROL_PERIOD = 0.1
 """One control step [s] (thesis 4.4.2: t_s = 0.1 s)."""
 
 
-class Options(BaseModel):
+class BackendOptions(BaseModel):
     """Base of a backend's own settings: frozen, strict, unknown keys refused."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
@@ -35,10 +35,10 @@ class Backend(ABC):
         wall_segments: the most wall segments that any pipe given to `reset` will have.
     """
 
-    Options: type[Options]
+    Options: type[BackendOptions]
 
     @abstractmethod
-    def __init__(self, robot: RobotSpec, n: int, options: Options, wall_segments: int = 4) -> None: ...
+    def __init__(self, robot: RobotSpec, n: int, options: BackendOptions, wall_segments: int = 4) -> None: ...
 
     @abstractmethod
     def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> None:

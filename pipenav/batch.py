@@ -161,7 +161,7 @@ def random_episodes(
     """Episodes with random starts and targets in random pipes: first a set is drawn, each alike, then a pipe of it."""
 
     def source(robots: NDArray[np.intp]) -> Episodes:
-        chosen = [sets[i] for i in rng.integers(len(sets), size=len(robots))]
-        return episode.sample(robot, config, [pipes[rng.integers(len(pipes))] for pipes in chosen], rng)
+        chosen = [sets[int(rng.integers(len(sets)))] for _ in robots]
+        return episode.sample(robot, config, [pipes[int(rng.integers(len(pipes)))] for pipes in chosen], rng)
 
     return source

@@ -9,7 +9,6 @@ allows, not what a controller with sensors can do.
 from __future__ import annotations
 
 import math
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -32,8 +31,8 @@ ENTRY = 0.12
 BEYOND = 0.05
 """How far the line runs on past the target [m], for the tip to slide along when it has to stop off a waypoint."""
 
-LINE_POINTS = 60
-"""Points of each of the line's three curves: a few millimetres apart."""
+LINE_POINTS = 30
+"""Points of each of the line's four curves: some millimetres apart."""
 
 WAYPOINTS = 40
 """Poses along the slide's whole travel, about a centimetre apart."""
@@ -41,7 +40,7 @@ WAYPOINTS = 40
 WIDE_ENOUGH = 0.006
 """Clearance [m] that leaves room for the servos' lag; what is above it is as good as this."""
 
-LINES = tuple(product((0.5, 0.6, 0.7, 0.78, 0.84), (0.2, 0.3, 0.4, 0.5, 0.65, 0.8), (0.5, 0.6, 0.7, 0.8)))
+WIDTHS = ((0.5, 0.6, 0.7, 0.78, 0.84), (0.2, 0.3, 0.4, 0.5, 0.65, 0.8), (0.5, 0.6, 0.7, 0.8))
 """Lines to choose from: distance from the inner wall before, at and after the corner, in diameters."""
 
 ROUNDS, FIRST_MOVE, SHRINK = 40, 0.08, 0.96
@@ -81,7 +80,7 @@ class CentrelineController:
             )
         self.robot = robot
         self.task = task or TaskConfig(control="position")
-        self._lines: dict[Pipe, tuple[float, float, float]] = {}
+        self._lines: dict[Pipe, tuple[float, ...]] = {}
         self._ways: dict[int, tuple[object, Array]] = {}
 
     def act(self, observation: Array, batch: CornerBatch) -> Array:  # noqa: ARG002  # it knows more than that
@@ -112,12 +111,16 @@ class CentrelineController:
             return _improve(self.robot, pipe, base, goal, way.q)
         return way.q
 
-    def _choose_line(self, pipe: Pipe) -> tuple[float, float, float]:
-        """The best line for the middle of the target area, from the farthest start."""
+    def _choose_line(self, pipe: Pipe) -> tuple[float, ...]:
+        """A good line for the middle of the target area, from the farthest start: one width after the other, twice."""
         depth = pipe.inner_edge + sum(self.task.target_depth) / 2
         base = -pipe.inner_edge - self.task.start_gap[1] - self.robot.length
-        scores = [_follow_line(self.robot, pipe, base, depth * pipe.second_leg, line).score for line in LINES]
-        return LINES[int(np.argmax(scores))]
+        goal = depth * pipe.second_leg
+        best = tuple(choices[len(choices) // 2] for choices in WIDTHS)
+        for place in (0, 1, 2) * 2:
+            lines = [(*best[:place], width, *best[place + 1 :]) for width in WIDTHS[place]]
+            best = max(lines, key=lambda line: _follow_line(self.robot, pipe, base, goal, line).score)
+        return best
 
 
 def _towards(way: Array, q: Array, step: Array) -> Array:
@@ -131,7 +134,7 @@ def _towards(way: Array, q: Array, step: Array) -> Array:
     return np.asarray((way[target] - q) / step / max(1.0, away[target]))
 
 
-def _follow_line(robot: RobotSpec, pipe: Pipe, base: float, goal: Array, widths: tuple[float, float, float]) -> Way:
+def _follow_line(robot: RobotSpec, pipe: Pipe, base: float, goal: Array, widths: tuple[float, ...]) -> Way:
     """The motion of a chain whose hinges follow the leader along one line, up to where the tip reaches the target.
 
     Args:
@@ -139,29 +142,34 @@ def _follow_line(robot: RobotSpec, pipe: Pipe, base: float, goal: Array, widths:
         pipe: a left turn.
         base: where the robot's frame starts, x in the pipe's frame [m].
         goal: target in the pipe's frame, (2,) [m].
-        widths: see `LINES`.
+        widths: see `WIDTHS`.
     """
     line, end = _line(pipe, goal, widths)
     top = robot.upper - 0.01 * (robot.upper - robot.lower)  # off the limits, which end an episode
     q = np.zeros((WAYPOINTS, len(robot.links)))
     q[:, 0] = np.linspace(0.0, top[0], WAYPOINTS)
     hinge = np.stack([q[:, 0] + base + robot.links[0].length, np.zeros(WAYPOINTS)], axis=1)  # (k, 2)
-    at = np.hypot(*np.moveaxis(line - hinge[:, None], -1, 0)).argmin(axis=1).astype(float)
+    nearest = np.hypot(*np.moveaxis(line - hinge[:, None], -1, 0)).argmin(axis=1)
+    at = np.where(hinge[:, 0] < line[1, 0], 0.0, nearest)
     heading = np.zeros(WAYPOINTS)
     for j, link in enumerate(robot.links[1:], 1):
         far_end, at = _reach(line, hinge, at, link.length)
         direction = np.arctan2(*(far_end - hinge).T[::-1])
         q[:, j] = np.mod(direction - heading + math.pi, 2 * math.pi) - math.pi
         hinge, heading = far_end, direction
-    arrived = at >= end
-    q = q[: int(arrived.argmax()) + 1] if arrived.any() else q
+    arrived = np.flatnonzero(at >= end)
+    if len(arrived):
+        last = max(int(arrived[0]), 1)
+        share = (end - at[last - 1]) / (at[last] - at[last - 1])
+        q[last] = q[last - 1] + share * (q[last] - q[last - 1])
+        q = q[: last + 1]
+    missing = 0.0 if len(arrived) else 1.0 + end - float(at[-1])
     room = float(clearance(robot, pipe, q, base).min())
-    missing = 0.0 if arrived.any() else 1.0 + end - float(at[-1])
     too_bent = float((np.abs(q[:, 1:]) > np.minimum(top, -robot.lower)[1:]).any())
     return Way(q, room - missing - too_bent)
 
 
-def _line(pipe: Pipe, goal: Array, widths: tuple[float, float, float]) -> tuple[Array, int]:
+def _line(pipe: Pipe, goal: Array, widths: tuple[float, ...]) -> tuple[Array, int]:
     """The line around a left turn's corner, (p, 2) [m], and the index of the point at the target."""
     before, at, after = pipe.diameter * np.array(widths)
     turn = math.pi - pipe.angle
@@ -178,8 +186,8 @@ def _line(pipe: Pipe, goal: Array, widths: tuple[float, float, float]) -> tuple[
     straight = (way @ along) * along
     leave = out + straight * t + (way - straight) * smooth
     start = np.array([[-pipe.leg - 1.0, 0.0]])  # the arm may stick out of a short leg's open end
-    line = np.concatenate([start, entry, corner, leave, goal[None], (goal + BEYOND * along)[None]])
-    return line, len(line) - 2
+    past = goal + BEYOND * t * along
+    return np.concatenate([start, entry, corner, leave, past]), 1 + 3 * LINE_POINTS
 
 
 def _reach(line: Array, hinge: Array, at: Array, length: float) -> tuple[Array, Array]:
@@ -200,24 +208,25 @@ def _reach(line: Array, hinge: Array, at: Array, length: float) -> tuple[Array, 
 
 
 def _improve(robot: RobotSpec, pipe: Pipe, base: float, goal: Array, q: Array) -> Array:
-    """More clearance where it is below `WIDE_ENOUGH`, by small changes of one or two hinges at a time: (k, joints).
+    """More clearance where it is below `WIDE_ENOUGH`, by small changes of one hinge at a time: (k, joints).
 
     Every other waypoint moves in a round, so that each can count on its neighbours. The first one, where the robot
     starts, stays; the last one also keeps the tip near the target.
     """
-    moves = np.array([m for m in product((0, -1, 1), repeat=q.shape[1] - 1) if sum(map(abs, m)) <= 2], float)
-    moves = np.concatenate([np.zeros((len(moves), 1)), moves], axis=1)  # (m, joints), the first one is no move
+    hinges = np.eye(q.shape[1])[1:]
+    moves = np.concatenate([np.zeros((1, q.shape[1])), hinges, -hinges])  # (m, joints), the first one is no move
     size = FIRST_MOVE
     for turn in range(ROUNDS):
-        tried = q[:, None] + size * moves  # (k, m, joints)
-        middle = (np.concatenate([q[:1], q[:-1]]) + np.concatenate([q[1:], q[-1:]])) / 2
+        moving = slice(1 + turn % 2, None, 2)
+        before, after = q[:-1], np.concatenate([q[2:], q[-1:]])
+        middle = ((before + after) / 2)[turn % 2 :: 2]  # of the neighbours of each waypoint that moves
+        tried = q[moving, None] + size * moves  # (k / 2, m, joints)
         bend = ((tried - middle[:, None])[..., 1:] ** 2).sum(axis=-1)
         cost = BEND_COST * bend - np.minimum(clearance(robot, pipe, tried, base), WIDE_ENOUGH)
-        tip = kinematics.forward(robot, tried[-1]).tip + np.array([base, 0.0])
-        cost[-1] += TARGET_COST * np.linalg.norm(tip - goal, axis=-1)
-        best = cost.argmin(axis=1)
-        best[0] = 0
-        best[turn % 2 :: 2] = 0
-        q = q + size * moves[best]
+        if (len(q) - 2 - turn) % 2 == 0:  # the last waypoint is among those that move
+            tip = kinematics.forward(robot, tried[-1]).tip + np.array([base, 0.0])
+            cost[-1] += TARGET_COST * np.linalg.norm(tip - goal, axis=-1)
+        q = q.copy()
+        q[moving] += size * moves[cost.argmin(axis=1)]
         size *= SHRINK
     return q

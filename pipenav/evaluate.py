@@ -8,13 +8,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipenav.batch import CornerBatch
+from pipenav.batch import CornerBatch, StepResult
 from pipenav.controller import Controller
 from pipenav.pipe import Pipe
 from pipenav.records import Evaluation, PipeRecord
 from pipenav.registry import open_backend
 from pipenav.task import episode
 from pipenav.task.episode import Episodes, Verdict
+from pipenav.thesis import thesis_best
 from pipenav.units import m_to_mm, rad_to_deg
 
 Array = NDArray[np.float64]
@@ -41,6 +42,13 @@ class EpisodeResults(NamedTuple):
     penetration: Array
     force: Array
     contact_share: Array
+
+    def part(self, start: int, stop: int) -> EpisodeResults:
+        """The episodes from `start` to before `stop`."""
+        numbers = (self.clearance, self.penetration, self.force, self.contact_share)
+        return EpisodeResults(
+            self.verdict[start:stop], self.steps[start:stop], *(column[start:stop] for column in numbers)
+        )
 
 
 class _Queue:
@@ -110,34 +118,48 @@ def run_episodes(
         batch.close()
 
 
+class _Peaks:
+    """What has been seen of each robot's running episode."""
+
+    def __init__(self, n: int) -> None:
+        self.clearance, self.penetration = np.full(n, np.inf), np.zeros(n)
+        self.force, self.contact_steps = np.zeros(n), np.zeros(n)
+
+    def add(self, step: StepResult) -> None:
+        self.clearance = np.minimum(self.clearance, step.clearance)
+        self.penetration = np.maximum(self.penetration, step.truth.penetration)
+        self.force = np.maximum(self.force, step.truth.contact_force)
+        self.contact_steps = self.contact_steps + step.truth.contact_share
+
+    def forget(self, robots: NDArray[np.intp]) -> None:
+        self.clearance[robots], self.penetration[robots] = np.inf, 0.0
+        self.force[robots], self.contact_steps[robots] = 0.0, 0.0
+
+
 def _drain(
     batch: CornerBatch, queue: _Queue, controller: Controller, progress: Callable[[int, int], None] | None
 ) -> EpisodeResults:
-    n, total = batch.n, queue.total
-    results = EpisodeResults(
-        np.zeros(total, np.int8), np.zeros(total, np.intp), *(np.zeros(total) for _ in range(4))
-    )
-    clearance, penetration, force, contact = np.full(n, np.inf), np.zeros(n), np.zeros(n), np.zeros(n)
+    """Step until every episode has ended."""
+    total = queue.total
+    results = EpisodeResults(np.zeros(total, np.int8), np.zeros(total, np.intp), *(np.zeros(total) for _ in range(4)))
+    peaks = _Peaks(batch.n)
     observation = batch.reset()
     finished = 0
     while finished < total:
         step = batch.step(controller.act(observation, batch))
         observation = step.observation
-        clearance = np.minimum(clearance, step.clearance)
-        penetration = np.maximum(penetration, step.truth.penetration)
-        force = np.maximum(force, step.truth.contact_force)
-        contact += step.truth.contact_share
+        peaks.add(step)
         ended = np.flatnonzero(step.verdict != Verdict.RUNNING)
         if not len(ended):
             continue
         counted = ended[queue.running[ended] >= 0]
         jobs = queue.running[counted]
-        steps = batch.steps[counted]
-        values = (step.verdict[counted], steps, clearance[counted], penetration[counted], force[counted])
-        for column, value in zip(results, (*values, contact[counted] / steps), strict=True):
-            column[jobs] = value
+        results.verdict[jobs], results.steps[jobs] = step.verdict[counted], batch.steps[counted]
+        results.clearance[jobs], results.penetration[jobs] = peaks.clearance[counted], peaks.penetration[counted]
+        results.force[jobs] = peaks.force[counted]
+        results.contact_share[jobs] = peaks.contact_steps[counted] / batch.steps[counted]
         finished += len(counted)
-        clearance[ended], penetration[ended], force[ended], contact[ended] = np.inf, 0.0, 0.0, 0.0
+        peaks.forget(ended)
         if progress is not None:
             progress(finished, int((results.verdict == Verdict.REACHED).sum()))
         if finished < total:
@@ -156,28 +178,25 @@ def summarise(
     options: dict[str, Any],
 ) -> Evaluation:
     """The results per pipe, per diameter and over all, as `eval.json` holds them."""
-    records = [
-        _pipe_record(pipe, EpisodeResults(*(column[i * episodes : (i + 1) * episodes] for column in results)))
-        for i, pipe in enumerate(pipes)
-    ]
+    records = [_pipe_record(pipe, results.part(i * episodes, (i + 1) * episodes)) for i, pipe in enumerate(pipes)]
     return Evaluation.of(
         records,
         policy=policy,
         backend=backend,
         robot=controller.robot.name,
-        control=controller.task.control,
         stage="front",
         seed=seed,
         episodes_per_pipe=episodes,
         penetration_p99_m=float(np.percentile(results.penetration, 99)),
         options=options,
+        thesis=thesis_best(controller.task.control, controller.robot.name),
     )
 
 
 def _pipe_record(pipe: Pipe, results: EpisodeResults) -> PipeRecord:
     reached = results.verdict == Verdict.REACHED
     verdicts, counts = np.unique(results.verdict[~reached], return_counts=True)
-    return PipeRecord.of(
+    return PipeRecord(
         diameter_mm=round(m_to_mm(pipe.diameter), 6),
         angle_deg=round(rad_to_deg(pipe.angle), 6),
         turn=pipe.turn,
@@ -185,7 +204,7 @@ def _pipe_record(pipe: Pipe, results: EpisodeResults) -> PipeRecord:
         front_attempts=len(reached),
         front_successes=int(reached.sum()),
         failures={Verdict(v).label: int(c) for v, c in zip(verdicts, counts, strict=True)},
-        mean_steps=float(results.steps.mean()),
+        mean_steps=float(results.steps[reached].mean()) if reached.any() else None,
         min_clearance_m=float(results.clearance.min()),
         max_penetration_m=float(results.penetration.max()),
         peak_force_n=float(results.force.max()),

@@ -202,8 +202,7 @@ class Evaluation(_Record):
     Attributes:
         schema_version: version of the format; the key is `schema`.
         policy, backend, robot: their names.
-        stage: what was run, by its name on the command line.
-        seed: of starts and targets.
+        stage, seed: what was run, by its name on the command line; of starts and targets.
         episodes_per_pipe: episodes in every pipe.
         success: share of all episodes that passed every stage that was run.
         success_low, success_high: its 95 % interval.

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, cast
 
 from pydantic import ValidationError
 
-from pipenav.backend import Backend, Options
+from pipenav.backend import Backend, BackendOptions
 from pipenav.errors import BackendUnavailable, ConfigError, UnknownName
 from pipenav.robot import RobotSpec
 from pipenav.source_imports import can_find, imported_packages
@@ -130,7 +130,7 @@ def load_backend(name: str) -> type[Backend]:
 
 
 def open_backend(
-    name: str, robot: RobotSpec, n: int, options: Mapping[str, Any] | Options, wall_segments: int = 4
+    name: str, robot: RobotSpec, n: int, options: Mapping[str, Any] | BackendOptions, wall_segments: int = 4
 ) -> Backend:
     """Load a backend and construct it.
 
@@ -153,13 +153,13 @@ def open_backend(
         raise _not_importable(_find(name), error) from error
 
 
-def check_options(name: str, kind: type[Backend], options: Mapping[str, Any] | Options) -> Options:
-    """Options as an instance of the backend's own class.
+def check_options(name: str, kind: type[Backend], options: Mapping[str, Any] | BackendOptions) -> BackendOptions:
+    """BackendOptions as an instance of the backend's own class.
 
     Raises:
         ConfigError: an unknown key or a wrong value, or the options of another backend.
     """
-    if isinstance(options, Options):
+    if isinstance(options, BackendOptions):
         if not isinstance(options, kind.Options):
             given = type(options).__name__
             raise ConfigError(f"backend {name!r} takes {kind.Options.__name__}, given {given}.")
@@ -185,9 +185,9 @@ def _flaw(loaded: object) -> str:
         return "is not a subclass of pipenav.backend.Backend"
     if inspect.isabstract(loaded):
         return f"does not implement {', '.join(sorted(loaded.__abstractmethods__))}"
-    options = getattr(loaded, "Options", None)
-    if not (inspect.isclass(options) and issubclass(options, Options)):
-        return "has no Options derived from pipenav.backend.Options"
+    options = getattr(loaded, "BackendOptions", None)
+    if not (inspect.isclass(options) and issubclass(options, BackendOptions)):
+        return "has no BackendOptions derived from pipenav.backend.BackendOptions"
     return ""
 
 

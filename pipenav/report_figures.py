@@ -102,19 +102,15 @@ def success_figure(evaluation: Evaluation) -> Figure:
         style = _Style(colour, MARKERS[i % len(MARKERS)], weight, dodge)
         lowest = min(lowest, _draw_line(axes, f"{diameter:g} mm", line, style))
     floor = 5 * math.floor((100 * lowest - 2) / 5)
-    bottom = (
-        floor if floor >= 50 else 0
-    )  # a cut axis shows small differences, but must not make a poor policy look good
+    bottom = floor if floor >= 50 else 0  # a cut axis shows small differences; it must not flatter a poor policy
     axes.set(ylim=(bottom - (100 - bottom) * 0.02, 100 + (100 - bottom) * 0.03), ylabel="success [%]")
     axes.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10], integer=True))
     margin = 0.025 * (angles[-1] - angles[0]) or 5.0
     axes.set(xlabel="interior corner angle [deg] (smaller is sharper)", xlim=(angles[0] - margin, angles[-1] + margin))
     if len(angles) <= 20:
         axes.set_xticks(angles, [f"{angle:g}" for angle in angles])
-    legend = axes.legend(
-        title="pipe diameter", loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=9.5
-    )
-    legend.get_title().set_color(INK)
+    beside = (1.0, 0.5)
+    axes.legend(title="pipe diameter", loc="center left", bbox_to_anchor=beside, frameon=False, labelcolor=INK)
     given = {record.turn for record in evaluation.pipes}
     turns = "left and right turns together" if len(given) > 1 else f"{given.pop()} turns"
     _title(axes, "Success over the corner angle", evaluation, f"{turns}; Wilson 95 % intervals")
@@ -143,9 +139,7 @@ def _draw_line(axes: Axes, label: str, line: dict[float, Cell], style: _Style) -
     else:
         axes.fill_between(x, low, high, color=style.colour, alpha=0.09, linewidth=0)
         artist = axes.plot(x, share, color=style.colour, lw=1.6 * style.weight, label=label, clip_on=False)[0]
-        artist.set(
-            marker=style.marker, markersize=4.5 * style.weight**0.7, markeredgecolor="white", markeredgewidth=0.6
-        )
+        artist.set(marker=style.marker, markersize=4.5 * style.weight**0.7, markeredgecolor="white")
     return min(low) / 100
 
 

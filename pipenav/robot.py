@@ -108,7 +108,7 @@ class Laser(_Table):
         fan = math.radians(self.fan_deg)
         sector = fan / self.beams
         first = -fan / 2 + (sector / 2 if self.fan == "centred" else 0.0)
-        angles = first + sector * np.arange(self.beams)
+        angles: Array = first + sector * np.arange(self.beams, dtype=float)
         angles.flags.writeable = False
         return angles
 

@@ -21,7 +21,8 @@ from pipenav.errors import PipenavError
 from pipenav.evaluate import run_episodes
 from pipenav.files import atomic_write
 from pipenav.pipe_set import parse_pipes
-from pipenav.policy import PolicyHeader, header_for, load_policy, save_policy
+from pipenav.policy import load_policy, save_policy
+from pipenav.policy_header import PolicyHeader, header_for
 from pipenav.registry import open_backend
 from pipenav.report import write_training_plot
 from pipenav.robot import load_robot
@@ -32,6 +33,9 @@ from pipenav.train_config import TrainConfig
 
 NOISE_SETTLED = 0.9
 """Share of the steps after which the exploration noise stays at its last value."""
+
+CHECK_SEED = 1_000_003
+"""Added to the run's seed for checks: not the seed of an evaluation that anybody is likely to type."""
 
 LEARNING_RATE_FLOOR = 0.05
 """Share of the learning rate that is left at the end."""
@@ -176,7 +180,7 @@ class _Watch(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3 is import
         rewards, observations = self.locals["rewards"], self.locals["new_obs"]
         if not (np.isfinite(observations).all() and np.isfinite(rewards).all()):
             self._diverge(observations, rewards)
-        self._clearance += float(env.clearance.sum())
+        self._clearance += float(env.batch.snapshot.ranges.min(axis=1).sum())
         self._reward += float(rewards.sum())
         self._samples += len(rewards)
         for info in self.locals["infos"]:
@@ -245,13 +249,14 @@ class _Watch(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3 is import
         write_training_plot(folder.plot, folder.progress)
 
     def _measure(self) -> float:
+        """Success of the noise-free policy on episodes spread evenly over the training pipes."""
         check = self._config.check
+        pipes = parse_pipes(self._config.pipes)
+        chosen = [pipes[i] for i in np.linspace(0, len(pipes) - 1, min(check.episodes, len(pipes))).astype(int)]
+        each = math.ceil(check.episodes / len(chosen))
+        seed = self._config.seed + CHECK_SEED
         controller = PolicyController(load_policy(self._folder.last))
-        pipes = parse_pipes(check.pipes or self._config.pipes)
-        seed = self._config.seed + 1_000_003  # not the seed of any evaluation that a user is likely to type
-        results = run_episodes(
-            controller, pipes, check.episodes, seed, self._config.backend, self._config.options
-        )
+        results = run_episodes(controller, chosen, each, seed, self._config.backend, self._config.options)
         return float((results.verdict == Verdict.REACHED).mean())
 
     def _header(self) -> PolicyHeader:
@@ -296,4 +301,3 @@ def _printable(values: np.ndarray) -> list[Any]:
         _printable(value) if isinstance(value, np.ndarray) else float(value) if math.isfinite(value) else str(value)
         for value in values
     ]
-

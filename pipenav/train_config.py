@@ -58,9 +58,8 @@ class LearnerConfig(_Table):
 class CheckConfig(_Table):
     """Checks during training: the noise-free policy on some episodes; the best one becomes best.zip."""
 
-    every: int = Field(20_000, ge=1, description="control steps between two checks")
-    pipes: tuple[str, ...] = Field((), strict=False, description="pipe sets to check on; empty: the training pipes")
-    episodes: int = Field(1, ge=1, description="episodes per pipe")
+    every: int = Field(40_000, ge=1, description="control steps between two checks")
+    episodes: int = Field(200, ge=1, description="episodes of a check, spread evenly over the training pipes")
 
 
 class TrainConfig(_Table):

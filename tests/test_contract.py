@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from pipenav.backend import Backend
+from pipenav.backend import Array, Backend
+from pipenav.pipe import Pipe
 from pipenav.registry import availability, find_backends
+from pipenav.state import Command, Reading
 from pipenav.testing import CONTRACT, Bench, KinematicBackend
 
 NEEDS_A_MACHINE = {"hardware"}
@@ -41,3 +45,66 @@ def test_contract(backend: str | type[Backend], check: Callable[[Bench], None]) 
 @pytest.mark.parametrize("check", CONTRACT, ids=lambda check: check.__name__.removeprefix("check_"))
 def test_contract_holds_for_one_robot(check: Callable[[Bench], None]) -> None:
     check(Bench(KinematicBackend, n=1))
+
+
+class SharesMemory(KinematicBackend):
+    def read(self) -> Reading:
+        return super().read()._replace(q=self._q)
+
+
+class Backwards(KinematicBackend):
+    def step(self, command: Command) -> None:
+        super().step(command._replace(values=-command.values))
+
+
+class ResetsAll(KinematicBackend):
+    def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> None:
+        super().reset(robots, pipes, q, base)
+        self._q[:] = q[0] if len(q) else 0.0
+
+
+class DeadBeam(KinematicBackend):
+    def read(self) -> Reading:
+        reading = super().read()
+        reading.ranges[:, 0] = 0.3
+        return reading
+
+
+class RemembersItsPast(KinematicBackend):
+    steps = 0
+
+    def step(self, command: Command) -> None:
+        super().step(command)
+        self.steps += 1
+        self._q[:, -1] += 1e-12 * self.steps
+
+
+class Shaky(KinematicBackend):
+    def step(self, command: Command) -> None:
+        super().step(command)
+        self._q[:, -1] += 1e-12 * np.random.default_rng().normal()
+
+
+class Stopped(KinematicBackend):
+    def read(self) -> Reading:
+        return super().read()._replace(time=np.ones(len(self._q)))
+
+
+@pytest.mark.parametrize(
+    ("backend", "law", "message"),
+    [
+        (SharesMemory, "no_shared_memory", "a backend whose arrays the caller wrote into"),
+        (Backwards, "commands_move_the_right_way", "a positive drive moves joint 0 by"),
+        (ResetsAll, "reset_touches_only_named_robots", "differs between robots not reset"),
+        (ResetsAll, "resets_differ", "joint positions after a reset"),
+        (DeadBeam, "nothing_constant", r"ranges never changes in columns \[0\]"),
+        (DeadBeam, "tip_and_ranges_fit_the_pose", "beams miss the walls"),
+        (RemembersItsPast, "reset_forgets_the_past", "a used and a new backend under the same commands"),
+        (Shaky, "same_seed_same_trajectory", "two backends under the same commands"),
+        (Stopped, "time_counts", "Not equal"),
+    ],
+)
+def test_a_broken_law_is_noticed(backend: type[Backend], law: str, message: str) -> None:
+    (check,) = (check for check in CONTRACT if check.__name__ == f"check_{law}")
+    with pytest.raises(AssertionError, match=message):
+        check(Bench(backend))

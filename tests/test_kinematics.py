@@ -6,7 +6,7 @@ import cmath
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -17,6 +17,7 @@ ROBOT = load_robot("basic")
 poses = arrays(float, (3, 4), elements=st.floats(-3, 3))
 
 
+@settings(max_examples=40)
 @given(poses)
 def test_the_chain_is_a_sum_of_phasors(q) -> None:  # type: ignore[no-untyped-def]
     pose = forward(ROBOT, q)
@@ -30,6 +31,7 @@ def test_the_chain_is_a_sum_of_phasors(q) -> None:  # type: ignore[no-untyped-de
         assert pose.headings[i] == pytest.approx(headings)
 
 
+@settings(max_examples=40)
 @given(poses)
 def test_robots_do_not_touch_each_others_poses(q) -> None:  # type: ignore[no-untyped-def]
     together = forward(ROBOT, q)

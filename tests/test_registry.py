@@ -11,7 +11,7 @@ from typing import Protocol
 import pytest
 
 from pipenav import registry
-from pipenav.backend import Options
+from pipenav.backend import BackendOptions
 from pipenav.errors import BackendUnavailable, ConfigError, UnknownName
 from pipenav.registry import availability, find_backends, load_backend, open_backend
 from pipenav.robot import load_robot
@@ -166,7 +166,7 @@ def test_an_import_that_the_constructor_makes_is_named_when_it_is_opened(install
         ("GoodBackend = 3", "is not a subclass of pipenav.backend.Backend"),
         ("class GoodBackend: pass", "is not a subclass of pipenav.backend.Backend"),
         ("from pipenav.backend import Backend\nclass GoodBackend(Backend): pass", "does not implement __init__, close"),
-        (f"{GOOD}\nclass GoodBackend(GoodBackend): Options = dict", "has no Options derived from"),
+        (f"{GOOD}\nclass GoodBackend(GoodBackend): Options = dict", "has no BackendOptions derived from"),
         ("from pipenav.errors import nothing_there", "cannot import name 'nothing_there'"),
     ],
 )
@@ -235,7 +235,7 @@ def test_options_may_be_an_instance_of_the_backends_own_class_only(install: Inst
     backend = open_backend("k", load_robot("basic"), 1, KinematicOptions(speed_share=0.1))
     backend.close()
 
-    class OtherOptions(Options):
+    class OtherOptions(BackendOptions):
         pass
 
     with pytest.raises(ConfigError, match="backend 'k' takes KinematicOptions, given OtherOptions"):

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -84,7 +84,7 @@ def test_advanced_total_eq_3_15() -> None:
 
 
 def test_our_own_terms() -> None:
-    # progress 20 / m * 0.01 m + reach 5 + step -0.1 + force -0.05 / N * 2 N + penetration -1 / mm * 1 mm = 4.0, times 2.
+    # progress 20 / m * 0.01 m, reach 5, step -0.1, force -0.05 / N * 2 N, penetration -1 / mm * 1 mm: 4.0, times 2.
     config = RewardConfig(c1=0, c2=0, progress=20, reach=5, step=-0.1, force=-0.05, penetration=-1.0, scale=2.0)
     assert reward.total(config, facts()) == pytest.approx([2 * (0.2 + 5.0 - 0.1 - 0.1 - 1.0)])
 
@@ -143,6 +143,7 @@ def test_position_actions_eq_3_4_and_3_5() -> None:
     assert command.values[0] == pytest.approx([0.12, 0.4, -0.5, 2.4])  # the last at its limit
 
 
+@settings(max_examples=40)
 @given(joint_values, joint_values, range_values, joint_values, st.sampled_from(["basic", "history", "relative"]))
 def test_a_right_turn_looks_like_the_left_turn_it_mirrors(q, qd, ranges, action, kind) -> None:  # type: ignore[no-untyped-def]
     reading = Reading(q, qd, ranges, np.zeros(1))
@@ -161,6 +162,7 @@ def test_a_right_turn_looks_like_the_left_turn_it_mirrors(q, qd, ranges, action,
         assert np.allclose(on_right, on_left * signs, rtol=0, atol=1e-15)
 
 
+@settings(max_examples=40)
 @given(joint_values, joint_values, range_values)
 def test_a_snapshot_shares_no_memory_with_the_reading(q, qd, ranges) -> None:  # type: ignore[no-untyped-def]
     reading = Reading(q, qd, ranges, np.zeros(1))

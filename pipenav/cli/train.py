@@ -59,7 +59,7 @@ def train(
     }
     folder, resolved, where = _prepare(preset, config, set_ or [], options, out, resume)
     console = Console()
-    console.print(f"training [bold]{where}[/] on {resolved.backend}: {resolved.steps:,} steps, run folder {folder.path}")
+    console.print(f"training {where} on {resolved.backend}: {resolved.steps:,} steps, run folder {folder.path}")
     outcome = _run(console, resolved, folder, resumed=resume is not None)
     _tell(console, folder, outcome)
     if outcome.stopped:
@@ -99,7 +99,6 @@ def _check_names(config: TrainConfig, backends: list[str]) -> None:
 
     load_robot(config.robot)
     parse_pipes(config.pipes)
-    parse_pipes(config.check.pipes)
     if config.backend not in backends:
         raise UnknownName("backend", config.backend, backends)
 

@@ -16,7 +16,7 @@ class _Table(BaseModel):
 
 
 class RewardConfig(_Table):
-    """Weights of the reward's terms. The first block is the thesis's (eq 3.12, 3.15), the second ours, off by default."""
+    """Weights of the reward's terms: first the thesis's (eq 3.12, 3.15), then ours, which are off by default."""
 
     target: TargetReward = Field("log", description="target term: eq 3.6 linear, 3.7 huber or 3.8 log")
     c1: float = Field(1.5, ge=0, description="weight of the target term (5.1)")
@@ -24,7 +24,7 @@ class RewardConfig(_Table):
     c3: float = Field(0.0, ge=0, description="weight of the joint-change term, eq 3.14")
     beta: float = Field(5.0, gt=0, description="slope of the laser term [1/m] (eq 3.11)")
     d0: float = Field(0.005, gt=0, description="offset of the laser term (eq 3.11)")
-    limit: float = Field(-1000.0, le=0, description="reward of a step that ends at a joint limit or in a wall (eq 3.13)")
+    limit: float = Field(-1000.0, le=0, description="reward of a step that fails the episode (eq 3.13)")
 
     progress: float = Field(0.0, ge=0, description="reward per metre of way to the target that a step gains [1/m]")
     reach: float = Field(0.0, ge=0, description="reward of reaching the target")
@@ -48,8 +48,8 @@ class TaskConfig(_Table):
     reach_tolerance: float = Field(
         0.020,
         gt=0,
-        description="distance of tip and target that counts as reached [m]; the thesis gives none. The width of the tip: "
-        "what counts is to have passed the corner, not to park",
+        description="distance of tip and target that counts as reached [m]; the thesis gives none. The width of the "
+        "tip: what counts is to have passed the corner, not to park",
     )
     max_penetration: float = Field(0.002, gt=0, description="overlap with the wall that fails an episode [m]")
     limit_margin: float = Field(

@@ -18,7 +18,7 @@ from pipenav.state import Command, Reading, Truth
 Array = NDArray[np.float64]
 
 
-class KinematicOptions(backend.Options):
+class KinematicOptions(backend.BackendOptions):
     """Settings of the backend without physics."""
 
     speed_share: float = Field(1.0, gt=0, le=1, description="share of their no-load speed that full drives reach")
@@ -29,7 +29,7 @@ class KinematicBackend(Backend):
 
     Options = KinematicOptions
 
-    def __init__(self, robot: RobotSpec, n: int, options: backend.Options, wall_segments: int = 4) -> None:
+    def __init__(self, robot: RobotSpec, n: int, options: backend.BackendOptions, wall_segments: int = 4) -> None:
         assert isinstance(options, KinematicOptions)
         self._robot = robot
         self._reach = options.speed_share * robot.speed_limits * CONTROL_PERIOD  # farthest in one step, (joints,)

@@ -15,13 +15,12 @@ from pipenav.errors import PipenavError
 from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
 from pipenav.state import Command, Control, Reading, Truth
-
 from pipenav_mujoco.model import Contact, build_spec, wall_boxes
 
 Array = NDArray[np.float64]
 
 
-class MujocoOptions(backend.Options):
+class MujocoOptions(backend.BackendOptions):
     """Settings of the MuJoCo backend."""
 
     timestep: float = Field(0.0025, gt=0, le=0.01, description="physics step [s]; must divide the control period")
@@ -37,7 +36,7 @@ class MujocoBackend(backend.Backend):
 
     Options = MujocoOptions
 
-    def __init__(self, robot: RobotSpec, n: int, options: backend.Options, wall_segments: int = 4) -> None:
+    def __init__(self, robot: RobotSpec, n: int, options: backend.BackendOptions, wall_segments: int = 4) -> None:
         assert isinstance(options, MujocoOptions)
         self._robot = robot
         self._slots = wall_segments

@@ -71,9 +71,7 @@ def wall_boxes(pipe: Pipe, slots: int, base: float = 0.0) -> WallBoxes:
     boxes.position[:count, :2] = (start + end) / 2 + behind * thickness[:, None] / 2
     boxes.position[:count, 2] = 0.0
     boxes.quaternion[:count] = np.stack([np.cos(yaw / 2), 0 * yaw, 0 * yaw, np.sin(yaw / 2)], axis=1)
-    boxes.half_size[:count] = np.stack(
-        [length / 2 + overlap, thickness / 2, np.full(count, WALL_HALF_HEIGHT)], axis=1
-    )
+    boxes.half_size[:count] = np.stack([length / 2 + overlap, thickness / 2, np.full(count, WALL_HALF_HEIGHT)], axis=1)
     return boxes
 
 
@@ -90,6 +88,11 @@ def build_spec(robot: RobotSpec, slots: int, timestep: float, contact: Contact) 
     spec.modelname = robot.name
     spec.option.timestep = timestep
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    # Pyramidal cones turned some sideways pushes against a wall into spikes of a thousand newtons.
+    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    # Every body has one geom, so a bounding-volume tree within bodies is only overhead (a fifth of a step).
+    # A state that is not finite must be seen, not silently replaced by a fresh one.
+    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_MIDPHASE | mujoco.mjtDisableBit.mjDSBL_AUTORESET
     spec.option.gravity = [0.0, 0.0, 0.0]  # the arm lies in a plane, carried by its rails (thesis 4.2.1)
     spec.compiler.degree = False
     spec.add_material(name="wall", rgba=[0.7, 0.72, 0.75, 1.0])
@@ -194,4 +197,3 @@ def _add_sensors(spec: Any, robot: RobotSpec) -> None:
         reftype=mujoco.mjtObj.mjOBJ_UNKNOWN,
         intprm=[found | dist, reduce["mindist"], 1],
     )
-

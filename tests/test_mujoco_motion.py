@@ -1,0 +1,157 @@
+"""Laws of motion of the MuJoCo backend: reproducible, symmetric, and no stronger or faster than its motors."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from pipenav_mujoco.backend import MujocoBackend, MujocoOptions
+
+from pipenav.pipe import Pipe
+from pipenav.robot import RobotSpec, load_robot
+from pipenav.state import Command, Reading
+from pipenav.task import episode
+from pipenav.task.config import TaskConfig
+
+ROBOT = load_robot("basic")
+N = 12
+
+
+def pipes(turn: str = "left") -> list[Pipe]:
+    rng = np.random.default_rng(0)
+    return [Pipe.of(rng.uniform(70, 120), rng.uniform(55, 125), turn) for _ in range(N)]
+
+
+def opened(turn: str = "left", threads: int = 1) -> MujocoBackend:
+    """N robots at random starts."""
+    backend = MujocoBackend(ROBOT, N, MujocoOptions(threads=threads))
+    start = episode.sample(ROBOT, TaskConfig(), pipes(), np.random.default_rng(1))
+    q = start.q if turn == "left" else start.q * ROBOT.mirror_signs
+    backend.reset(np.arange(N), pipes(turn), q, start.base)
+    return backend
+
+
+def run(backend: MujocoBackend, steps: int, signs: object = 1.0) -> Reading:
+    rng = np.random.default_rng(2)
+    for _ in range(steps):
+        values = rng.uniform(-1, 1, (N, 4))
+        values[:, 0] = np.abs(values[:, 0])
+        backend.step(Command("torque", values * signs))
+    return backend.read()
+
+
+def equal(one: Reading, two: Reading, robots: object = slice(None)) -> bool:
+    return all(np.array_equal(a[robots], b[robots]) for a, b in zip(one, two, strict=True))
+
+
+@pytest.mark.parametrize("threads", [2, 5])
+def test_any_number_of_threads_gives_the_same_bits(threads: int) -> None:
+    one, many = opened(), opened(threads=threads)
+    assert equal(run(one, 20), run(many, 20))
+    for a, b in zip(one.truth(), many.truth(), strict=True):
+        assert np.array_equal(a, b)
+
+
+def test_the_reset_of_some_leaves_the_others_alone() -> None:
+    undisturbed, disturbed = opened(), opened()
+    run(undisturbed, 8)
+    run(disturbed, 8)
+    chosen = np.array([3, 7])
+    before = disturbed.truth()
+    disturbed.reset(chosen, [Pipe.of(75, 60, "right")] * 2, np.full((2, 4), 0.01), np.array([-0.7, -0.8]))
+    others = np.setdiff1d(np.arange(N), chosen)
+    assert equal(undisturbed.read(), disturbed.read(), others)
+    for a, b in zip(before, disturbed.truth(), strict=True):
+        assert np.array_equal(a[others], b[others])
+    assert np.all(disturbed.truth().contact_force[chosen] == 0)
+    assert disturbed.read().time[chosen].tolist() == [0.0, 0.0]
+    assert equal(run(undisturbed, 12), run(disturbed, 12), others)
+
+
+def test_a_reset_forgets_everything() -> None:
+    fresh, used = opened(), opened()
+    run(used, 10)
+    start = episode.sample(ROBOT, TaskConfig(), pipes(), np.random.default_rng(1))
+    used.reset(np.arange(N), pipes(), start.q, start.base)
+    assert equal(run(fresh, 10), run(used, 10))
+
+
+def test_left_and_right_mirror_each_other() -> None:
+    signs = ROBOT.mirror_signs
+    left, right = opened("left"), opened("right")
+    one, two = run(left, 25), run(right, 25, signs)
+    assert one.q == pytest.approx(two.q * signs, abs=1e-9)
+    assert np.array_equal(one.ranges, two.ranges[:, ::-1])
+    assert left.truth().contact_force == pytest.approx(right.truth().contact_force, abs=1e-5)
+
+
+def test_readings_belong_to_the_caller() -> None:
+    backend = opened()
+    kept = [array for _ in range(2) for array in (*backend.read(), *backend.truth())]
+    copies = [array.copy() for array in kept]
+    run(backend, 3)
+    assert all(np.array_equal(a, b) for a, b in zip(kept, copies, strict=True))
+    assert not any(np.shares_memory(a, b) for i, a in enumerate(kept) for b in kept[:i])
+
+
+def single(link: int) -> RobotSpec:
+    """One link of the robot alone, without friction."""
+    return ROBOT.model_copy(update={"links": (ROBOT.links[link],), "friction": 0.0})
+
+
+def alone(robot: RobotSpec, pipe: Pipe, base: float) -> MujocoBackend:
+    backend = MujocoBackend(robot, 1, MujocoOptions(threads=1))
+    backend.reset(np.arange(1), [pipe], np.zeros((1, 1)), np.array([base]))
+    return backend
+
+
+@pytest.mark.parametrize("link", [0, 1])
+def test_a_joint_nears_its_no_load_speed_and_never_exceeds_it(link: int) -> None:
+    # J dv/dt = limit * drive - damping * v: v = v_max (1 - exp(-t damping / J)).
+    robot = single(link)
+    actuator, body = robot.joint_actuators[0], robot.links[0]
+    inertia = body.mass
+    if link:
+        inertia = body.mass * (body.length**2 / 3 + body.width**2 / 12)  # of a box about its end
+    rate = actuator.damping / (inertia + actuator.armature)
+    backend = alone(robot, Pipe.of(300, 180), -0.3)
+    for k in range(1, 5):
+        backend.step(Command("torque", np.ones((1, 1))))
+        speed = backend.read().qd[0, 0]
+        assert speed <= actuator.speed_limit * (1 + 1e-12)
+        assert speed == pytest.approx(actuator.speed_limit * (1 - np.exp(-0.1 * k * rate)), rel=1e-2)
+
+
+def test_a_slide_presses_with_its_stall_effort() -> None:
+    # Pushing head-on into the far wall of a 90 deg corner.
+    robot = single(0)
+    backend = alone(robot, Pipe.of(100, 90), -0.2)
+    for _ in range(20):
+        backend.step(Command("torque", np.ones((1, 1))))
+    assert backend.read().q[0, 0] == pytest.approx(0.2 + 0.05 - 0.04, abs=1e-4)
+    assert backend.truth().contact_force[0] == pytest.approx(robot.effort_limits[0], rel=1e-3)
+
+
+@pytest.mark.parametrize("drive", [-1.0, -0.5, 0.3, 1.0])
+def test_a_hinge_presses_by_the_law_of_the_lever(drive: float) -> None:
+    # The link turns until its front corner meets the straight wall; without friction the wall pushes across the
+    # pipe only, so force * (the corner's distance along the pipe) = drive * stall torque.
+    robot, pipe = single(1), Pipe.of(100, 180)
+    backend = alone(robot, pipe, -0.3)
+    for _ in range(25):
+        backend.step(Command("torque", np.full((1, 1), drive)))
+    q, body = abs(backend.read().q[0, 0]), robot.links[0]
+    lever = body.length * np.cos(q) - body.width / 2 * np.sin(q)
+    height = body.length * np.sin(q) + body.width / 2 * np.cos(q)
+    assert height == pytest.approx(pipe.radius, abs=1e-4)
+    assert backend.truth().contact_force[0] == pytest.approx(abs(drive) * robot.effort_limits[0] / lever, rel=1e-3)
+
+
+def test_the_position_controller_goes_where_it_is_told_and_stays() -> None:
+    backend = MujocoBackend(ROBOT, 1, MujocoOptions(threads=1))
+    backend.reset(np.arange(1), [Pipe.of(300, 180)], np.zeros((1, 4)), np.array([-0.3]))
+    backend.step(Command("torque", np.ones((1, 4))))
+    goal = np.array([[0.1, 0.1, -0.2, 0.15]])
+    for _ in range(30):
+        backend.step(Command("position", goal))
+    assert backend.read().q == pytest.approx(goal, abs=1e-6)
+    assert backend.read().qd == pytest.approx(0.0, abs=1e-6)
