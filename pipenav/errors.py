@@ -19,8 +19,8 @@ class UnknownName(PipenavError):
     def __init__(self, kind: str, given: str, known: Iterable[str]) -> None:
         names = sorted(known)
         near = get_close_matches(given, names, n=3, cutoff=0.5)
-        hint = f"did you mean {_either(near)}?" if near else f"choose {_either(names)}."
-        super().__init__(f"unknown {kind} {given!r}: {hint}" if names else f"unknown {kind} {given!r}: there are none.")
+        choose = f"choose {_either(names)}." if names else "there are none."
+        super().__init__(f"unknown {kind} {given!r}: {f'did you mean {_either(near)}?' if near else choose}")
 
 
 class OutOfRange(PipenavError):

@@ -5,27 +5,50 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, model_validator
+from pydantic_core import PydanticCustomError
 
 from pipenav import assets
 from pipenav.errors import ConfigError, FileProblem, PipenavError, UnknownName
 from pipenav.pipe import Pipe
 
+MAX_STEPS = 1000
+"""Steps of a range: more is a slip of the keyboard."""
+
 
 class _Range(BaseModel):
     """Evenly spaced values, both ends included."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     start: float
     stop: float
     step: float = Field(gt=0)
 
+    @model_validator(mode="after")
+    def _whole_steps(self) -> _Range:
+        steps = (self.stop - self.start) / self.step
+        if not 0 <= steps <= MAX_STEPS or abs(steps - round(steps)) > 1e-6:
+            raise PydanticCustomError(
+                "whole_steps",
+                f"from {self.start:g} to {self.stop:g} must be a whole number of steps of {self.step:g}, "  # type: ignore[arg-type]
+                f"at most {MAX_STEPS}",
+            )
+        return self
+
     def values(self) -> list[float]:
         count = round((self.stop - self.start) / self.step) + 1
         return [round(float(x), 6) for x in np.linspace(self.start, self.stop, count)]
+
+
+_List = Annotated[list[float], Field(min_length=1)]
+_Values = Annotated[
+    Annotated[_List, Tag("list")] | Annotated[_Range, Tag("range")],
+    Discriminator(lambda given: "range" if isinstance(given, dict | _Range) else "list"),  # one of them to complain
+]
 
 
 class PipeSetFile(BaseModel):
@@ -34,14 +57,18 @@ class PipeSetFile(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     description: str
-    diameters_mm: list[float] | _Range
-    angles_deg: list[float] | _Range
+    diameters_mm: _Values
+    angles_deg: _Values
     turns: list[str] = Field(["left"], min_length=1)
     bend_radius_mm: float = 0.0
 
     def pipes(self) -> list[Pipe]:
+        """Every diameter with every angle, first to one side, then to the other."""
         diameters, angles = _values(self.diameters_mm), _values(self.angles_deg)
         return [Pipe.of(d, a, turn, self.bend_radius_mm) for turn in self.turns for d in diameters for a in angles]
+
+
+RANGED = ("diameters_mm", "angles_deg")
 
 
 def _values(given: list[float] | _Range) -> list[float]:
@@ -67,10 +94,10 @@ def parse_pipes(given: Sequence[str]) -> list[Pipe]:
 
 
 def _parse_one(text: str) -> list[Pipe]:
-    if "=" in text:
-        return [_typed_pipe(text)]
     if text.endswith(".toml"):
         return _read(Path(text))
+    if "=" in text:
+        return [_typed_pipe(text)]
     if text not in pipe_set_names():
         raise UnknownName("pipe set", text, [*pipe_set_names(), "FILE.toml", "d=90,angle=60"])
     return _read(assets.pipes_dir() / f"{text}.toml")
@@ -100,4 +127,5 @@ def _read(path: Path) -> list[Pipe]:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ConfigError(f"{path} is not valid TOML: {error}.") from error
     except ValidationError as error:
-        raise ConfigError.from_validation(str(path), error, PipeSetFile.model_fields) from error
+        known = [*PipeSetFile.model_fields, *(f"{of}.range.{key}" for of in RANGED for key in _Range.model_fields)]
+        raise ConfigError.from_validation(str(path), error, known) from error

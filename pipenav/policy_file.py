@@ -116,9 +116,10 @@ def _parse_header(path: Path, text: bytes) -> PolicyHeader:
         json.dumps(header.model_dump(), allow_nan=False)
     except ValidationError as error:
         first = error.errors()[0]
-        problem = f"holds an unusable {ConfigError.from_validation(HEADER_MEMBER, error)}".rstrip(".")
         if first["type"] == "extra_forbidden":
             problem = f"holds the unknown key {'.'.join(map(str, first['loc']))!r} in {HEADER_MEMBER}"
+        else:
+            problem = f"holds an unusable {ConfigError.from_validation(HEADER_MEMBER, error)}".rstrip(".")
         raise PolicyFileError(path, problem, "get it from its maker again") from error
     except ValueError as error:
         raise PolicyFileError(path, f"holds infinite numbers in {HEADER_MEMBER}", "save it again") from error

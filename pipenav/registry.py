@@ -154,7 +154,7 @@ def open_backend(
 
 
 def check_options(name: str, kind: type[Backend], options: Mapping[str, Any] | BackendOptions) -> BackendOptions:
-    """BackendOptions as an instance of the backend's own class.
+    """Options as an instance of the backend's own class.
 
     Raises:
         ConfigError: an unknown key or a wrong value, or the options of another backend.
@@ -185,9 +185,9 @@ def _flaw(loaded: object) -> str:
         return "is not a subclass of pipenav.backend.Backend"
     if inspect.isabstract(loaded):
         return f"does not implement {', '.join(sorted(loaded.__abstractmethods__))}"
-    options = getattr(loaded, "BackendOptions", None)
+    options = getattr(loaded, "Options", None)
     if not (inspect.isclass(options) and issubclass(options, BackendOptions)):
-        return "has no BackendOptions derived from pipenav.backend.BackendOptions"
+        return "has no Options derived from pipenav.backend.BackendOptions"
     return ""
 
 

@@ -38,12 +38,14 @@ class RunFolder:
 
     @classmethod
     def create(cls, path: Path, config: TrainConfig, command: str) -> RunFolder:
-        """A new run; refuses a folder that already holds one."""
+        """A new run; refuses a folder that already holds one, but not what a run left that never came to save."""
         folder = cls(path)
-        if folder.config.exists():
+        if folder.resume.exists():
             raise PipenavError(
                 f"{path} already holds a run: go on with it by --resume {path}, or choose another --out."
             )
+        if any(file.exists() for file in (folder.best, folder.last, folder.diverged)):
+            raise PipenavError(f"{path} already holds a run: choose another --out.")
         prepare_folder(path)
         atomic_write(folder.config, json.dumps(config.model_dump(mode="json"), indent=2) + "\n")
         atomic_write(folder.command, command + "\n")
@@ -60,8 +62,11 @@ class RunFolder:
         except (OSError, ValueError) as error:
             raise PipenavError(f"{folder.config} cannot be read: {error}.") from error
         if folder.progress.is_file():
-            with folder.progress.open(encoding="utf-8", newline="") as file:
-                folder._rows = list(csv.DictReader(file))
+            try:
+                with folder.progress.open(encoding="utf-8", newline="") as file:
+                    folder._rows = list(csv.DictReader(file))
+            except (OSError, ValueError, csv.Error) as error:
+                raise PipenavError(f"{folder.progress} cannot be read: {error}.") from error
         return folder, validate_config(table, str(folder.config))
 
     def add_progress(self, row: dict[str, Any]) -> None:

@@ -30,7 +30,8 @@ class Reading(NamedTuple):
 class Truth(NamedTuple):
     """What only a simulator knows; rewards and verdicts may use it, policies never.
 
-    Force and penetration are the peaks over all physics steps of the last control period.
+    Force and penetration are the peaks over the last control period; force is a mean over 10 ms, so that it does not
+    depend on the physics step.
 
     Attributes:
         tip: tip position and heading in the pipe's frame, (n, 3) [m, m, rad].

@@ -5,9 +5,10 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic_core import PydanticCustomError
 
 from pipenav import assets
 from pipenav.errors import ConfigError, FileProblem, PipenavError, UnknownName
@@ -17,14 +18,17 @@ DEFAULT_PRESET = "arm"
 
 
 class _Table(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+
+_Widths = tuple[Annotated[int, Field(ge=1, le=4096)], ...]
 
 
 class NetworkConfig(_Table):
     """Fully connected tanh networks, widths from input to output."""
 
-    policy: tuple[int, ...] = Field((64, 64), strict=False, description="hidden layers of the policy")
-    value: tuple[int, ...] = Field((64, 64), strict=False, description="hidden layers of the value function")
+    policy: _Widths = Field((64, 64), strict=False, description="hidden layers of the policy")
+    value: _Widths = Field((64, 64), strict=False, description="hidden layers of the value function")
 
 
 class LearnerConfig(_Table):
@@ -49,9 +53,9 @@ class LearnerConfig(_Table):
     @model_validator(mode="after")
     def _fits(self) -> LearnerConfig:
         if (self.robots * self.rollout_steps) % self.batch_size:
-            raise ValueError(
-                f"batch_size {self.batch_size} must divide robots x rollout_steps = {self.robots * self.rollout_steps}"
-            )
+            samples = self.robots * self.rollout_steps
+            problem = f"batch_size {self.batch_size} must divide robots x rollout_steps = {samples}"
+            raise PydanticCustomError("batch_size", problem)  # type: ignore[arg-type]  # a literal to the checker
         return self
 
 

@@ -23,7 +23,7 @@ def _batch(controller: Controller, pipes: list[Pipe], n: int, seed: int = 0) -> 
 
     segments = max(len(pipe.segments) for pipe in pipes)
     backend = MujocoBackend(controller.robot, n, MujocoOptions(threads=1), segments)
-    source = random_episodes(controller.robot, controller.task, pipes, np.random.default_rng(seed))
+    source = random_episodes(controller.robot, controller.task, [pipes], np.random.default_rng(seed))
     return CornerBatch(controller.robot, controller.task, backend, n, source)
 
 
@@ -46,7 +46,7 @@ def _verdicts(controller: Controller, pipes: list[Pipe], n: int) -> list[str]:
 
 
 @pytest.mark.parametrize("turn", ["left", "right"])
-@pytest.mark.parametrize(("diameter", "angle", "bend"), [(100, 90, 0), (80, 70, 0), (120, 125, 0), (100, 90, 150)])
+@pytest.mark.parametrize(("diameter", "angle", "bend"), [(100, 90, 0), (80, 70, 0), (120, 125, 0), (100, 90, 75)])
 def test_centreline_passes(diameter: float, angle: float, bend: float, turn: str) -> None:
     pipe = Pipe.of(diameter, angle, turn, bend)
     assert _verdicts(open_controller("baseline:centreline"), [pipe], 4) == ["reached"] * 4
@@ -132,6 +132,6 @@ def _outline_inside(pipe: Pipe, q: np.ndarray, base: float) -> bool:
         along, across = (np.array([np.cos(a), np.sin(a)]) for a in (heading, heading + np.pi / 2))
         sides = [start + link.length * t[:, None] * along + w * link.width / 2 * across for w in (-1, 1)]
         ends = [start + x * along + link.width * (t[:, None] - 0.5) * across for x in (0.0, link.length)]
-        if not pipe.contains(np.concatenate(sides + ends) + [base, 0.0]).all():
+        if not pipe.contains(np.concatenate(sides + ends) + np.array([base, 0.0])).all():
             return False
     return True

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import io
 import json
 import os
 import pickle
@@ -436,18 +435,12 @@ def test_what_cannot_be_loaded_is_not_written(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
-def test_the_documented_snippet_reads_the_file(good: Path) -> None:
+def test_the_documented_snippet_reads_the_file(
+    good: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     text = (ROOT / "docs" / "policy-file.md").read_text(encoding="utf-8")
     snippet = text.split("```python\n")[1].split("```")[0]
-    printed = io.StringIO()
-    code = compile(snippet, "docs/policy-file.md", "exec")
-    exec(code, {"print": lambda *values: print(*values, file=printed), "zipfile": zipfile} | _at(good))
-    policy = load_policy(good)
-    expected = policy.act(np.zeros((1, SIZE)))[0]
-    found = [float(x) for x in re.findall(r"float32\(([-\d.e]+)\)", printed.getvalue())]
-    np.testing.assert_allclose(found, expected, atol=1e-5)
-
-
-def _at(path: Path) -> dict[str, Any]:
-    os.chdir(path.parent)
-    return {}
+    monkeypatch.chdir(good.parent)
+    exec(compile(snippet, "docs/policy-file.md", "exec"), {})
+    found = [float(x) for x in re.findall(r"float32\(([-\d.e]+)\)", capsys.readouterr().out)]
+    np.testing.assert_allclose(found, load_policy(good).act(np.zeros((1, SIZE)))[0], atol=1e-5)

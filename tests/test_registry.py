@@ -207,6 +207,7 @@ def test_an_unknown_name_suggests_the_nearest(install: Installer) -> None:
     install("kinematic", GOOD, module="kinematic_backend")
     with pytest.raises(UnknownName, match="unknown backend 'kinematik': did you mean 'kinematic'"):
         load_backend("kinematik")
+    assert str(UnknownName("backend", "kinematik", [])) == "unknown backend 'kinematik': there are none."
 
 
 def test_without_any_backend_the_remedy_is_to_install_pipenav(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -42,14 +42,16 @@ def evaluate(
     from pipenav.evaluate import run_episodes, summarise
     from pipenav.files import prepare_folder
     from pipenav.pipe_set import parse_pipes
+    from pipenav.registry import check_options, load_backend
     from pipenav.report import evaluation_table, write_evaluation
 
     names = pipes or ["working-range"]
     parsed = parse_pipes(names)
     controller = open_controller(policy, robot, seed)
+    options = parse_options(option or [])
+    check_options(backend, load_backend(backend), options)
     folder = out or _default_folder(policy, names)
     prepare_folder(folder)
-    options = parse_options(option or [])
     console = Console()
     total = len(parsed) * episodes
     columns = (

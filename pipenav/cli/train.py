@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from pipenav.errors import PipenavError
-from pipenav.train_config import DEFAULT_PRESET, TrainConfig, load_config
+from pipenav.train_config import DEFAULT_PRESET, TrainConfig, load_config, validate_config
 
 if TYPE_CHECKING:
     from pipenav.run_folder import RunFolder
@@ -75,7 +75,6 @@ def _prepare(
     resume: Path | None,
 ) -> tuple[RunFolder, TrainConfig, str]:
     """The run folder and its configuration, new or to be resumed."""
-    from pipenav.registry import find_backends
     from pipenav.run_folder import RunFolder, default_run_path
 
     if resume is not None:
@@ -83,29 +82,26 @@ def _prepare(
             raise PipenavError("--resume goes on with a run as it was configured: only --steps can be given with it.")
         folder, resolved = RunFolder.open(resume)
         if options["steps"] is not None:
-            resolved = resolved.model_copy(update={"steps": options["steps"]})
+            resolved = validate_config(resolved.model_dump() | {"steps": options["steps"]}, "--steps")
         return folder, resolved, str(resume)
     resolved = load_config(preset, config, settings, options)
-    _check_names(resolved, list(find_backends()))
+    _check_names(resolved)
     command = shlex.join(["pipenav", *sys.argv[1:]])
     return RunFolder.create(out or default_run_path(preset), resolved, command), resolved, preset
 
 
-def _check_names(config: TrainConfig, backends: list[str]) -> None:
-    """Refuse unknown names before a folder is made for them."""
-    from pipenav.errors import UnknownName
+def _check_names(config: TrainConfig) -> None:
+    """Refuse unknown names, and a backend that cannot run, before a folder is made for them."""
     from pipenav.pipe_set import parse_pipes
+    from pipenav.registry import check_options, load_backend
     from pipenav.robot import load_robot
 
     load_robot(config.robot)
     parse_pipes(config.pipes)
-    if config.backend not in backends:
-        raise UnknownName("backend", config.backend, backends)
+    check_options(config.backend, load_backend(config.backend), config.options)
 
 
 def _run(console: Console, config: TrainConfig, folder: RunFolder, resumed: bool) -> Outcome:
-    with _stop_signals() as stopped, console.status("loading the learner ..."):
-        from pipenav.train import train as run_training
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
@@ -114,8 +110,11 @@ def _run(console: Console, config: TrainConfig, folder: RunFolder, resumed: bool
         TextColumn("left"),
         TimeRemainingColumn(),
     )
-    with _stop_signals() as stopped, Progress(*columns, console=console) as bar:
-        task = bar.add_task("starting", total=config.steps)
+    with _stop_signals() as stopped, Progress(*columns, console=console) as bar:  # from here on a stop is not lost
+        task = bar.add_task("loading the learner", total=config.steps)
+        from pipenav.train import train as run_training
+
+        bar.update(task, description="starting")
         last_line = [0.0]
 
         def report(progress: TrainingProgress) -> None:

@@ -19,6 +19,13 @@ from pipenav_mujoco.model import Contact, build_spec, wall_boxes
 
 Array = NDArray[np.float64]
 
+FORCE_WINDOW = 0.01
+"""Contact forces are means over this time [s].
+
+The force of a single physics step during an impact depends on the step and on the contact's stiffness, its impulse
+does not; ten milliseconds is also what a force gauge resolves.
+"""
+
 
 class MujocoOptions(backend.BackendOptions):
     """Settings of the MuJoCo backend."""
@@ -89,10 +96,18 @@ class MujocoBackend(backend.Backend):
         self._ctrl[:] = command.values
         self._batch.rollout(self._substeps, record=("sensordata",), out=self._record)
         sensors = self._record["sensordata"]  # (n, substeps, 3 per link + found + dist)
-        force = np.linalg.norm(sensors[:, :, :-2].reshape(*sensors.shape[:2], -1, 3), axis=3)
+        vectors = sensors[:, :, :-2].reshape(*sensors.shape[:2], -1, 3)  # (n, substeps, links, 3)
+        force = np.linalg.norm(self._smoothed(vectors), axis=3)
         self._peak_force = force.max(axis=(1, 2))
         self._peak_depth = np.maximum(-sensors[:, :, -1].min(axis=1), 0.0)
         self._contact_share = (sensors[:, :, -2] > 0).mean(axis=1)
+
+    def _smoothed(self, vectors: Array) -> Array:
+        """Moving average over FORCE_WINDOW along axis 1."""
+        width = max(1, round(FORCE_WINDOW / self._model.opt.timestep))
+        sums = np.cumsum(vectors, axis=1)
+        sums[:, width:] -= sums[:, :-width].copy()
+        return sums[:, width - 1 :] / width
 
     def _set_control(self, control: Control) -> None:
         """Make the actuators position servos or plain drives; both share the motor's torque-speed line."""
