@@ -23,6 +23,9 @@ Array = NDArray[np.float64]
 MAX_ROBOTS = 256
 """Robots stepped together: enough to keep every core busy, few enough that the last ones to finish cost little."""
 
+EPISODES_PER_ROBOT = 4
+"""With fewer each, most robots would wait for the last ones, whose episodes may be ten times longer than the mean."""
+
 
 class EpisodeResults(NamedTuple):
     """One entry per episode, in order: all episodes of the first pipe, then of the next.
@@ -108,7 +111,7 @@ def run_episodes(
     """
     robot, task = controller.robot, controller.task
     total = len(pipes) * episodes
-    n = min(MAX_ROBOTS, total)
+    n = min(MAX_ROBOTS, max(1, total // EPISODES_PER_ROBOT))
     segments = max(len(pipe.segments) for pipe in pipes)
     queue = _Queue(robot, task, pipes, episodes, seed, n)
     batch = CornerBatch(robot, task, open_backend(backend, robot, n, options or {}, segments), n, queue.source)

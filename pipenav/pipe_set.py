@@ -34,7 +34,7 @@ class _Range(BaseModel):
         if not 0 <= steps <= MAX_STEPS or abs(steps - round(steps)) > 1e-6:
             raise PydanticCustomError(
                 "whole_steps",
-                f"from {self.start:g} to {self.stop:g} must be a whole number of steps of {self.step:g}, "  # type: ignore[arg-type]
+                f"from {self.start:g} to {self.stop:g} must be a whole number of steps of {self.step:g}, "
                 f"at most {MAX_STEPS}",
             )
         return self

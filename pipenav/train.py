@@ -95,7 +95,7 @@ def train(
     batch = CornerBatch(robot, config.task, backend, n, random_episodes(robot, config.task, sets, rng))
     env = CornerVecEnv(batch)
     try:
-        model = _new_model(config, env)
+        model = new_model(config, env)
         state = resume.load_state(folder.resume, model) if resumed else resume.State(0, 0.0, -1.0)
         if resumed:
             rng.bit_generator.state = np.random.default_rng([config.seed, state.steps]).bit_generator.state
@@ -109,19 +109,32 @@ def train(
         env.close()
 
 
-def _new_model(config: TrainConfig, env: CornerVecEnv) -> PPO:
+class LearningRate:
+    """Falls linearly to LEARNING_RATE_FLOOR; a class of a module, since policy files name it instead of its code."""
+
+    def __init__(self, start: float) -> None:
+        self.start = start
+
+    def __call__(self, remaining: float) -> float:
+        return self.start * max(remaining, LEARNING_RATE_FLOOR)
+
+
+def noise_at(config: TrainConfig, steps: int) -> float:
+    """Standard deviation of exploration after so many control steps."""
+    done = min(steps / (NOISE_SETTLED * config.steps), 1.0)
+    return config.learner.noise_start + (config.learner.noise_stop - config.learner.noise_start) * done
+
+
+def new_model(config: TrainConfig, env: CornerVecEnv) -> PPO:
+    """A fresh learner, as the configuration says."""
     learner = config.learner
-
-    def learning_rate(remaining: float) -> float:
-        return learner.learning_rate * max(remaining, LEARNING_RATE_FLOOR)
-
     model = PPO(
         "MlpPolicy",
         env,
         n_steps=learner.rollout_steps,
         batch_size=learner.batch_size,
         n_epochs=learner.epochs,
-        learning_rate=learning_rate,
+        learning_rate=LearningRate(learner.learning_rate),
         gamma=learner.gamma,
         gae_lambda=learner.gae_lambda,
         clip_range=learner.clip,
@@ -168,10 +181,7 @@ class _Watch(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3 is import
         self._clearance, self._reward, self._samples = 0.0, 0.0, 0
 
     def _on_rollout_start(self) -> None:
-        learner = self._config.learner
-        done = min(self.num_timesteps / (NOISE_SETTLED * self._config.steps), 1.0)
-        noise = learner.noise_start + (learner.noise_stop - learner.noise_start) * done
-        self.model.policy.log_std.data.fill_(math.log(noise))
+        self.model.policy.log_std.data.fill_(math.log(noise_at(self._config, self.num_timesteps)))
         if self.n_calls:
             self._after_update()
 

@@ -55,7 +55,7 @@ class LearnerConfig(_Table):
         if (self.robots * self.rollout_steps) % self.batch_size:
             samples = self.robots * self.rollout_steps
             problem = f"batch_size {self.batch_size} must divide robots x rollout_steps = {samples}"
-            raise PydanticCustomError("batch_size", problem)  # type: ignore[arg-type]  # a literal to the checker
+            raise PydanticCustomError("batch_size", problem)
         return self
 
 
@@ -115,8 +115,8 @@ def load_config(
         where = str(file)
     for text in settings:
         key, equals, value = text.partition("=")
-        if not equals:
-            raise PipenavError(f"setting {text!r} has no value: write it as key=value, for example seed=1.")
+        if not (equals and key.strip()):
+            raise PipenavError(f"setting {text!r} is no setting: write it as key=value, for example seed=1.")
         table = _overlay(table, _nested(key.strip(), toml_value(value.strip())))
         where = f"--set {text}"
     for key, value in (options or {}).items():

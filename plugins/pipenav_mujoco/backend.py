@@ -105,9 +105,9 @@ class MujocoBackend(backend.Backend):
     def _smoothed(self, vectors: Array) -> Array:
         """Moving average over FORCE_WINDOW along axis 1."""
         width = max(1, round(FORCE_WINDOW / self._model.opt.timestep))
-        sums = np.cumsum(vectors, axis=1)
+        sums: Array = np.cumsum(vectors, axis=1)
         sums[:, width:] -= sums[:, :-width].copy()
-        return sums[:, width - 1 :] / width
+        return np.asarray(sums[:, width - 1 :] / width)
 
     def _set_control(self, control: Control) -> None:
         """Make the actuators position servos or plain drives; both share the motor's torque-speed line."""

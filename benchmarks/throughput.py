@@ -1,0 +1,192 @@
+"""How fast the default preset is, as ratios taken in one run: `python benchmarks/throughput.py`.
+
+(a) bare physics: the same model in MuJoCo's Batch on all cores, nothing else
+(b) the vector environment: laser, reward and resets as well
+(c) training with the default preset, updates included
+(d) Stable-Baselines3's default PPO on one Gymnasium environment under DummyVecEnv
+
+Each is measured in turns, several times, and the medians are compared, since the machine may be shared. Then (c) and
+(d) are trained until 99 % of held-out episodes succeed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import statistics
+import time
+from collections.abc import Callable
+
+for variable in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+    os.environ[variable] = "1"  # before numpy is imported; physics has the cores
+
+import gymnasium
+import numpy as np
+import torch
+from stable_baselines3 import PPO
+from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.vec_env import DummyVecEnv
+
+import pipenav.env  # noqa: F401  # registers the environment
+from pipenav.batch import CornerBatch, random_episodes
+from pipenav.pipe_set import parse_pipes
+from pipenav.registry import open_backend
+from pipenav.robot import load_robot
+from pipenav.sb3_env import CornerVecEnv
+from pipenav.task import episode
+from pipenav.task.episode import Verdict
+from pipenav.train import new_model, noise_at
+from pipenav.train_config import TrainConfig, load_config
+
+HELD_OUT = [f"d={d},angle={a},turn={t}" for d in (76, 93, 114) for a in (58, 78, 98, 118) for t in ("left", "right")]
+"""Pipes that are in no training set."""
+
+
+def make_batch(config: TrainConfig, seed: int) -> CornerBatch:
+    robot, n = load_robot(config.robot), config.learner.robots
+    sets = [parse_pipes([name]) for name in config.pipes]
+    rng = np.random.default_rng(seed)
+    source = random_episodes(robot, config.task, sets, rng)
+    return CornerBatch(robot, config.task, open_backend(config.backend, robot, n, config.options), n, source)
+
+
+class SideBySide:
+    """(a) and (b), control step by control step: the same robots, states and actions, with and without all but physics.
+
+    The learner of (c) acts, so that contacts are as frequent as in training.
+    """
+
+    def __init__(self, config: TrainConfig, actor: PPO) -> None:
+        self.batch = make_batch(config, seed=1)
+        self.env, self.actor = CornerVecEnv(self.batch), actor
+        self.observation = self.env.reset()
+        backend = self.batch._backend
+        self.physics, self.substeps = backend._batch, backend._substeps
+
+    def rates(self, steps: int) -> tuple[float, float]:
+        """Control steps per second of (a) and of (b)."""
+        bare = full = 0.0
+        for _ in range(steps):
+            actions, _ = self.actor.predict(self.observation)
+            before = self.physics.state.copy()
+            started = time.perf_counter()
+            self.observation, *_ = self.env.step(actions)
+            full += time.perf_counter() - started
+            after = self.physics.state.copy()
+            controls = self.physics.bind("ctrl").copy()
+            self.physics.state[:] = before
+            self.physics.bind("ctrl")[:] = controls
+            started = time.perf_counter()
+            self.physics.step(nstep=self.substeps)
+            bare += time.perf_counter() - started
+            self.physics.state[:] = after
+        samples = steps * self.batch.n
+        return samples / bare, samples / full
+
+
+def rate(run: Callable[[], object], samples: int) -> float:
+    started = time.perf_counter()
+    run()
+    return samples / (time.perf_counter() - started)
+
+
+def baseline_env() -> gymnasium.Env:
+    config = load_config()
+    return gymnasium.make("pipenav/Corner-v0", pipes=list(config.pipes), task=config.task)
+
+
+class UntilSolved(BaseCallback):
+    """Evaluate every so often; stop at 99 % on held-out pipes. Time spent in evaluation is not counted."""
+
+    def __init__(self, config: TrainConfig, every: int, limit_s: float, set_noise: bool) -> None:
+        super().__init__()
+        self.config, self.every, self.limit_s, self.set_noise = config, every, limit_s, set_noise
+        self.next, self.outside, self.seconds, self.success = every, 0.0, float("nan"), 0.0
+        self.started = time.perf_counter()
+
+    def _on_rollout_start(self) -> None:
+        if self.set_noise:
+            self.model.policy.log_std.data.fill_(np.log(noise_at(self.config, self.num_timesteps)))
+
+    def _on_step(self) -> bool:
+        if self.num_timesteps < self.next:
+            return True
+        self.next += self.every
+        before = time.perf_counter()
+        self.success = held_out_success(self.model, self.config)
+        self.outside += time.perf_counter() - before
+        self.seconds = time.perf_counter() - self.started - self.outside
+        return self.success < 0.99 and self.seconds < self.limit_s
+
+
+def held_out_success(model: PPO, config: TrainConfig, each: int = 10) -> float:
+    robot = load_robot(config.robot)
+    pipes = [pipe for pipe in parse_pipes(HELD_OUT) for _ in range(each)]
+    rng = np.random.default_rng(3)
+    episodes = episode.sample(robot, config.task, pipes, rng)
+    backend = open_backend(config.backend, robot, len(pipes), config.options)
+    batch = CornerBatch(robot, config.task, backend, len(pipes), lambda _robots: episodes)
+    observation, ended = batch.reset(), np.zeros(len(pipes), np.int8)
+    while not ended.all():
+        actions, _ = model.predict(observation.astype(np.float32), deterministic=True)
+        step = batch.step(actions)
+        observation = step.observation
+        ended = np.where(ended == Verdict.RUNNING, step.verdict, ended)
+    return float((ended == Verdict.REACHED).mean())
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--limit", type=float, default=240.0, help="seconds that (d) may train for")
+    arguments = parser.parse_args()
+    torch.set_num_threads(1)
+    config = load_config()
+    print(json.dumps(measure_rates(config, arguments.repeats) | measure_times(config, arguments.limit), indent=1))
+
+
+def measure_rates(config: TrainConfig, repeats: int) -> dict[str, float]:
+    n, steps = config.learner.robots, config.learner.rollout_steps
+    ours = new_model(config, CornerVecEnv(make_batch(config, seed=4)))
+    plain = PPO("MlpPolicy", DummyVecEnv([baseline_env]), device="cpu", seed=0)
+    ours.learn(10 * n * steps)  # past the first flailing
+    plain.learn(256)
+    side_by_side = SideBySide(config, ours)
+    side_by_side.rates(steps)
+    rates: dict[str, list[float]] = {key: [] for key in "abcd"}
+    for _ in range(repeats):
+        bare, full = side_by_side.rates(2 * steps)
+        rates["a"].append(bare)
+        rates["b"].append(full)
+        rates["c"].append(rate(lambda: ours.learn(4 * n * steps, reset_num_timesteps=False), 4 * n * steps))
+        rates["d"].append(rate(lambda: plain.learn(2048, reset_num_timesteps=False), 2048))
+    median = {key: statistics.median(values) for key, values in rates.items()}
+    return {
+        "bare physics [control steps/s]": round(median["a"]),
+        "vector env [control steps/s]": round(median["b"]),
+        "training [control steps/s]": round(median["c"]),
+        "SB3 default [control steps/s]": round(median["d"]),
+        "b/a": round(median["b"] / median["a"], 3),
+        "c/a": round(median["c"] / median["a"], 3),
+        "c/d": round(median["c"] / median["d"], 2),
+    }
+
+
+def measure_times(config: TrainConfig, limit: float) -> dict[str, float]:
+    ours = new_model(config, CornerVecEnv(make_batch(config, seed=5)))
+    fast = UntilSolved(config, 4096, limit, set_noise=True)
+    ours.learn(config.steps, callback=fast)
+    plain = PPO("MlpPolicy", DummyVecEnv([baseline_env]), device="cpu", seed=0)
+    slow = UntilSolved(config, 8192, limit, set_noise=False)
+    plain.learn(10_000_000, callback=slow)
+    return {
+        "training, seconds to 99 % held-out": round(fast.seconds, 1),
+        "training, held-out success reached": fast.success,
+        "SB3 default, seconds to 99 % held-out (or the limit)": round(slow.seconds, 1),
+        "SB3 default, held-out success reached": slow.success,
+    }
+
+
+if __name__ == "__main__":
+    main()

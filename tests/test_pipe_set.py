@@ -1,0 +1,116 @@
+"""Sets of pipes: shipped, typed and from files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from pipenav.errors import PipenavError
+from pipenav.pipe import Pipe
+from pipenav.pipe_set import parse_pipes, pipe_set_names
+from pipenav.units import m_to_mm, rad_to_deg
+
+ANGLES = list(range(55, 126, 5))
+
+
+def corners(pipes: list[Pipe]) -> set[tuple[int, int, str]]:
+    return {(round(m_to_mm(pipe.diameter)), round(rad_to_deg(pipe.angle)), pipe.turn) for pipe in pipes}
+
+
+def written(folder: Path, text: str) -> str:
+    path = folder / "mine.toml"
+    path.write_text(f'description = "mine"\n{text}', encoding="utf-8")
+    return str(path)
+
+
+def test_the_thesis_evaluates_in_60_pipes() -> None:
+    pipes = parse_pipes(["thesis"])
+    assert len(pipes) == 60
+    assert corners(pipes) == {(d, a, "left") for d in (90, 100, 110, 120) for a in ANGLES}
+
+
+def test_the_thesis_trains_in_7_pipes() -> None:
+    pipes = parse_pipes(["thesis-train"])
+    assert len(pipes) == 7
+    assert corners(pipes) == {(120, a, "left") for a in range(60, 121, 10)}
+
+
+def test_the_working_range_is_90_corners_to_either_side() -> None:
+    pipes = parse_pipes(["working-range"])
+    assert len(pipes) == 180
+    assert corners(pipes) == {(d, a, turn) for d in range(70, 121, 10) for a in ANGLES for turn in ("left", "right")}
+
+
+@pytest.mark.parametrize("name", pipe_set_names())
+def test_every_shipped_set_lies_in_the_working_range(name: str) -> None:
+    for diameter, angle, _ in corners(parse_pipes([name])):
+        assert 70 <= diameter <= 120
+        assert 55 <= angle <= 125
+
+
+def test_a_typed_pipe() -> None:
+    assert parse_pipes(["d=90,angle=60"]) == [Pipe.of(90, 60)]
+    assert parse_pipes([" d = 90 , turn = right, angle = 60"]) == [Pipe.of(90, 60, "right")]
+    assert parse_pipes(["d=90,angle=60,bend_radius=100"]) == [Pipe.of(90, 60, "left", 100)]
+
+
+def test_pipes_keep_their_order_and_come_once() -> None:
+    given = ["d=110,angle=60", "d=90,angle=60", "d=110,angle=60.0,turn=left", "thesis"]
+    pipes = parse_pipes(given)
+    assert pipes[:2] == [Pipe.of(110, 60), Pipe.of(90, 60)]
+    assert len(pipes) == len(set(pipes)) == 60
+
+
+def test_a_file(tmp_path: Path) -> None:
+    body = 'diameters_mm = [80]\nangles_deg = { start = 60, stop = 70, step = 5 }\nturns = ["right"]'
+    assert parse_pipes([written(tmp_path, body)]) == [Pipe.of(80, angle, "right") for angle in (60, 65, 70)]
+
+
+def test_a_file_in_a_folder_whose_name_has_an_equals_sign(tmp_path: Path) -> None:
+    folder = tmp_path / "d=80"
+    folder.mkdir()
+    assert parse_pipes([written(folder, "diameters_mm = [80]\nangles_deg = [60]")]) == [Pipe.of(80, 60)]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("thesi", "unknown pipe set 'thesi': did you mean 'thesis'"),
+        ("no-such.toml", "cannot read no-such.toml: No such file or directory."),
+        ("d=90", "pipe 'd=90' is incomplete: write it as"),
+        ("d=90,angle=", "pipe 'd=90,angle=' is incomplete"),
+        ("d=90,angle=wide", "pipe 'd=90,angle=wide' is incomplete"),
+        ("d=90,angel=60", "'angel': did you mean 'angle'?"),
+        ("d=90,angle=60,turn=up", "turn 'up' is unknown: choose 'left' or 'right'."),
+        ("d=900,angle=60", "diameter 900 mm is out of range"),
+        ("d=nan,angle=60", "diameter nan mm is out of range"),
+        ("d=90,angle=1", "angle 1 deg is out of range"),
+    ],
+)
+def test_what_is_no_pipe_is_named(text: str, message: str) -> None:
+    with pytest.raises(PipenavError) as caught:
+        parse_pipes([text])
+    assert message in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        ("angles_deg = [60]", "diameters_mm: field required"),
+        ("diameters_mm = []\nangles_deg = [60]", "diameters_mm.list: list should have at least 1 item"),
+        ('diameters_mm = ["a"]\nangles_deg = [60]', "diameters_mm.list.0: input should be a valid number"),
+        ("diameters_mm = [90]\nangles_deg = [60]\nturn = 1", "unknown key 'turn': did you mean 'turns'?"),
+        ("diameters_mm = {start = 70, stop = 80, step = 10, stp = 1}\nangles_deg = [60]", "did you mean"),
+        ("diameters_mm = {start = 70, stop = 85, step = 10}\nangles_deg = [60]", "a whole number of steps of 10"),
+        ("diameters_mm = {start = 80, stop = 70, step = 10}\nangles_deg = [60]", "from 80 to 70 must be"),
+        ("diameters_mm = {start = 70, stop = inf, step = 10}\nangles_deg = [60]", "should be a finite number"),
+        ("diameters_mm = {start = 70, stop = 80, step = 1e-9}\nangles_deg = [60]", "at most 1000"),
+        ("diameters_mm = [400]\nangles_deg = [60]", "diameter 400 mm is out of range"),
+        ("diameters_mm = [", "is not valid TOML"),
+    ],
+)
+def test_a_wrong_file_is_explained(tmp_path: Path, body: str, message: str) -> None:
+    with pytest.raises(PipenavError) as caught:
+        parse_pipes([written(tmp_path, body)])
+    assert message in str(caught.value)

@@ -1,0 +1,333 @@
+"""Real, short trainings: they learn, repeat, go on, and leave whole files however they end."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+
+from pipenav.cli import main
+from pipenav.errors import PipenavError
+from pipenav.policy import load_policy
+from pipenav.run_folder import PROGRESS_COLUMNS, RunFolder, default_run_path
+from pipenav.train import Outcome, TrainingDiverged, train
+from pipenav.train_config import TrainConfig, load_config
+
+TINY = {
+    "pipes": ["d=100,angle=90"],
+    "learner.robots": 16,
+    "learner.rollout_steps": 16,
+    "learner.batch_size": 64,
+    "learner.epochs": 2,
+    "check.episodes": 4,
+}
+FILES = {"best.zip", "last.zip", "config.json", "command.txt", "progress.csv", "training.png", "resume.safetensors"}
+
+
+def tiny(**more: Any) -> TrainConfig:
+    return load_config(options={**TINY, "steps": 2048, **more})
+
+
+def trained(path: Path, config: TrainConfig, **more: Any) -> tuple[RunFolder, Outcome]:
+    folder = RunFolder.create(path, config, "pipenav train")
+    return folder, train(config, folder, **more)
+
+
+def progress(folder: RunFolder) -> list[dict[str, str]]:
+    with folder.progress.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert all(tuple(row) == PROGRESS_COLUMNS and None not in row.values() for row in rows)
+    return rows
+
+
+def weights(folder: RunFolder) -> list[bytes]:
+    policy = load_policy(folder.last)
+    return [layer.tobytes() for pair in policy.layers for layer in pair]
+
+
+@pytest.fixture(autouse=True)
+def plain_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
+    monkeypatch.setenv("TERM", "dumb")
+    monkeypatch.setenv("NO_COLOR", "1")
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
+    """A finished tiny run, not to be changed."""
+    folder, _ = trained(tmp_path_factory.mktemp("runs") / "tiny", tiny())
+    return folder
+
+
+@pytest.fixture
+def copied(run: RunFolder, tmp_path: Path) -> RunFolder:
+    return RunFolder(Path(shutil.copytree(run.path, tmp_path / "run")))
+
+
+def test_a_training_learns_to_pass_one_corner(tmp_path: Path) -> None:
+    config = load_config(
+        options={"pipes": ["d=110,angle=110"], "steps": 14_336, "check.every": 14_336, "check.episodes": 32}
+    )
+    folder, outcome = trained(tmp_path / "run", config)
+    assert (outcome.steps, outcome.stopped) == (14_336, False)
+    assert outcome.check_success >= 0.9
+    rows = progress(folder)
+    assert float(rows[0]["success"] or 0) < 0.5 < float(rows[-1]["success"])
+    header = load_policy(folder.best).header
+    assert header.training["steps"] == 14_336
+    assert header.task == config.task
+
+
+def test_a_run_folder_is_complete(run: RunFolder) -> None:
+    names = {path.name for path in run.path.iterdir()}
+    events = {name for name in names if name.startswith("events.")}
+    assert events
+    assert names - events == FILES
+    rows = progress(run)
+    assert [int(row["steps"]) for row in rows] == list(range(256, 2049, 256))
+    assert all(float(row["steps_per_s"]) > 0 for row in rows)
+    assert run.plot.read_bytes().startswith(b"\x89PNG")
+    assert run.command.read_text() == "pipenav train\n"
+    assert RunFolder.open(run.path)[1] == tiny()
+
+
+def test_the_same_seed_gives_the_same_weights(run: RunFolder, tmp_path: Path) -> None:
+    again, _ = trained(tmp_path / "again", tiny())
+    assert weights(again) == weights(run)
+    other, _ = trained(tmp_path / "other", tiny(seed=1, steps=256))
+    assert weights(other) != weights(run)
+
+
+def test_a_resumed_run_goes_on_where_it_was(copied: RunFolder) -> None:
+    before = progress(copied)
+    folder, config = RunFolder.open(copied.path)
+    outcome = train(config.model_copy(update={"steps": 3072}), folder, resumed=True)
+    assert outcome.steps == 3072
+    rows = progress(copied)
+    assert rows[: len(before)] == before
+    assert [int(row["steps"]) for row in rows] == list(range(256, 3073, 256))
+    seconds = [float(row["seconds"]) for row in rows]
+    assert seconds == sorted(seconds)
+    assert load_policy(copied.last).header.training["steps"] == 3072
+    assert outcome.check_success >= 0
+
+
+def test_resume_restores_weights_and_keeps_the_best(copied: RunFolder) -> None:
+    """A resumed run that is stopped at once has learned nothing and lost nothing."""
+    before, best = weights(copied), copied.best.read_bytes()
+    folder, config = RunFolder.open(copied.path)
+    longer = config.model_copy(update={"steps": 4096})
+    outcome = train(longer, folder, resumed=True, should_stop=lambda: True)
+    assert outcome.stopped
+    assert 2048 <= outcome.steps <= 2048 + 16
+    assert weights(copied) == before
+    assert copied.best.read_bytes() == best
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("resume.safetensors", b"half", "cannot be resumed from"),
+        ("config.json", b"{", "config.json cannot be read"),
+        ("config.json", b"{}", "description: field required"),
+        ("progress.csv", b"\xff\xfe", "progress.csv cannot be read"),
+        ("resume.safetensors", None, "holds no run to resume"),
+    ],
+)
+def test_a_spoilt_run_is_refused(copied: RunFolder, name: str, content: bytes | None, message: str) -> None:
+    path = copied.path / name
+    path.unlink()
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(PipenavError, match=message):
+        folder, config = RunFolder.open(copied.path)
+        train(config, folder, resumed=True)
+
+
+class Poisoned:
+    """A backend whose first robot reads NaN from the k-th reading on."""
+
+    def __init__(self, inner: Any, healthy: int) -> None:
+        self._inner, self._healthy = inner, healthy
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._inner, name)
+
+    def read(self) -> Any:
+        self._healthy -= 1
+        reading = self._inner.read()
+        if self._healthy < 0:
+            reading.ranges[0, 3] = np.nan
+        return reading
+
+
+def test_a_value_that_is_not_finite_stops_the_training(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    import pipenav.train as module
+
+    real: Callable[..., Any] = module.open_backend
+    monkeypatch.setattr(module, "open_backend", lambda *given: Poisoned(real(*given), 60))
+    config = tiny(**{"check.every": 256})
+    folder = RunFolder.create(tmp_path / "run", config, "pipenav train")
+    with pytest.raises(TrainingDiverged, match=r"diverged\.json.*last\.zip"):
+        train(config, folder)
+    cause = json.loads(folder.diverged.read_text(encoding="utf-8"))
+    assert cause["robots"] == [0]
+    assert cause["pipes"] == ["d100-a90-left"] or "100" in cause["pipes"][0]
+    assert "nan" in cause["observations"][0]
+    assert np.isfinite(np.array(cause["actions"], float)).all()
+    for path in (folder.best, folder.last):
+        assert all(np.isfinite(layer).all() for pair in load_policy(path).layers for layer in pair)
+
+
+def test_weights_that_are_not_finite_stop_the_training(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    from stable_baselines3 import PPO
+
+    def spoil(model: Any) -> None:
+        with torch.no_grad():
+            next(model.policy.action_net.parameters())[0, 0] = torch.inf
+
+    monkeypatch.setattr(PPO, "train", spoil)
+    folder = RunFolder.create(tmp_path / "run", tiny(), "pipenav train")
+    with pytest.raises(TrainingDiverged):
+        train(tiny(), folder)
+    assert folder.diverged.is_file()
+    assert not folder.last.exists()
+
+
+def refused(capsys: pytest.CaptureFixture[str], *args: str) -> str:
+    with pytest.raises(SystemExit) as left:
+        main(["train", *args])
+    assert left.value.code == 1
+    shown = capsys.readouterr()
+    assert shown.err.startswith("pipenav: error: ")
+    assert shown.err.count("\n") == 1
+    return shown.err
+
+
+def test_an_existing_run_is_not_overwritten(run: RunFolder, capsys: pytest.CaptureFixture[str]) -> None:
+    before = {path: path.stat().st_mtime_ns for path in run.path.iterdir()}
+    assert f"--resume {run.path}" in refused(capsys, "--out", str(run.path))
+    assert {path: path.stat().st_mtime_ns for path in run.path.iterdir()} == before
+
+
+def test_what_a_killed_start_left_is_no_run(tmp_path: Path) -> None:
+    for _ in range(2):
+        RunFolder.create(tmp_path / "run", tiny(), "pipenav train")
+    with pytest.raises(PipenavError, match="holds no run to resume"):
+        RunFolder.open(tmp_path / "run")
+
+
+def test_the_next_free_folder(tmp_path: Path) -> None:
+    assert default_run_path("arm", tmp_path) == tmp_path / "arm"
+    (tmp_path / "arm").mkdir()
+    (tmp_path / "arm-2").mkdir()
+    assert default_run_path("arm", tmp_path) == tmp_path / "arm-3"
+
+
+def test_a_folder_that_cannot_be_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "file"
+    file.touch()
+    assert "it is a file" in refused(capsys, "--out", str(file))
+    assert "Not a directory" in refused(capsys, "--out", str(file / "run"))
+    assert "holds no run to resume" in refused(capsys, "--resume", str(tmp_path))
+    assert "only --steps" in refused(capsys, "--resume", str(tmp_path), "--seed", "1")
+
+
+def test_resume_checks_its_steps(run: RunFolder, capsys: pytest.CaptureFixture[str]) -> None:
+    assert "steps: input should be greater than" in refused(capsys, "--resume", str(run.path), "--steps", "0")
+
+
+def test_a_disk_that_is_full_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def full(*_: Any) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("pipenav.files._write_draft", full)
+    assert "cannot write" in (said := refused(capsys, "--out", str(tmp_path / "run")))
+    assert "No space left on device." in said
+    assert not list((tmp_path / "run").iterdir())
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Iterator[Callable[..., subprocess.Popen[str]]]:
+    """Starts long trainings as processes of their own, and ends them after the test."""
+    started: list[subprocess.Popen[str]] = []
+
+    def starter(name: str, every: int) -> subprocess.Popen[str]:
+        values = {**TINY, "check.every": every}
+        settings = [f"--set={key}={value!r}" for key, value in values.items()]
+        command = [sys.executable, "-m", "pipenav", "train", "--steps", "10000000", "--out", str(tmp_path / name)]
+        environment = os.environ | {"OMP_NUM_THREADS": "1"}
+        process = subprocess.Popen(
+            [*command, *settings], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment
+        )
+        started.append(process)
+        return process
+
+    yield starter
+    for process in started:
+        process.kill()
+        process.communicate()
+
+
+def wait_for(found: Callable[[], bool], seconds: float = 60.0) -> None:
+    end = time.monotonic() + seconds
+    while not found():
+        assert time.monotonic() < end, "it takes too long"
+        time.sleep(0.02)
+
+
+def test_stop_signals_save_and_leave_by_130(start: Callable[..., subprocess.Popen[str]], tmp_path: Path) -> None:
+    runs = {number: start(number.name, 10_000_000) for number in (signal.SIGINT, signal.SIGTERM)}
+    for number in runs:
+        wait_for(lambda number=number: any((tmp_path / number.name).glob("events.*")))  # type: ignore[misc]
+    for number, process in runs.items():
+        process.send_signal(number)
+    for number, process in runs.items():
+        said, _ = process.communicate(timeout=60)
+        folder = RunFolder(tmp_path / number.name)
+        assert process.returncode == 130, said
+        assert f"pipenav train --resume {folder.path}" in said.replace("\n", "")
+        assert "Traceback" not in said
+        load_policy(folder.best)
+        load_policy(folder.last)
+        progress(folder)
+        _, config = RunFolder.open(folder.path)
+        assert config.steps == 10_000_000
+        assert not [path for path in folder.path.iterdir() if path.name.startswith(".")]
+
+
+def test_kill_leaves_whole_files(start: Callable[..., subprocess.Popen[str]], tmp_path: Path) -> None:
+    moments = random.Random(0)
+    runs = {f"run-{i}": start(f"run-{i}", 256) for i in range(3)}
+    for name, process in runs.items():
+        folder = RunFolder(tmp_path / name)
+        wait_for(folder.config.exists if name == "run-0" else folder.resume.exists)
+        time.sleep(moments.uniform(0.0, 1.0))
+        process.kill()
+        process.wait()
+    for name in runs:
+        folder = RunFolder(tmp_path / name)
+        for path in (folder.best, folder.last):
+            if path.exists():
+                load_policy(path)
+        if folder.progress.exists():
+            progress(folder)
+        if folder.resume.exists():
+            assert folder.best.exists()
+            opened, config = RunFolder.open(folder.path)
+            assert train(config, opened, resumed=True, should_stop=lambda: True).steps > 0
