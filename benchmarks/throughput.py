@@ -36,8 +36,9 @@ from pipenav.robot import load_robot
 from pipenav.sb3_env import CornerVecEnv
 from pipenav.task import episode
 from pipenav.task.episode import Verdict
-from pipenav.train import new_model, noise_at
+from pipenav.train import new_model
 from pipenav.train_config import TrainConfig, load_config
+from pipenav.training_watch import noise_at
 
 HELD_OUT = [f"d={d},angle={a},turn={t}" for d in (76, 93, 114) for a in (58, 78, 98, 118) for t in ("left", "right")]
 """Pipes that are in no training set."""

@@ -21,7 +21,7 @@ from pipenav.train_config import DEFAULT_PRESET, TrainConfig, load_config, valid
 if TYPE_CHECKING:
     from pipenav.run_folder import RunFolder
     from pipenav.train import Outcome
-    from pipenav.train import Progress as TrainingProgress
+    from pipenav.training_watch import Progress as TrainingProgress
 
 
 def train(

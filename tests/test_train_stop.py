@@ -1,0 +1,104 @@
+"""Trainings that are stopped or killed from outside leave whole files."""
+
+from __future__ import annotations
+
+import csv
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from pipenav.policy import load_policy
+from pipenav.run_folder import PROGRESS_COLUMNS, RunFolder
+from pipenav.train import train
+
+SETTINGS = (
+    "learner.robots=16",
+    "learner.rollout_steps=16",
+    "learner.batch_size=64",
+    "learner.epochs=2",
+    "check.episodes=4",
+)
+
+
+def require_whole_progress(folder: RunFolder) -> None:
+    with folder.progress.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert all(tuple(row) == PROGRESS_COLUMNS and None not in row.values() for row in rows)
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Iterator[Callable[..., subprocess.Popen[str]]]:
+    """Starts long trainings as processes of their own, and ends them after the test."""
+    started: list[subprocess.Popen[str]] = []
+
+    def starter(name: str, every: int) -> subprocess.Popen[str]:
+        settings = [f"--set={setting}" for setting in (*SETTINGS, f"check.every={every}")]
+        command = [sys.executable, "-m", "pipenav", "train", "--steps", "10000000", "--pipes", "d=100,angle=90"]
+        command += ["--out", str(tmp_path / name)]
+        environment = os.environ | {"OMP_NUM_THREADS": "1", "COLUMNS": "500"}
+        process = subprocess.Popen(
+            [*command, *settings], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment
+        )
+        started.append(process)
+        return process
+
+    yield starter
+    for process in started:
+        process.kill()
+        process.communicate()
+
+
+def wait_for(found: Callable[[], bool], seconds: float = 60.0) -> None:
+    end = time.monotonic() + seconds
+    while not found():
+        assert time.monotonic() < end, "it takes too long"
+        time.sleep(0.02)
+
+
+def test_stop_signals_save_and_leave_by_130(start: Callable[..., subprocess.Popen[str]], tmp_path: Path) -> None:
+    runs = {number: start(number.name, 10_000_000) for number in (signal.SIGINT, signal.SIGTERM)}
+    for number in runs:
+        wait_for(lambda number=number: any((tmp_path / number.name).glob("events.*")))  # type: ignore[misc]
+    for number, process in runs.items():
+        process.send_signal(number)
+    for number, process in runs.items():
+        said, _ = process.communicate(timeout=60)
+        folder = RunFolder(tmp_path / number.name)
+        assert process.returncode == 130, said
+        assert f"pipenav train --resume {folder.path}" in said.replace("\n", "")
+        assert "Traceback" not in said
+        load_policy(folder.best)
+        load_policy(folder.last)
+        require_whole_progress(folder)
+        _, config = RunFolder.open(folder.path)
+        assert config.steps == 10_000_000
+        assert not [path for path in folder.path.iterdir() if path.name.startswith(".")]
+
+
+def test_kill_leaves_whole_files(start: Callable[..., subprocess.Popen[str]], tmp_path: Path) -> None:
+    moments = random.Random(0)
+    runs = {f"run-{i}": start(f"run-{i}", 256) for i in range(3)}
+    for name, process in runs.items():
+        folder = RunFolder(tmp_path / name)
+        wait_for(folder.config.exists if name == "run-0" else folder.resume.exists)
+        time.sleep(moments.uniform(0.0, 1.0))
+        process.kill()
+        process.wait()
+    for name in runs:
+        folder = RunFolder(tmp_path / name)
+        for path in (folder.best, folder.last):
+            if path.exists():
+                load_policy(path)
+        if folder.progress.exists():
+            require_whole_progress(folder)
+        if folder.resume.exists():
+            assert folder.best.exists()
+            opened, config = RunFolder.open(folder.path)
+            assert train(config, opened, resumed=True, should_stop=lambda: True).steps > 0
