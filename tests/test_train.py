@@ -20,8 +20,9 @@ from pipenav.errors import PipenavError
 from pipenav.pipe import Pipe
 from pipenav.policy import load_policy
 from pipenav.run_folder import PROGRESS_COLUMNS, RunFolder, default_run_path
-from pipenav.train import Outcome, TrainingDiverged, train
+from pipenav.train import Outcome, train
 from pipenav.train_config import TrainConfig, load_config
+from pipenav.training_watch import TrainingDiverged
 
 TINY = {
     "pipes": ["d=100,angle=90"],
@@ -203,7 +204,8 @@ def test_weights_that_are_not_finite_stop_the_training(monkeypatch: pytest.Monke
     with pytest.raises(TrainingDiverged):
         train(tiny(), folder)
     assert folder.diverged.is_file()
-    assert not folder.last.exists()
+    assert all(np.isfinite(values).all() for values in weights(folder.last).values())
+    assert RunFolder.open(folder.path)
 
 
 def refused(capsys: pytest.CaptureFixture[str], *args: str) -> str:

@@ -27,6 +27,12 @@ SETTINGS = (
 )
 
 
+def options(every: int) -> list[str]:
+    """A training without end, checked every so many steps."""
+    settings = [f"--set={setting}" for setting in (*SETTINGS, f"check.every={every}")]
+    return ["--steps", "10000000", "--pipes", "d=100,angle=90", *settings]
+
+
 def require_whole_progress(folder: RunFolder) -> None:
     with folder.progress.open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
@@ -39,12 +45,10 @@ def start(tmp_path: Path) -> Iterator[Callable[..., subprocess.Popen[str]]]:
     started: list[subprocess.Popen[str]] = []
 
     def starter(name: str, every: int) -> subprocess.Popen[str]:
-        settings = [f"--set={setting}" for setting in (*SETTINGS, f"check.every={every}")]
-        command = [sys.executable, "-m", "pipenav", "train", "--steps", "10000000", "--pipes", "d=100,angle=90"]
-        command += ["--out", str(tmp_path / name)]
+        command = [sys.executable, "-m", "pipenav", "train", "--out", str(tmp_path / name), *options(every)]
         environment = os.environ | {"OMP_NUM_THREADS": "1", "COLUMNS": "500"}
         process = subprocess.Popen(
-            [*command, *settings], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment
+            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment
         )
         started.append(process)
         return process
@@ -82,23 +86,43 @@ def test_stop_signals_save_and_leave_by_130(start: Callable[..., subprocess.Pope
         assert not [path for path in folder.path.iterdir() if path.name.startswith(".")]
 
 
-def test_kill_leaves_whole_files(start: Callable[..., subprocess.Popen[str]], tmp_path: Path) -> None:
+FORKS = """
+import os, sys
+import pipenav.training_watch, pipenav.train  # once for all: this takes longer than what is tested
+from pipenav.cli import main
+
+for out in sys.argv[1].split(":"):
+    if not (child := os.fork()):
+        sys.stdout = sys.stderr
+        main(["train", "--out", out, *sys.argv[2:]])
+    print(child, flush=True)
+    sys.stdin.readline()
+"""
+"""Starts one training after the other, each when it is told that the one before has been killed."""
+
+
+def test_kill_leaves_whole_files(tmp_path: Path) -> None:
     moments = random.Random(0)
-    runs = {f"run-{i}": start(f"run-{i}", 256) for i in range(3)}
-    for name, process in runs.items():
-        folder = RunFolder(tmp_path / name)
-        wait_for(folder.config.exists if name == "run-0" else folder.resume.exists)
-        time.sleep(moments.uniform(0.0, 1.0))
-        process.kill()
-        process.wait()
-    for name in runs:
-        folder = RunFolder(tmp_path / name)
-        for path in (folder.best, folder.last):
-            if path.exists():
-                load_policy(path)
+    folders = [RunFolder(tmp_path / f"run-{i}") for i in range(3)]
+    command = [sys.executable, "-c", FORKS, ":".join(str(folder.path) for folder in folders)]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
+    with subprocess.Popen([*command, *options(256)], text=True, **pipes) as parent:  # type: ignore[call-overload]
+        assert parent.stdin and parent.stdout
+        for folder in folders:
+            child = int(parent.stdout.readline())
+            try:
+                wait_for(folder.resume.exists)
+                time.sleep(moments.uniform(0.0, 1.0))
+            finally:
+                os.kill(child, signal.SIGKILL)
+            parent.stdin.write("next\n")
+            parent.stdin.flush()
+    for folder in folders:
+        load_policy(folder.last)
+        if folder.best.exists():
+            load_policy(folder.best)
         if folder.progress.exists():
             require_whole_progress(folder)
-        if folder.resume.exists():
-            assert folder.best.exists()
-            opened, config = RunFolder.open(folder.path)
-            assert train(config, opened, resumed=True, should_stop=lambda: True).steps > 0
+        opened, config = RunFolder.open(folder.path)
+        assert train(config, opened, resumed=True, should_stop=lambda: True).stopped
+        load_policy(folder.best)
