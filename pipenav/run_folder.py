@@ -47,7 +47,7 @@ class RunFolder:
         if any(file.exists() for file in (folder.best, folder.last, folder.diverged)):
             raise PipenavError(f"{path} already holds a run: choose another --out.")
         prepare_folder(path)
-        atomic_write(folder.config, json.dumps(config.model_dump(mode="json"), indent=2) + "\n")
+        folder.write_config(config)
         atomic_write(folder.command, command + "\n")
         return folder
 
@@ -68,6 +68,9 @@ class RunFolder:
             except (OSError, ValueError, csv.Error) as error:
                 raise PipenavError(f"{folder.progress} cannot be read: {error}.") from error
         return folder, validate_config(table, str(folder.config))
+
+    def write_config(self, config: TrainConfig) -> None:
+        atomic_write(self.config, json.dumps(config.model_dump(mode="json"), indent=2) + "\n")
 
     def add_progress(self, row: dict[str, Any]) -> None:
         """Remember a row of progress.csv; `write_progress` writes them all."""

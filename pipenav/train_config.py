@@ -62,7 +62,7 @@ class LearnerConfig(_Table):
 class CheckConfig(_Table):
     """Checks during training: the noise-free policy on some episodes; the best one becomes best.zip."""
 
-    every: int = Field(40_000, ge=1, description="control steps between two checks")
+    every: int = Field(60_000, ge=1, description="control steps between two checks")
     episodes: int = Field(200, ge=1, description="episodes of a check, spread evenly over the training pipes")
 
 

@@ -166,7 +166,7 @@ def test_an_import_that_the_constructor_makes_is_named_when_it_is_opened(install
         ("GoodBackend = 3", "is not a subclass of pipenav.backend.Backend"),
         ("class GoodBackend: pass", "is not a subclass of pipenav.backend.Backend"),
         ("from pipenav.backend import Backend\nclass GoodBackend(Backend): pass", "does not implement __init__, close"),
-        (f"{GOOD}\nclass GoodBackend(GoodBackend): Options = dict", "has no BackendOptions derived from"),
+        (f"{GOOD}\nclass GoodBackend(GoodBackend): Options = dict", "has no Options derived from"),
         ("from pipenav.errors import nothing_there", "cannot import name 'nothing_there'"),
     ],
 )

@@ -26,7 +26,9 @@ if TYPE_CHECKING:
 
 def train(
     backend: Annotated[str | None, typer.Option(help="Backend to train on; see `pipenav backends`.")] = None,
-    preset: Annotated[str, typer.Option(help="Shipped recipe; see `pipenav presets`.")] = DEFAULT_PRESET,
+    preset: Annotated[
+        str | None, typer.Option(help=f"Shipped recipe; see `pipenav presets`. Default: {DEFAULT_PRESET}.")
+    ] = None,
     config: Annotated[Path | None, typer.Option(help="TOML file laid over the preset.")] = None,
     set_: Annotated[list[str] | None, typer.Option("--set", help="key=value laid over both; repeatable.")] = None,
     steps: Annotated[int | None, typer.Option(help="Control steps of all robots together.")] = None,
@@ -67,7 +69,7 @@ def train(
 
 
 def _prepare(
-    preset: str,
+    preset: str | None,
     config: Path | None,
     settings: list[str],
     options: dict[str, Any],
@@ -78,12 +80,15 @@ def _prepare(
     from pipenav.run_folder import RunFolder, default_run_path
 
     if resume is not None:
-        if config is not None or settings or any(v is not None for k, v in options.items() if k != "steps"):
+        given = [preset, config, out, *settings, *(value for key, value in options.items() if key != "steps")]
+        if any(value is not None for value in given):
             raise PipenavError("--resume goes on with a run as it was configured: only --steps can be given with it.")
         folder, resolved = RunFolder.open(resume)
         if options["steps"] is not None:
             resolved = validate_config(resolved.model_dump() | {"steps": options["steps"]}, "--steps")
+            folder.write_config(resolved)
         return folder, resolved, str(resume)
+    preset = preset or DEFAULT_PRESET
     resolved = load_config(preset, config, settings, options)
     _check_names(resolved)
     command = shlex.join(["pipenav", *sys.argv[1:]])

@@ -1,0 +1,64 @@
+"""What a wheel carries: the data is found from an installed copy too, not only from a checkout."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from pipenav import assets
+from pipenav.pipe_set import pipe_set_names
+from pipenav.policy import policy_names
+from pipenav.robot import robot_names
+from pipenav.train_config import preset_names
+
+ROOT = Path(__file__).resolve().parent.parent
+
+LIST_ALL = """
+from pipenav import assets
+from pipenav.pipe_set import parse_pipes, pipe_set_names
+from pipenav.policy import load_policy, policy_names, resolve_policy
+from pipenav.robot import load_robot, robot_names
+from pipenav.train_config import load_config, preset_names
+for name in pipe_set_names(): parse_pipes([name])
+for name in robot_names(): load_robot(name)
+for name in preset_names(): load_config(name)
+for name in policy_names(): load_policy(resolve_policy(name))
+print(assets.data_root())
+print(pipe_set_names(), robot_names(), preset_names(), policy_names())
+"""
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("wheel")
+    subprocess.run([sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder)], cwd=ROOT, check=True)
+    (built,) = folder.glob("*.whl")
+    return built
+
+
+def test_everything_shipped_is_found_and_loads_from_an_unpacked_wheel(wheel: Path, tmp_path: Path) -> None:
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(tmp_path / "site")
+    code = f"import sys; sys.path.insert(0, {str(tmp_path / 'site')!r})\n{LIST_ALL}"
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
+    root, names = done.stdout.strip().splitlines()
+    assert Path(root) == tmp_path / "site" / "pipenav" / "_data"
+    assert names == f"{pipe_set_names()} {robot_names()} {preset_names()} {policy_names()}"
+
+
+def test_the_wheel_declares_command_and_backends(wheel: Path) -> None:
+    with zipfile.ZipFile(wheel) as archive:
+        (entry_points,) = [name for name in archive.namelist() if name.endswith("entry_points.txt")]
+        text = archive.read(entry_points).decode()
+        assert "pipenav_mujoco/__init__.py" in archive.namelist()
+    assert "pipenav = pipenav.cli:main" in text
+    assert "[pipenav.backends]" in text
+    assert "mujoco = pipenav_mujoco:MujocoBackend" in text
+
+
+def test_a_checkout_reads_its_own_folders() -> None:
+    assert assets.data_root() == ROOT
