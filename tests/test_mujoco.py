@@ -110,6 +110,12 @@ def mujoco_rays(pipe: Pipe, base: float, q: Array) -> Array:
     return np.where(found < 0, np.inf, found)
 
 
+def beyond_the_ends(pipe: Pipe, points: Array) -> bool:
+    """Whether all points lie past an open end of the pipe, where the boxes of the outer wall run on a little."""
+    past_second = pipe.along_second_leg(points)[:, 0] > pipe.leg
+    return bool(np.all(past_second | (points[:, 0] < -pipe.leg)))
+
+
 @pytest.mark.parametrize("bends", [(0.0,), (30.0, 100.0)])
 def test_beams_are_mujocos_own_rays(bends: tuple[float, ...]) -> None:
     # The square end of an inner box may stand out by its thickness at a sharp edge: there, and only there, beams may
@@ -129,11 +135,13 @@ def test_beams_are_mujocos_own_rays(bends: tuple[float, ...]) -> None:
             assert np.array_equal(reading.ranges[i], laser.measure(ROBOT.laser, ours))
             theirs = mujoco_rays(pipe, base, reading.q[i])
             met = np.isfinite(ours)
-            ends = origin + np.where(met, ours, 0.0)[:, None] * np.stack([np.cos(headings), np.sin(headings)], axis=1)
+            directions = np.stack([np.cos(headings), np.sin(headings)], axis=1)
+            ends = origin + np.where(met, ours, 0.0)[:, None] * directions
             to_edge = np.linalg.norm(ends[:, None] - pipe.walls.inner[1:-1], axis=2).min(axis=1)
             sure = met & (to_edge > 2 * INNER_THICKNESS)
             assert ours[sure] == pytest.approx(theirs[sure], abs=1e-6)
-            assert np.all(theirs[~met] > ROBOT.laser.range_max)
+            out = np.isfinite(theirs) & ~met
+            assert beyond_the_ends(pipe, origin + theirs[out, None] * directions[out])
             compared += int(sure.sum())
     assert compared > 850
 
