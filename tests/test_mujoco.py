@@ -110,6 +110,33 @@ def mujoco_rays(pipe: Pipe, base: float, q: Array) -> Array:
     return np.where(found < 0, np.inf, found)
 
 
+def test_beams_are_mujocos_rangefinders() -> None:
+    pipe, base = Pipe.of(100, 75), -0.52
+    q = np.array([[0.05, 0.1, -0.2, 0.6], [0.15, -0.05, 0.3, 0.8]])
+    spec = static_spec(ROBOT, pipe, 0.0025, Contact(0.005, (0.95, 0.99, 0.001)), base)
+    for geom in spec.geoms:
+        if not geom.name.startswith("wall"):
+            geom.rgba[3] = 0.0  # a rangefinder looks through what is invisible: here through the arm itself
+    last = spec.body(ROBOT.links[-1].name)
+    for i, angle in enumerate(ROBOT.laser.angles):
+        along_beam = np.sqrt(0.5) * np.array([1.0, -np.sin(angle), np.cos(angle), 0.0])  # turns z onto the beam
+        last.add_site(name=f"beam{i}", pos=[ROBOT.links[-1].length, 0, 0], quat=along_beam)
+        kind = mujoco.mjtSensor.mjSENS_RANGEFINDER
+        spec.add_sensor(
+            name=f"beam{i}", type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=f"beam{i}", intprm=[1, 0, 0]
+        )
+    model = spec.compile()
+    state = mujoco.MjData(model)
+    backend = MujocoBackend(ROBOT, 2, MujocoOptions())
+    backend.reset(np.arange(2), [pipe, pipe], q, np.full(2, base))
+    for pose, ranges in zip(q, backend.read().ranges, strict=True):
+        state.qpos[:] = pose
+        mujoco.mj_forward(model, state)
+        found = np.array([state.sensor(f"beam{i}").data[0] for i in range(ROBOT.laser.beams)])
+        assert ranges == pytest.approx(laser.measure(ROBOT.laser, np.where(found < 0, np.inf, found)), abs=1e-12)
+    backend.close()
+
+
 def beyond_the_ends(pipe: Pipe, points: Array) -> bool:
     """Whether all points lie past an open end of the pipe, where the boxes of the outer wall run on a little."""
     past_second = pipe.along_second_leg(points)[:, 0] > pipe.leg
