@@ -75,16 +75,18 @@ class MujocoBackend(backend.Backend):
         self._peak_force, self._peak_depth, self._contact_share = np.zeros(n), np.zeros(n), np.zeros(n)
 
     def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> None:
-        for i, pipe, x in zip(robots, pipes, base, strict=True):
-            count = len(pipe.segments)
-            if count > self._slots:
+        for pipe in pipes:
+            if len(pipe.segments) > self._slots:
                 raise PipenavError(
-                    f"pipe {pipe.name} has {count} wall segments, this backend was opened for {self._slots}."
+                    f"pipe {pipe.name} has {len(pipe.segments)} wall segments, "
+                    f"this backend was opened for {self._slots}."
                 )
-            boxes = wall_boxes(pipe, self._slots, x)
-            self._wall_position[i], self._wall_quaternion[i], self._wall_half_size[i] = boxes
+        boxes = wall_boxes(pipes, self._slots, base)
+        self._wall_position[robots], self._wall_quaternion[robots] = boxes.position, boxes.quaternion
+        self._wall_half_size[robots] = boxes.half_size
+        for i, pipe in zip(robots, pipes, strict=True):
             self._segments[i] = pipe.segments[-1]  # repeated in the slots that are left over
-            self._segments[i, :count] = pipe.segments
+            self._segments[i, : len(pipe.segments)] = pipe.segments
         self._base[robots] = base
         self._segments[robots, ..., 0] -= base[:, None, None]
         self._q[robots], self._qd[robots], self._time[robots], self._warm[robots] = q, 0.0, 0.0, 0.0

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import mujoco
@@ -38,41 +40,58 @@ MAX_HALF_LENGTH = 10.5
 
 
 class WallBoxes(NamedTuple):
-    """Boxes for wall slots: centre (slots, 3), quaternion (slots, 4) and half sizes (slots, 3) [m]."""
+    """Wall boxes of k robots: centre (k, slots, 3), quaternion (k, slots, 4), half sizes (k, slots, 3) [m]."""
 
     position: Array
     quaternion: Array
     half_size: Array
 
 
-def wall_boxes(pipe: Pipe, slots: int, base: float = 0.0) -> WallBoxes:
-    """The pipe's wall segments as boxes behind their faces; slots that are left over are parked far away.
+class _Faces(NamedTuple):
+    """A pipe in slots: wall segments (slots, 2, 2), thickness and overlap (slots,) [m], whether used (slots,)."""
 
-    The robot never moves its mount: the walls come to it, so `base`, where the robot's frame starts on the first
+    ends: Array
+    thickness: Array
+    overlap: Array
+    used: NDArray[np.bool_]
+
+
+def wall_boxes(pipes: Sequence[Pipe], slots: int, base: Array) -> WallBoxes:
+    """The wall segments of each robot's pipe as boxes behind their faces; slots that are left over are parked far away.
+
+    The robot never moves its mount: the walls come to it, so `base` (k,), where the robot's frame starts on the first
     leg's axis, is subtracted.
+    """
+    faces = _Faces(*(np.stack(parts) for parts in zip(*(_faces(pipe, slots) for pipe in pipes), strict=True)))
+    shift = np.stack([base, np.zeros(len(base))], axis=1)[:, None]
+    start, end = faces.ends[:, :, 0] - shift, faces.ends[:, :, 1] - shift  # (k, slots, 2)
+    length = np.linalg.norm(end - start, axis=2)
+    along = (end - start) / length[..., None]
+    behind = np.stack([along[..., 1], -along[..., 0]], axis=2)  # the free space lies to the left
+    yaw = np.arctan2(along[..., 1], along[..., 0])
+    zero = np.zeros_like(yaw)
+    centre = (start + end) / 2 + behind * faces.thickness[..., None] / 2
+    half_size = np.stack([length / 2 + faces.overlap, faces.thickness / 2, zero + WALL_HALF_HEIGHT], axis=2)
+    return WallBoxes(
+        np.concatenate([centre, np.where(faces.used, 0.0, PARKED)[..., None]], axis=2),
+        np.stack([np.cos(yaw / 2), zero, zero, np.sin(yaw / 2)], axis=2),
+        half_size,
+    )
+
+
+@lru_cache(maxsize=4096)
+def _faces(pipe: Pipe, slots: int) -> _Faces:
+    """Faces of the walls and how thick the boxes behind them are.
 
     Where the free space is convex (the outer wall's vertices) a box runs on past the vertex by its thickness, so that
     no gap opens between neighbours; at the inner wall's edges boxes end at the vertex and are thin.
     """
-    segments = pipe.segments
-    count = len(segments)
-    boxes = WallBoxes(np.zeros((slots, 3)), np.zeros((slots, 4)), np.full((slots, 3), 0.01))
-    boxes.position[:, 2] = PARKED
-    boxes.quaternion[:, 0] = 1.0
-    outer = np.zeros(count, bool)
-    outer[: len(pipe.walls.outer) - 1] = True
+    count = len(pipe.segments)
+    outer = np.arange(slots) < len(pipe.walls.outer) - 1
+    ends = np.tile(np.array([[0.0, 0.0], [1.0, 0.0]]), (slots, 1, 1))
+    ends[:count] = pipe.segments
     thickness = np.where(outer, OUTER_THICKNESS, INNER_THICKNESS)
-    overlap = np.where(outer, OUTER_THICKNESS, 0.0)
-    start, end = segments[:, 0] - [base, 0.0], segments[:, 1] - [base, 0.0]
-    length = np.linalg.norm(end - start, axis=1)
-    along = (end - start) / length[:, None]
-    behind = np.stack([along[:, 1], -along[:, 0]], axis=1)  # the free space lies to the left
-    yaw = np.arctan2(along[:, 1], along[:, 0])
-    boxes.position[:count, :2] = (start + end) / 2 + behind * thickness[:, None] / 2
-    boxes.position[:count, 2] = 0.0
-    boxes.quaternion[:count] = np.stack([np.cos(yaw / 2), 0 * yaw, 0 * yaw, np.sin(yaw / 2)], axis=1)
-    boxes.half_size[:count] = np.stack([length / 2 + overlap, thickness / 2, np.full(count, WALL_HALF_HEIGHT)], axis=1)
-    return boxes
+    return _Faces(ends, thickness, np.where(outer, OUTER_THICKNESS, 0.0), np.arange(slots) < count)
 
 
 class Contact(NamedTuple):
@@ -107,8 +126,8 @@ def build_spec(robot: RobotSpec, slots: int, timestep: float, contact: Contact) 
 def static_spec(robot: RobotSpec, pipe: Pipe, timestep: float, contact: Contact, base: float = 0.0) -> Any:
     """The same model with this pipe's walls as static geoms: the reference that the mocap walls are tested against."""
     spec = build_spec(robot, 0, timestep, contact)
-    boxes = wall_boxes(pipe, len(pipe.segments), base)
-    for i, (position, quaternion, half_size) in enumerate(zip(*boxes, strict=True)):
+    boxes = wall_boxes([pipe], len(pipe.segments), np.array([base]))
+    for i, (position, quaternion, half_size) in enumerate(zip(*(part[0] for part in boxes), strict=True)):
         geom = _add_wall_geom(spec.worldbody, f"wall{i}", half_size, robot, contact)
         geom.pos, geom.quat = position, quaternion
     return spec
