@@ -13,7 +13,9 @@ from pipenav.controller import Controller
 from pipenav.pipe import Pipe
 from pipenav.records import Evaluation, PipeRecord
 from pipenav.registry import open_backend
+from pipenav.robot import RobotSpec
 from pipenav.task import episode
+from pipenav.task.config import TaskConfig
 from pipenav.task.episode import Episodes, Verdict
 from pipenav.thesis import thesis_best
 from pipenav.units import m_to_mm, rad_to_deg
@@ -61,8 +63,10 @@ class _Queue:
     depend on how many robots run at once, nor on the other pipes of the set.
     """
 
-    def __init__(self, batch_robot: Any, task: Any, pipes: Sequence[Pipe], episodes: int, seed: int, n: int) -> None:
-        self._robot, self._task = batch_robot, task
+    def __init__(
+        self, robot: RobotSpec, task: TaskConfig, pipes: Sequence[Pipe], episodes: int, seed: int, n: int
+    ) -> None:
+        self._robot, self._task = robot, task
         self._pipes, self._episodes, self._seed = pipes, episodes, seed
         self.total = len(pipes) * episodes
         self._next = 0

@@ -220,7 +220,8 @@ class Pipe(BaseModel):
 
 
 # Kept beside the pipes and not in them: a cached array inside a model breaks its equality and outlives a copy's update.
-@lru_cache(maxsize=1024)
+# Large enough for every pipe of the largest shipped training set.
+@lru_cache(maxsize=4096)
 def _walls(pipe: Pipe) -> Lines:
     lines = Lines(pipe.line(pipe.radius), pipe.line(-pipe.radius))
     for line in lines:
@@ -228,7 +229,7 @@ def _walls(pipe: Pipe) -> Lines:
     return lines
 
 
-@lru_cache(maxsize=1024)
+@lru_cache(maxsize=4096)
 def _segments(pipe: Pipe) -> Array:
     # A left turn's outer wall has the pipe on its left as it runs forwards, its inner wall as it runs backwards.
     walls = [pipe.walls.outer, pipe.walls.inner[::-1]]

@@ -58,7 +58,7 @@ def train(
     try:
         model = new_model(config, env)
         state = resume.load_state(folder.resume, model) if resumed else resume.State(0, 0.0, -1.0)
-        if resumed:
+        if resumed:  # other episodes than those that the run has had already
             rng.bit_generator.state = np.random.default_rng([config.seed, state.steps]).bit_generator.state
         model.set_logger(configure(str(folder.path), ["tensorboard"]))
         watch = Watch(config, folder, state, report, should_stop)

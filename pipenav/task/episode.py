@@ -39,7 +39,7 @@ class Episodes(NamedTuple):
         base: x of the robot's frame in the pipe's frame, (k,) [m].
         side: +1 for a left turn, -1 for a right one, (k,).
         goal: target in the canonical frame, (k, 2) [m].
-        edge: where the inner wall's bend ends on the second leg's side of the sharpest point, canonical, (k, 2) [m].
+        edge: the inner wall's edge, of a bend the point where it starts, in the canonical frame, (k, 2) [m].
     """
 
     pipes: tuple[Pipe, ...]
