@@ -41,8 +41,8 @@ class Backend(ABC):
     def __init__(self, robot: RobotSpec, n: int, options: BackendOptions, wall_segments: int = 4) -> None: ...
 
     @abstractmethod
-    def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> None:
-        """Put some robots at rest into pipes; the others are untouched.
+    def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> Reading:
+        """Put some robots at rest into pipes; the others are untouched. What the k robots' sensors give there.
 
         Args:
             robots: which robots, sorted and unique, (k,).

@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipenav import kinematics
 from pipenav.backend import Backend
 from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
@@ -54,8 +53,14 @@ class CornerBatch:
         self._side, self._goal, self._edge = np.ones(n), np.zeros((n, 2)), np.zeros((n, 2))
         self._way = np.zeros(n)
         self._action = np.zeros((n, joints))
+        self._own_q = np.zeros((n, joints))
+        self._observation = np.zeros((n, len(self._scale)))
         self._now = self._before = observation.Snapshot(
-            np.zeros((n, joints)), np.zeros((n, joints)), np.zeros((n, robot.laser.beams))
+            np.zeros((n, joints)),
+            np.zeros((n, joints)),
+            np.zeros((n, robot.laser.beams)),
+            np.zeros((n, 2)),
+            np.zeros(n),
         )
 
     @property
@@ -81,19 +86,20 @@ class CornerBatch:
         """Start new episodes for some robots (sorted, unique), or all; observations of all robots, (n, size)."""
         robots = np.arange(self.n) if robots is None else np.asarray(robots, np.intp)
         episodes = self._source(robots)
-        self._backend.reset(robots, episodes.pipes, episodes.q, episodes.base)
+        reading = self._backend.reset(robots, episodes.pipes, episodes.q, episodes.base)
         for i, pipe in zip(robots, episodes.pipes, strict=True):
             self.pipes[i] = pipe
         self.steps[robots] = self._ages[robots]
         self._ages[robots] = 0
         self._side[robots], self._goal[robots], self._edge[robots] = episodes.side, episodes.goal, episodes.edge
-        self._action[robots] = 0.0
-        self._look()
-        self._before = observation.Snapshot(*(a.copy() for a in self._before))
-        for old, new in zip(self._before, self._now, strict=True):
-            old[robots] = new[robots]
-        self._way[robots] = self._way_left()[robots]
-        return self._observe()
+        self._action[robots], self._own_q[robots] = 0.0, reading.q
+        now = observation.canonical(self.robot, reading, episodes.side)
+        self._now, self._before = self._now.updated(robots, now), self._before.updated(robots, now)
+        self._way[robots] = episode.way_to_goal(now.tip, episodes.goal, episodes.edge)
+        observed = observation.observe(self.config, now, now, self._action[robots], episodes.goal)
+        self._observation = self._observation.copy()
+        self._observation[robots] = observed / self._scale
+        return self._observation
 
     def stagger(self, rng: np.random.Generator) -> None:
         """Make the next episodes start at random ages, so that their time-outs do not all fall into one step."""
@@ -109,39 +115,32 @@ class CornerBatch:
         self._backend.step(command)
         self.steps += 1
         self._before, self._action = self._now, np.clip(action, -1.0, 1.0)
-        self._look()
+        reading = self._backend.read()
+        self._own_q, self._now = reading.q, observation.canonical(self.robot, reading, self._side)
         truth = self._backend.truth()
         if truth is None:
             raise TypeError("the corner task needs a simulator: this backend knows no truth")
         facts, verdict = self._judge(truth)
         result = reward.total(self.config.reward, facts)
-        return StepResult(self._observe(), result, verdict, self._now.ranges.min(axis=1), truth)
+        observed = observation.observe(self.config, self._now, self._before, self._action, self._goal)
+        self._observation = observed / self._scale
+        return StepResult(self._observation, result, verdict, self._now.ranges.min(axis=1), truth)
 
     def close(self) -> None:
         self._backend.close()
 
-    def _look(self) -> None:
-        reading = self._backend.read()
-        self._own_q = reading.q
-        self._now = observation.canonical(self.robot, reading, self._side)
-
-    def _observe(self) -> Array:
-        raw = observation.observe(self.robot, self.config, self._now, self._before, self._action, self._goal)
-        return raw / self._scale
-
-    def _way_left(self) -> Array:
-        self._tip = kinematics.forward(self.robot, self._now.q).tip
-        return episode.way_to_goal(self._tip, self._goal, self._edge)
-
     def _judge(self, truth: Truth) -> tuple[reward.StepFacts, NDArray[np.int8]]:
-        way = self._way_left()
+        way = episode.way_to_goal(self._now.tip, self._goal, self._edge)
         progress, self._way = self._way - way, way
-        error = np.linalg.norm(self._tip - self._goal, axis=1)
-        verdict = np.full(self.n, Verdict.RUNNING, np.int8)
-        verdict[self.steps >= self.config.max_steps] = Verdict.TIMEOUT
-        verdict[error <= self.config.reach_tolerance] = Verdict.REACHED
-        verdict[episode.at_limit(self.robot, self.config, self._own_q)] = Verdict.LIMIT
-        verdict[truth.penetration > self.config.max_penetration] = Verdict.PENETRATION
+        error = np.hypot(*(self._now.tip - self._goal).T)
+        failed_at_limit = episode.at_limit(self.robot, self.config, self._own_q)
+        sank = truth.penetration > self.config.max_penetration
+        failed = failed_at_limit | sank
+        reached = (error <= self.config.reach_tolerance) & ~failed
+        verdict = np.where(self.steps >= self.config.max_steps, Verdict.TIMEOUT.value, Verdict.RUNNING.value)
+        verdict[reached] = Verdict.REACHED.value
+        verdict[failed_at_limit] = Verdict.LIMIT.value
+        verdict[sank] = Verdict.PENETRATION.value
         facts = reward.StepFacts(
             error=error,
             ranges=self._now.ranges,
@@ -149,10 +148,10 @@ class CornerBatch:
             progress=progress,
             contact_force=truth.contact_force,
             penetration=truth.penetration,
-            reached=verdict == Verdict.REACHED,
-            failed=(verdict == Verdict.LIMIT) | (verdict == Verdict.PENETRATION),
+            reached=reached,
+            failed=failed,
         )
-        return facts, verdict
+        return facts, verdict.astype(np.int8)
 
 
 def random_episodes(
@@ -160,8 +159,12 @@ def random_episodes(
 ) -> EpisodeSource:
     """Episodes with random starts and targets in random pipes: first a set is drawn, each alike, then a pipe of it."""
 
+    sizes = np.array([len(pipes) for pipes in sets])
+
     def source(robots: NDArray[np.intp]) -> Episodes:
-        chosen = [sets[int(rng.integers(len(sets)))] for _ in robots]
-        return episode.sample(robot, config, [pipes[int(rng.integers(len(pipes)))] for pipes in chosen], rng)
+        chosen = rng.integers(len(sets), size=len(robots))
+        places = rng.integers(sizes[chosen])
+        pipes = [sets[i][j] for i, j in zip(chosen.tolist(), places.tolist(), strict=True)]
+        return episode.sample(robot, config, pipes, rng)
 
     return source

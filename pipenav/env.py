@@ -92,14 +92,15 @@ def action_space(batch: CornerBatch) -> spaces.Space[Float32s]:
     return cast("spaces.Space[Float32s]", spaces.Box(-1.0, 1.0, (len(batch.robot.joints),), np.float32))
 
 
-def step_info(result: StepResult) -> dict[str, NDArray[Any]]:
-    """What `info` says after a step, one array for each key, (n,)."""
+def step_info(result: StepResult, robots: NDArray[np.intp] | slice = slice(None)) -> dict[str, NDArray[Any]]:
+    """What `info` says after a step, one array for each key, (k,) for k robots; of all by default."""
+    verdict = result.verdict[robots]
     return {
-        "verdict": VERDICT_LABELS[result.verdict],
-        "is_success": result.verdict == Verdict.REACHED,
-        "clearance_m": result.clearance,
-        "contact_force_n": result.truth.contact_force,
-        "penetration_m": result.truth.penetration,
+        "verdict": VERDICT_LABELS[verdict],
+        "is_success": verdict == Verdict.REACHED.value,
+        "clearance_m": result.clearance[robots],
+        "contact_force_n": result.truth.contact_force[robots],
+        "penetration_m": result.truth.penetration[robots],
     }
 
 

@@ -34,21 +34,11 @@ def forward(robot: RobotSpec, q: Array) -> ChainPose:
         q: joint positions, (n, joints) [rad or m].
     """
     q = np.asarray(q, float)
-    n = len(q)
-    joints = np.empty((n, len(robot.links), 2))
-    headings = np.empty((n, len(robot.links)))
-    point = np.zeros((n, 2))
-    heading = np.zeros(n)
-    for i, link in enumerate(robot.links):
-        if link.joint.type == "slide":
-            point = point + q[:, i, None] * _direction(heading)
-        else:
-            heading = heading + q[:, i]
-        joints[:, i] = point
-        headings[:, i] = heading
-        point = point + link.length * _direction(heading)
-    return ChainPose(joints, point, headings)
-
-
-def _direction(heading: Array) -> Array:
-    return np.stack([np.cos(heading), np.sin(heading)], axis=-1)
+    headings = np.cumsum(np.where(robot.hinges, q, 0.0), axis=1)
+    along = np.stack([np.cos(headings), np.sin(headings)], axis=-1)  # (n, links, 2)
+    # Way points in order: each link's start after its slide, then its end. Hinges add nothing to the first kind.
+    ways = np.empty((len(q), 2 * len(robot.links), 2))
+    ways[:, 0::2] = np.where(robot.hinges, 0.0, q)[..., None] * along
+    ways[:, 1::2] = robot.lengths[:, None] * along
+    points = np.cumsum(ways, axis=1)
+    return ChainPose(points[:, 0::2], points[:, -1], headings)

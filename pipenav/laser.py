@@ -23,17 +23,17 @@ def cast(origins: Array, headings: Array, segments: Array) -> Array:
     Returns:
         (n, beams) [m].
     """
-    ux, uy = np.cos(headings)[:, :, None], np.sin(headings)[:, :, None]  # (n, beams, 1)
-    ax = (segments[:, :, 0, 0] - origins[:, None, 0])[:, None]  # (n, 1, s)
-    ay = (segments[:, :, 0, 1] - origins[:, None, 1])[:, None]
-    ex = (segments[:, :, 1, 0] - segments[:, :, 0, 0])[:, None]
-    ey = (segments[:, :, 1, 1] - segments[:, :, 0, 1])[:, None]
-    determinant = ux * ey - uy * ex  # (n, beams, s)
+    # Robots come last, the long axis along which numpy is fast.
+    heading, wall = headings.T, segments.transpose(1, 2, 3, 0)  # (beams, n), (s, 2, 2, n)
+    ux, uy = np.cos(heading), np.sin(heading)
+    ax, ay = np.ascontiguousarray(wall[:, None, 0] - origins.T).transpose(2, 0, 1, 3)  # (s, 1, n) each
+    ex, ey = np.ascontiguousarray(wall[:, None, 1] - wall[:, None, 0]).transpose(2, 0, 1, 3)
+    determinant = ux * ey - uy * ex  # (s, beams, n)
     with np.errstate(divide="ignore", invalid="ignore"):
         t = (ax * ey - ay * ex) / determinant
         s = (ax * uy - ay * ux) / determinant
         hit = (t >= 0) & (s >= 0) & (s <= 1)
-    return np.asarray(np.where(hit, t, np.inf).min(axis=2))
+    return np.ascontiguousarray(np.where(hit, t, np.inf).min(axis=0).T)
 
 
 def measure(laser: Laser, distances: Array) -> Array:

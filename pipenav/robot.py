@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 import tomllib
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from pipenav import assets
@@ -20,6 +21,13 @@ Array = NDArray[np.float64]
 
 class _Table(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """A copy that computes its own cached properties."""
+        copied = super().model_copy(update=update, deep=deep)
+        for name in copied.__dict__.keys() - type(self).model_fields.keys():
+            del copied.__dict__[name]
+        return copied
 
 
 class Actuator(_Table):
@@ -108,9 +116,7 @@ class Laser(_Table):
         fan = math.radians(self.fan_deg)
         sector = fan / self.beams
         first = -fan / 2 + (sector / 2 if self.fan == "centred" else 0.0)
-        angles: Array = first + sector * np.arange(self.beams, dtype=float)
-        angles.flags.writeable = False
-        return angles
+        return _constant(first + sector * np.arange(self.beams, dtype=float))
 
 
 class RobotSpec(_Table):
@@ -154,30 +160,46 @@ class RobotSpec(_Table):
         """Of the widest link [m]."""
         return max(link.width for link in self.links)
 
-    @property
+    @cached_property
+    def hinges(self) -> NDArray[np.bool_]:
+        """Which joints are hinges, (joints,)."""
+        return np.array([joint.type == "hinge" for joint in self.joints])
+
+    @cached_property
+    def lengths(self) -> Array:
+        """Of the links, (links,) [m]."""
+        return _constant([link.length for link in self.links])
+
+    @cached_property
     def lower(self) -> Array:
         """Joint limits, (joints,)."""
-        return np.array([joint.lower for joint in self.joints])
+        return _constant([joint.lower for joint in self.joints])
 
-    @property
+    @cached_property
     def upper(self) -> Array:
         """Joint limits, (joints,)."""
-        return np.array([joint.upper for joint in self.joints])
+        return _constant([joint.upper for joint in self.joints])
 
-    @property
+    @cached_property
     def speed_limits(self) -> Array:
         """No-load speed of each joint, (joints,) [rad/s or m/s]."""
-        return np.array([actuator.speed_limit for actuator in self.joint_actuators])
+        return _constant([actuator.speed_limit for actuator in self.joint_actuators])
 
-    @property
+    @cached_property
     def effort_limits(self) -> Array:
         """Stall effort of each joint, (joints,) [N m or N]."""
-        return np.array([actuator.effort_limit for actuator in self.joint_actuators])
+        return _constant([actuator.effort_limit for actuator in self.joint_actuators])
 
-    @property
+    @cached_property
     def mirror_signs(self) -> Array:
         """What a reflection about the first leg's axis does to joint positions: +1 slide, -1 hinge, (joints,)."""
-        return np.array([1.0 if joint.type == "slide" else -1.0 for joint in self.joints])
+        return _constant(np.where(self.hinges, -1.0, 1.0))
+
+
+def _constant(values: ArrayLike) -> Array:
+    array = np.array(values, float)
+    array.flags.writeable = False
+    return array
 
 
 def robot_names() -> list[str]:

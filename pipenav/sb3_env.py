@@ -35,11 +35,12 @@ class CornerVecEnv(VecEnv):  # type: ignore[misc]  # Stable-Baselines3 is import
         result = self.batch.step(self._actions)
         observation = result.observation.astype(np.float32)
         self._returns += result.reward
-        done = result.verdict != Verdict.RUNNING
+        done = result.verdict != Verdict.RUNNING.value
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
-        ended, info = np.flatnonzero(done), step_info(result)
-        for i in ended.tolist():
-            infos[i] = one_info(info, i) | {
+        ended = np.flatnonzero(done)
+        info = step_info(result, ended)
+        for k, i in enumerate(ended.tolist()):
+            infos[i] = one_info(info, k) | {
                 "terminal_observation": observation[i],
                 "TimeLimit.truncated": bool(result.verdict[i] == Verdict.TIMEOUT),
                 "episode": {"r": float(self._returns[i]), "l": int(self.batch.steps[i])},

@@ -26,6 +26,10 @@ class Reading(NamedTuple):
     ranges: Array
     time: Array
 
+    def part(self, robots: NDArray[np.intp]) -> Reading:
+        """The readings of some robots, k of them."""
+        return Reading(*(column[robots] for column in self))
+
 
 class Truth(NamedTuple):
     """What only a simulator knows; rewards and verdicts may use it, policies never.
@@ -38,12 +42,15 @@ class Truth(NamedTuple):
         contact_force: largest net force of the pipe on any one link, (n,) [N].
         penetration: deepest overlap of robot and pipe, (n,) [m].
         contact_share: share of the physics steps with contact, (n,).
+        link_forces: net force of the pipe on each link when that was largest, axes of the pipe's frame,
+            (n, links, 2) [N].
     """
 
     tip: Array
     contact_force: Array
     penetration: Array
     contact_share: Array
+    link_forces: Array
 
 
 class Command(NamedTuple):

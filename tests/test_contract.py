@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pipenav.backend import Array, Backend
 from pipenav.pipe import Pipe
 from pipenav.registry import availability, find_backends
-from pipenav.state import Command, Reading
+from pipenav.state import Command, Reading, Truth
 from pipenav.testing import CONTRACT, Bench, KinematicBackend
 
 NEEDS_A_MACHINE = {"hardware"}
@@ -58,9 +58,10 @@ class Backwards(KinematicBackend):
 
 
 class ResetsAll(KinematicBackend):
-    def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> None:
-        super().reset(robots, pipes, q, base)
+    def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> Reading:
+        reading = super().reset(robots, pipes, q, base)
         self._q[:] = q[0] if len(q) else 0.0
+        return reading
 
 
 class DeadBeam(KinematicBackend):
@@ -85,6 +86,17 @@ class Shaky(KinematicBackend):
         self._q[:, -1] += 1e-12 * np.random.default_rng().normal()
 
 
+class ReadsOthers(KinematicBackend):
+    def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> Reading:
+        super().reset(robots, pipes, q, base)
+        return self.read().part(np.arange(len(robots)))
+
+
+class Unfelt(KinematicBackend):
+    def truth(self) -> Truth:
+        return super().truth()._replace(contact_force=np.ones(len(self._q)))
+
+
 class Stopped(KinematicBackend):
     def read(self) -> Reading:
         return super().read()._replace(time=np.ones(len(self._q)))
@@ -101,6 +113,8 @@ class Stopped(KinematicBackend):
         (DeadBeam, "tip_and_ranges_fit_the_pose", "beams miss the walls"),
         (RemembersItsPast, "reset_forgets_the_past", "a used and a new backend under the same commands"),
         (Shaky, "same_seed_same_trajectory", "two backends under the same commands"),
+        (ReadsOthers, "reset_reads_what_read_reads", "what a reset returns and what is read after it"),
+        (Unfelt, "contact_force_is_the_largest_of_the_links", "contact force"),
         (Stopped, "time_counts", "Not equal"),
     ],
 )

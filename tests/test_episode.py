@@ -149,8 +149,9 @@ class Puppet(Backend):
         self.q, self.penetration = np.zeros((n, 4)), np.zeros(n)
         self.ranges = np.full((n, 10), 0.3)
 
-    def reset(self, robots, pipes, q, base) -> None:  # type: ignore[no-untyped-def]  # noqa: ARG002
+    def reset(self, robots, pipes, q, base) -> Reading:  # type: ignore[no-untyped-def]  # noqa: ARG002
         self.q[robots] = q
+        return self.read().part(robots)
 
     def step(self, command: Command) -> None:
         pass
@@ -160,7 +161,7 @@ class Puppet(Backend):
 
     def truth(self) -> Truth:
         zero = np.zeros(len(self.q))
-        return Truth(np.zeros((len(self.q), 3)), zero, self.penetration.copy(), zero)
+        return Truth(np.zeros((len(self.q), 3)), zero, self.penetration.copy(), zero, np.zeros((len(self.q), 4, 2)))
 
     def close(self) -> None:
         pass

@@ -250,3 +250,18 @@ def test_a_pipe_of_more_walls_than_it_was_opened_for_is_refused() -> None:
     pipe = Pipe.of(100, 90, bend_radius_mm=100)
     with pytest.raises(PipenavError, match=rf"has {len(pipe.segments)} wall segments, this backend was opened for 4"):
         MujocoBackend(ROBOT, 1, OPTIONS).reset(np.arange(1), [pipe], np.zeros((1, 4)), np.array([-0.6]))
+
+
+def test_a_wall_pushes_back_on_the_link_that_leans_on_it() -> None:
+    link = ROBOT.links[3]
+    lever = ROBOT.model_copy(update={"links": (link,), "friction": 0.0})
+    backend = MujocoBackend(lever, 2, OPTIONS)
+    backend.reset(np.arange(2), [Pipe.of(100, 120)] * 2, np.zeros((2, 1)), np.full(2, -0.4))
+    sides, drive = np.array([1.0, -1.0]), 0.4  # the first robot leans on the wall to its left, the second to its right
+    for _ in range(10):
+        backend.step(Command("torque", drive * sides[:, None]))
+    forces, angle = backend.truth().link_forces[:, 0], np.abs(backend.read().q[:, 0])
+    # At rest the motor's moment is that of the push on the tip's corner, which points away from the wall.
+    arm = link.length * np.cos(angle) - link.width / 2 * np.sin(angle)
+    assert forces[:, 1] == pytest.approx(-sides * drive * lever.effort_limits[0] / arm, rel=1e-3)
+    assert forces[:, 0] == pytest.approx(0.0, abs=1e-6)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,7 +21,13 @@ from pipenav.task.reward import StepFacts
 
 ROBOT = load_robot("basic")
 LEFT, RIGHT = np.ones(1), -np.ones(1)
-RESTING = Snapshot(np.zeros((1, 4)), np.zeros((1, 4)), np.full((1, 10), 0.3))
+
+
+def snapshot(q: Any, qd: Any, ranges: Any) -> Snapshot:
+    return canonical(ROBOT, Reading(np.array([q]), np.array([qd]), np.array([ranges]), np.zeros(1)), LEFT)
+
+
+RESTING = snapshot([0.0] * 4, [0.0] * 4, [0.3] * 10)
 
 unit = st.floats(-1, 1)
 joint_values = arrays(float, (1, 4), elements=unit)
@@ -96,8 +103,8 @@ def names(config: TaskConfig) -> list[str]:
 def test_basic_state_eq_3_1() -> None:
     # [q qd p_ee p_goal D]: 4 + 4 + 2 + 2 + 10 = 22; straight, the tip is 0.04 + 0.12 + 0.12 + 0.11 + l = 0.49 ahead.
     config = TaskConfig(observation="basic")
-    now = Snapshot(np.array([[0.1, 0, 0, 0]]), np.array([[5.0, 6, 7, 8]]), 0.01 * np.arange(1.0, 11)[None])
-    seen = observe(ROBOT, config, now, RESTING, np.full((1, 4), 9.0), np.array([[0.6, 0.2]]))
+    now = snapshot([0.1, 0, 0, 0], [5.0, 6, 7, 8], 0.01 * np.arange(1.0, 11))
+    seen = observe(config, now, RESTING, np.full((1, 4), 9.0), np.array([[0.6, 0.2]]))
     expected = [0.1, 0, 0, 0, 5, 6, 7, 8, 0.49, 0, 0.6, 0.2, *(0.01 * np.arange(1, 11))]
     assert seen[0] == pytest.approx(expected)
     assert seen.shape == (1, 22) == (1, len(scale_of(ROBOT, config)))
@@ -107,9 +114,8 @@ def test_basic_state_eq_3_1() -> None:
 def test_history_state_eq_3_2() -> None:
     # [q qd D, the same before, a before, p_ee, p_goal]: 18 + 18 + 4 + 2 + 2 = 44.
     config = TaskConfig(observation="history")
-    now = Snapshot(np.full((1, 4), 0.0), np.full((1, 4), 2.0), np.full((1, 10), 3.0))
-    before = Snapshot(np.full((1, 4), 4.0), np.full((1, 4), 5.0), np.full((1, 10), 6.0))
-    seen = observe(ROBOT, config, now, before, np.full((1, 4), 7.0), np.array([[0.6, 0.2]]))
+    now, before = snapshot([0.0] * 4, [2.0] * 4, [3.0] * 10), snapshot([4.0] * 4, [5.0] * 4, [6.0] * 10)
+    seen = observe(config, now, before, np.full((1, 4), 7.0), np.array([[0.6, 0.2]]))
     blocks = [[0.0] * 4, [2.0] * 4, [3.0] * 10, [4.0] * 4, [5.0] * 4, [6.0] * 10, [7.0] * 4, [0.39, 0.0], [0.6, 0.2]]
     assert seen[0] == pytest.approx(np.concatenate(blocks))
     assert seen.shape == (1, 44) == (1, len(scale_of(ROBOT, config)))
@@ -119,9 +125,9 @@ def test_history_state_eq_3_2() -> None:
 
 def test_relative_state_sees_the_target_from_the_tip() -> None:
     # The tip link points to +y; a target 0.03 beyond the tip lies straight ahead, at half length in `goal_near`.
-    q = np.array([[0.0, 0.0, 0.0, math.pi / 2]])
+    now = snapshot([0.0, 0.0, 0.0, math.pi / 2], [0.0] * 4, [0.3] * 10)
     goal = np.array([[0.28, 0.11 + 0.03]])
-    seen = observe(ROBOT, TaskConfig(observation="relative"), RESTING._replace(q=q), RESTING, np.zeros((1, 4)), goal)
+    seen = observe(TaskConfig(observation="relative"), now, RESTING, np.zeros((1, 4)), goal)
     assert seen[0, 18:] == pytest.approx([0.03, 0.0, 0.5, 0.0], abs=1e-12)
     assert observation.NEAR == 0.03
 
@@ -152,7 +158,7 @@ def test_a_right_turn_looks_like_the_left_turn_it_mirrors(q, qd, ranges, action,
     config, goal = TaskConfig(observation=kind), np.array([[0.5, 0.2]])
 
     left, right = canonical(ROBOT, reading, LEFT), canonical(ROBOT, mirrored, RIGHT)
-    seen = [observe(ROBOT, config, now, RESTING, action, goal) for now in (left, right)]
+    seen = [observe(config, now, RESTING, action, goal) for now in (left, right)]
     assert np.array_equal(*seen)
 
     for control in ("torque", "position"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from enum import IntEnum
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -53,21 +54,24 @@ class Episodes(NamedTuple):
 def sample(robot: RobotSpec, config: TaskConfig, pipes: Sequence[Pipe], rng: np.random.Generator) -> Episodes:
     """Random start poses and targets, one episode for each of the given pipes."""
     k = len(pipes)
-    hinge = robot.mirror_signs < 0
-    bend = np.where(hinge, rng.uniform(-config.start_bend, config.start_bend, (k, len(hinge))), 0.0)
+    bend = np.where(robot.hinges, rng.uniform(-config.start_bend, config.start_bend, (k, len(robot.joints))), 0.0)
     gap = rng.uniform(*config.start_gap, k)
     depth = rng.uniform(*config.target_depth, k)
     lateral = rng.uniform(-config.target_lateral, config.target_lateral, k)
-    side = np.array([pipe.side for pipe in pipes])
-    inner = np.array([pipe.inner_edge for pipe in pipes])
-    radius = np.array([pipe.radius for pipe in pipes])
+    side, turn, radius, inner = np.array([_corner(pipe) for pipe in pipes]).T
     q = bend * _room(robot, bend, radius)[:, None]
     base = -inner - gap - robot.length
-    along, left = _second_leg(pipes)
+    along, left = _second_leg(turn)
     along_goal = (inner + depth)[:, None] * along + (2 * radius * lateral)[:, None] * left
-    edge = np.stack([-np.array([pipe.tangent_length(pipe.radius) for pipe in pipes]), radius], axis=1)
+    edge = np.stack([-inner, radius], axis=1)
     offset = np.stack([base, np.zeros(k)], axis=1)
     return Episodes(tuple(pipes), q, base, side, along_goal - offset, edge - offset)
+
+
+@lru_cache(maxsize=4096)  # every pipe of the largest shipped training set
+def _corner(pipe: Pipe) -> tuple[float, ...]:
+    """Side, absolute change of heading, radius and inner edge, as `Pipe` says."""
+    return pipe.side, abs(pipe.heading_change), pipe.radius, pipe.inner_edge
 
 
 START_CLEARANCE = 0.002
@@ -79,15 +83,14 @@ def _room(robot: RobotSpec, bend: Array, radius: Array) -> Array:
 
     Every hinge swings the rest of the robot sideways by at most its angle times the length that follows it.
     """
-    following = np.cumsum([link.length for link in robot.links][::-1])[::-1]
+    following = np.cumsum(robot.lengths[::-1])[::-1]
     sideways = np.abs(bend) @ following
     free = radius - robot.width / 2 - START_CLEARANCE
     return np.asarray(np.clip(free / np.maximum(sideways, 1e-9), 0.0, 1.0))
 
 
-def _second_leg(pipes: Sequence[Pipe]) -> tuple[Array, Array]:
-    """Directions along the second leg and to its left, as a left turn, (k, 2) each."""
-    turn = np.array([abs(pipe.heading_change) for pipe in pipes])
+def _second_leg(turn: Array) -> tuple[Array, Array]:
+    """Directions along the second leg and to its left, as a left turn by `turn` (k,), (k, 2) each."""
     along = np.stack([np.cos(turn), np.sin(turn)], axis=1)
     return along, np.stack([-along[:, 1], along[:, 0]], axis=1)
 
@@ -108,8 +111,8 @@ def way_to_goal(tip: Array, goal: Array, edge: Array) -> Array:
         edge: the inner edge, (n, 2) [m].
     """
     hidden = _turn_from_wall(goal - edge) - _turn_from_wall(tip - edge) > np.pi
-    around = np.linalg.norm(edge - tip, axis=1) + np.linalg.norm(goal - edge, axis=1)
-    return np.asarray(np.where(hidden, around, np.linalg.norm(goal - tip, axis=1)))
+    around = np.hypot(*(edge - tip).T) + np.hypot(*(goal - edge).T)
+    return np.asarray(np.where(hidden, around, np.hypot(*(goal - tip).T)))
 
 
 def _turn_from_wall(vector: Array) -> Array:

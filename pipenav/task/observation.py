@@ -30,11 +30,31 @@ class Part(NamedTuple):
 
 
 class Snapshot(NamedTuple):
-    """Readings of one control step in the canonical frame: q, qd (n, joints), ranges (n, beams)."""
+    """Readings of one control step in the canonical frame, and where that puts the tip.
+
+    Attributes:
+        q, qd: joint positions and speeds, (n, joints) [rad or m, per s].
+        ranges: laser readings from right to left, (n, beams) [m].
+        tip: (n, 2) [m].
+        heading: of the last link, (n,) [rad].
+    """
 
     q: Array
     qd: Array
     ranges: Array
+    tip: Array
+    heading: Array
+
+    def part(self, robots: NDArray[np.intp]) -> Snapshot:
+        """The snapshot of some robots, k of them."""
+        return Snapshot(*(column[robots] for column in self))
+
+    def updated(self, robots: NDArray[np.intp], part: Snapshot) -> Snapshot:
+        """A copy in which some robots' rows are those of `part`."""
+        columns = [column.copy() for column in self]
+        for column, rows in zip(columns, part, strict=True):
+            column[robots] = rows
+        return Snapshot(*columns)
 
 
 def canonical(robot: RobotSpec, reading: Reading, side: Array) -> Snapshot:
@@ -47,7 +67,9 @@ def canonical(robot: RobotSpec, reading: Reading, side: Array) -> Snapshot:
     """
     signs = joint_signs(robot, side)
     ranges = np.where(side[:, None] > 0, reading.ranges, reading.ranges[:, ::-1])
-    return Snapshot(reading.q * signs, reading.qd * signs, ranges)
+    q = reading.q * signs
+    pose = kinematics.forward(robot, q)
+    return Snapshot(q, reading.qd * signs, ranges, pose.tip, pose.headings[:, -1])
 
 
 def joint_signs(robot: RobotSpec, side: Array) -> Array:
@@ -72,23 +94,19 @@ def layout(robot: RobotSpec, config: TaskConfig) -> list[Part]:
     return [q, qd, scans, *before, Part("action_before", "1", np.ones(joints)), tip, goal]
 
 
-def observe(
-    robot: RobotSpec, config: TaskConfig, now: Snapshot, before: Snapshot, action_before: Array, goal: Array
-) -> Array:
+def observe(config: TaskConfig, now: Snapshot, before: Snapshot, action_before: Array, goal: Array) -> Array:
     """Unscaled observation, (n, size): eq 3.1 `[q, qd, p_ee, p_goal, D]`, eq 3.2 with the step before, or `relative`.
 
     Args:
-        robot: the robot.
         config: names the state.
         now: this step's readings.
         before: the step before's; at the first step the same as `now`.
         action_before: the last action in the canonical frame, zero at the first step, (n, joints).
         goal: the target in the canonical frame, (n, 2) [m].
     """
-    pose = kinematics.forward(robot, now.q)
-    tip = pose.tip
+    tip = now.tip
     if config.observation == "relative":
-        goal_in_tip = _in_tip_frame(goal - tip, pose.headings[:, -1])
+        goal_in_tip = _in_tip_frame(goal - tip, now.heading)
         distance = np.linalg.norm(goal_in_tip, axis=1, keepdims=True)
         near = goal_in_tip / (distance + NEAR)
         return np.concatenate([now.q, now.qd, now.ranges, goal_in_tip, near], axis=1)

@@ -56,6 +56,7 @@ def check_readings_finite_and_shaped(bench: Bench) -> None:
     """Shapes, types and bounds are those that `Reading` and `Truth` promise."""
     n, joints, lidar = bench.n, len(bench.robot.joints), bench.robot.laser
     shapes = {"q": (n, joints), "qd": (n, joints), "ranges": (n, lidar.beams), "time": (n,), "tip": (n, 3)}
+    shapes["link_forces"] = (n, len(bench.robot.links), 2)
     with bench.open() as subject:
         subject.reset(*starts(bench))
         for command in [None, *bench.commands(20)]:
@@ -66,11 +67,35 @@ def check_readings_finite_and_shaped(bench: Bench) -> None:
                 _require(values.shape == expected, f"{name} has shape {values.shape}, expected {expected}")
                 _require(values.dtype == np.float64, f"{name} is of {values.dtype}, expected float64")
                 _require(bool(np.isfinite(values).all()), f"{name} is not finite: {values}")
-                if name not in ("q", "qd", "tip"):
+                if name not in ("q", "qd", "tip", "link_forces"):
                     _require(bool((values >= 0).all()), f"{name} is negative: {values}")
             ranges = subject.read().ranges
             fits = (ranges >= lidar.range_min) & (ranges <= lidar.range_max)
             _require(bool(fits.all()), f"ranges leave {lidar.range_min:g} to {lidar.range_max:g} m: {ranges}")
+
+
+def check_reset_reads_what_read_reads(bench: Bench) -> None:
+    """A reset returns the readings of the robots that it named, as `read` gives them."""
+    with bench.open() as subject:
+        subject.reset(*starts(bench))
+        for command in bench.commands(3):
+            subject.step(command)
+        again, chosen = starts(bench, seed=1), np.arange(0, bench.n, 2)
+        given = subject.reset(chosen, [again.pipes[k] for k in chosen], again.q[chosen], again.base[chosen])
+        _same(given._asdict(), subject.read().part(chosen)._asdict(), "what a reset returns and what is read after it")
+
+
+def check_contact_force_is_the_largest_of_the_links(bench: Bench) -> None:
+    """Driven into a wall, the contact force is that of the link that is pushed hardest."""
+    with bench.open() as subject:
+        subject.reset(*starts(bench))
+        for _ in range(15):
+            subject.step(Command("torque", np.ones((bench.n, len(bench.robot.joints)))))
+            truth = subject.truth()
+            if truth is None:
+                return
+            largest = np.linalg.norm(truth.link_forces, axis=2).max(axis=1)
+            np.testing.assert_allclose(truth.contact_force, largest, rtol=1e-9, err_msg="contact force")
 
 
 def check_no_shared_memory(bench: Bench) -> None:
@@ -251,6 +276,8 @@ CONTRACT: list[Callable[[Bench], None]] = [
     check_same_seed_same_trajectory,
     check_reset_forgets_the_past,
     check_readings_finite_and_shaped,
+    check_reset_reads_what_read_reads,
+    check_contact_force_is_the_largest_of_the_links,
     check_no_shared_memory,
     check_nothing_constant,
     check_resets_differ,

@@ -38,7 +38,7 @@ class KinematicBackend(Backend):
         self._time, self._base = np.zeros(n), np.zeros(n)
         self._segments = np.full((n, wall_segments, 2, 2), np.inf)
 
-    def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> None:
+    def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> Reading:
         slots = self._segments.shape[1]
         for i, pipe in zip(robots, pipes, strict=True):
             count = len(pipe.segments)
@@ -47,6 +47,7 @@ class KinematicBackend(Backend):
             self._segments[i] = pipe.segments[-1]  # repeated in the slots that are left over
             self._segments[i, :count] = pipe.segments
         self._q[robots], self._qd[robots], self._time[robots], self._base[robots] = q, 0.0, 0.0, base
+        return self.read().part(robots)
 
     def step(self, command: Command) -> None:
         if command.control == "torque":
@@ -64,8 +65,8 @@ class KinematicBackend(Backend):
         return Reading(self._q.copy(), self._qd.copy(), ranges, self._time.copy())
 
     def truth(self) -> Truth:
-        untouched = np.zeros((3, len(self._q)))
-        return Truth(self._tip(), *untouched)
+        n = len(self._q)
+        return Truth(self._tip(), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros((n, len(self._robot.links), 2)))
 
     def close(self) -> None:
         """There is nothing to release."""

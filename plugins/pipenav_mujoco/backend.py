@@ -20,7 +20,7 @@ from pipenav_mujoco.model import Contact, build_spec, wall_boxes
 Array = NDArray[np.float64]
 
 FORCE_WINDOW = 0.01
-"""Contact forces are means over this time [s].
+"""Contact forces are means over this time, one window after the other [s].
 
 The force of a single physics step during an impact depends on the step and on the contact's stiffness, its impulse
 does not; ten milliseconds is also what a force gauge resolves.
@@ -59,6 +59,7 @@ class MujocoBackend(backend.Backend):
         self._segments = np.full((n, wall_segments, 2, 2), np.inf)
         self._base = np.zeros(n)
         self._control: Control | None = None
+        self._pose: kinematics.ChainPose | None = None
         self._stiffness = np.array([actuator.position_gain for actuator in robot.joint_actuators])
         self._bind(n)
 
@@ -72,44 +73,43 @@ class MujocoBackend(backend.Backend):
         self._wall_half_size = batch.expand("geom_size")[:, first : first + self._slots]
         self._gain, self._bias = batch.expand("actuator_gainprm"), batch.expand("actuator_biasprm")
         self._record = {"sensordata": np.zeros((n, self._substeps, model.nsensordata))}
-        self._peak_force, self._peak_depth, self._contact_share = np.zeros(n), np.zeros(n), np.zeros(n)
+        self._depth, self._contact_share = np.zeros(n), np.zeros(n)
+        self._link_forces = np.zeros((n, len(self._robot.links), 2))
+        width = max(1, round(FORCE_WINDOW / model.opt.timestep))
+        self._windows = np.arange(0, self._substeps, width)
+        self._window_share = (1 / np.diff(self._windows, append=self._substeps))[:, None]
 
-    def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> None:
+    def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> Reading:
         for pipe in pipes:
             if len(pipe.segments) > self._slots:
                 raise PipenavError(
                     f"pipe {pipe.name} has {len(pipe.segments)} wall segments, "
                     f"this backend was opened for {self._slots}."
                 )
-        boxes = wall_boxes(pipes, self._slots, base)
-        self._wall_position[robots], self._wall_quaternion[robots] = boxes.position, boxes.quaternion
-        self._wall_half_size[robots] = boxes.half_size
-        for i, pipe in zip(robots, pipes, strict=True):
-            self._segments[i] = pipe.segments[-1]  # repeated in the slots that are left over
-            self._segments[i, : len(pipe.segments)] = pipe.segments
+        walls = wall_boxes(pipes, self._slots, base)
+        self._wall_position[robots], self._wall_quaternion[robots] = walls.position, walls.quaternion
+        self._wall_half_size[robots], self._segments[robots] = walls.half_size, walls.segments
         self._base[robots] = base
-        self._segments[robots, ..., 0] -= base[:, None, None]
         self._q[robots], self._qd[robots], self._time[robots], self._warm[robots] = q, 0.0, 0.0, 0.0
-        self._peak_force[robots], self._peak_depth[robots], self._contact_share[robots] = 0.0, 0.0, 0.0
+        self._depth[robots], self._contact_share[robots], self._link_forces[robots] = 0.0, 0.0, 0.0
+        self._pose = None
+        ranges = self._ranges(kinematics.forward(self._robot, q), walls.segments)
+        return Reading(np.array(q, float), np.zeros_like(q), ranges, np.zeros(len(robots)))
 
     def step(self, command: Command) -> None:
         if command.control != self._control:
             self._set_control(command.control)
         self._ctrl[:] = command.values
         self._batch.rollout(self._substeps, record=("sensordata",), out=self._record)
+        self._pose = None
         sensors = self._record["sensordata"]  # (n, substeps, 3 per link + found + dist)
-        vectors = sensors[:, :, :-2].reshape(*sensors.shape[:2], -1, 3)  # (n, substeps, links, 3)
-        force = np.linalg.norm(self._smoothed(vectors), axis=3)
-        self._peak_force = force.max(axis=(1, 2))
-        self._peak_depth = np.maximum(-sensors[:, :, -1].min(axis=1), 0.0)
-        self._contact_share = (sensors[:, :, -2] > 0).mean(axis=1)
-
-    def _smoothed(self, vectors: Array) -> Array:
-        """Moving average over FORCE_WINDOW along axis 1."""
-        width = max(1, round(FORCE_WINDOW / self._model.opt.timestep))
-        sums: Array = np.cumsum(vectors, axis=1)
-        sums[:, width:] -= sums[:, :-width].copy()
-        return np.asarray(sums[:, width - 1 :] / width)
+        self._depth = np.maximum(-sensors[:, :, -1].min(axis=1), 0.0)
+        self._contact_share = np.count_nonzero(sensors[:, :, -2], axis=1) / self._substeps
+        means = np.add.reduceat(sensors, self._windows, axis=1)[..., :-2] * self._window_share  # (n, windows, 3 links)
+        means = means.reshape(*means.shape[:2], -1, 3)[..., :2]
+        peak = (means[..., 0] ** 2 + means[..., 1] ** 2).argmax(axis=1)  # (n, links)
+        # The sensors give what the link does to the wall.
+        self._link_forces = -np.take_along_axis(means, peak[:, None, :, None], axis=1)[:, 0]
 
     def _set_control(self, control: Control) -> None:
         """Make the actuators position servos or plain drives; both share the motor's torque-speed line."""
@@ -119,16 +119,26 @@ class MujocoBackend(backend.Backend):
         self._control = control
 
     def read(self) -> Reading:
-        pose = kinematics.forward(self._robot, self._q)
+        return Reading(
+            self._q.copy(), self._qd.copy(), self._ranges(self._own_pose(), self._segments), self._time.copy()
+        )
+
+    def _own_pose(self) -> kinematics.ChainPose:
+        """Of the robots as they are, worked out once."""
+        if self._pose is None:
+            self._pose = kinematics.forward(self._robot, self._q)
+        return self._pose
+
+    def _ranges(self, pose: kinematics.ChainPose, segments: Array) -> Array:
         beams = pose.headings[:, -1:] + self._robot.laser.angles
-        ranges = laser.measure(self._robot.laser, laser.cast(pose.tip, beams, self._segments))
-        return Reading(self._q.copy(), self._qd.copy(), ranges, self._time.copy())
+        return laser.measure(self._robot.laser, laser.cast(pose.tip, beams, segments))
 
     def truth(self) -> Truth:
-        pose = kinematics.forward(self._robot, self._q)
+        pose = self._own_pose()
         tip = np.concatenate([pose.tip, pose.headings[:, -1:]], axis=1)
         tip[:, 0] += self._base
-        return Truth(tip, self._peak_force.copy(), self._peak_depth.copy(), self._contact_share.copy())
+        force = np.sqrt((self._link_forces**2).sum(axis=2)).max(axis=1)
+        return Truth(tip, force, self._depth.copy(), self._contact_share.copy(), self._link_forces.copy())
 
     def close(self) -> None:
         self.__dict__.pop("_batch", None)

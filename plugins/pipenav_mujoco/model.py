@@ -40,20 +40,17 @@ MAX_HALF_LENGTH = 10.5
 
 
 class WallBoxes(NamedTuple):
-    """Wall boxes of k robots: centre (k, slots, 3), quaternion (k, slots, 4), half sizes (k, slots, 3) [m]."""
+    """Walls of k robots in the robots' frames.
+
+    Attributes:
+        position, quaternion, half_size: of the boxes, (k, slots, 3), (k, slots, 4), (k, slots, 3) [m].
+        segments: their faces, a pipe's last one repeated in the slots that are left over, (k, slots, 2, 2) [m].
+    """
 
     position: Array
     quaternion: Array
     half_size: Array
-
-
-class _Faces(NamedTuple):
-    """A pipe in slots: wall segments (slots, 2, 2), thickness and overlap (slots,) [m], whether used (slots,)."""
-
-    ends: Array
-    thickness: Array
-    overlap: Array
-    used: NDArray[np.bool_]
+    segments: Array
 
 
 def wall_boxes(pipes: Sequence[Pipe], slots: int, base: Array) -> WallBoxes:
@@ -62,36 +59,37 @@ def wall_boxes(pipes: Sequence[Pipe], slots: int, base: Array) -> WallBoxes:
     The robot never moves its mount: the walls come to it, so `base` (k,), where the robot's frame starts on the first
     leg's axis, is subtracted.
     """
-    faces = _Faces(*(np.stack(parts) for parts in zip(*(_faces(pipe, slots) for pipe in pipes), strict=True)))
-    shift = np.stack([base, np.zeros(len(base))], axis=1)[:, None]
-    start, end = faces.ends[:, :, 0] - shift, faces.ends[:, :, 1] - shift  # (k, slots, 2)
-    length = np.linalg.norm(end - start, axis=2)
-    along = (end - start) / length[..., None]
-    behind = np.stack([along[..., 1], -along[..., 0]], axis=2)  # the free space lies to the left
-    yaw = np.arctan2(along[..., 1], along[..., 0])
-    zero = np.zeros_like(yaw)
-    centre = (start + end) / 2 + behind * faces.thickness[..., None] / 2
-    half_size = np.stack([length / 2 + faces.overlap, faces.thickness / 2, zero + WALL_HALF_HEIGHT], axis=2)
-    return WallBoxes(
-        np.concatenate([centre, np.where(faces.used, 0.0, PARKED)[..., None]], axis=2),
-        np.stack([np.cos(yaw / 2), zero, zero, np.sin(yaw / 2)], axis=2),
-        half_size,
-    )
+    walls = WallBoxes(*(np.array(parts) for parts in zip(*(_boxes(pipe, slots) for pipe in pipes), strict=True)))
+    walls.position[..., 0] -= base[:, None]
+    walls.segments[..., 0] -= base[:, None, None]
+    return walls
 
 
-@lru_cache(maxsize=4096)
-def _faces(pipe: Pipe, slots: int) -> _Faces:
-    """Faces of the walls and how thick the boxes behind them are.
+@lru_cache(maxsize=4096)  # every pipe of the largest shipped training set
+def _boxes(pipe: Pipe, slots: int) -> WallBoxes:
+    """The boxes of one pipe in its own frame.
 
     Where the free space is convex (the outer wall's vertices) a box runs on past the vertex by its thickness, so that
     no gap opens between neighbours; at the inner wall's edges boxes end at the vertex and are thin.
     """
-    count = len(pipe.segments)
+    used = np.arange(slots) < len(pipe.segments)
     outer = np.arange(slots) < len(pipe.walls.outer) - 1
-    ends = np.tile(np.array([[0.0, 0.0], [1.0, 0.0]]), (slots, 1, 1))
-    ends[:count] = pipe.segments
-    thickness = np.where(outer, OUTER_THICKNESS, INNER_THICKNESS)
-    return _Faces(ends, thickness, np.where(outer, OUTER_THICKNESS, 0.0), np.arange(slots) < count)
+    segments = np.tile(pipe.segments[-1], (slots, 1, 1))
+    segments[used] = pipe.segments
+    start, end = segments[:, 0], segments[:, 1]  # (slots, 2)
+    length = np.linalg.norm(end - start, axis=1)
+    along = (end - start) / length[:, None]
+    behind = np.stack([along[:, 1], -along[:, 0]], axis=1)  # the free space lies to the left
+    thickness, overlap = np.where(outer, OUTER_THICKNESS, INNER_THICKNESS), np.where(outer, OUTER_THICKNESS, 0.0)
+    centre = (start + end) / 2 + behind * thickness[:, None] / 2
+    yaw = np.arctan2(along[:, 1], along[:, 0])
+    zero = np.zeros(slots)
+    return WallBoxes(
+        np.column_stack([centre, np.where(used, 0.0, PARKED)]),
+        np.stack([np.cos(yaw / 2), zero, zero, np.sin(yaw / 2)], axis=1),
+        np.stack([length / 2 + overlap, thickness / 2, zero + WALL_HALF_HEIGHT], axis=1),
+        segments,
+    )
 
 
 class Contact(NamedTuple):
@@ -127,7 +125,7 @@ def static_spec(robot: RobotSpec, pipe: Pipe, timestep: float, contact: Contact,
     """The same model with this pipe's walls as static geoms: the reference that the mocap walls are tested against."""
     spec = build_spec(robot, 0, timestep, contact)
     boxes = wall_boxes([pipe], len(pipe.segments), np.array([base]))
-    for i, (position, quaternion, half_size) in enumerate(zip(*(part[0] for part in boxes), strict=True)):
+    for i, (position, quaternion, half_size, _) in enumerate(zip(*(part[0] for part in boxes), strict=True)):
         geom = _add_wall_geom(spec.worldbody, f"wall{i}", half_size, robot, contact)
         geom.pos, geom.quat = position, quaternion
     return spec
