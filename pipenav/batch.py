@@ -52,8 +52,7 @@ class CornerBatch:
         self.steps, self._ages = np.zeros(n, int), np.zeros(n, int)
         self._side, self._goal, self._edge = np.ones(n), np.zeros((n, 2)), np.zeros((n, 2))
         self._way = np.zeros(n)
-        self._action = np.zeros((n, joints))
-        self._own_q = np.zeros((n, joints))
+        self._action, self._own_q = np.zeros((n, joints)), np.zeros((n, joints))
         self._observation = np.zeros((n, len(self._scale)))
         self._now = self._before = observation.Snapshot(
             np.zeros((n, joints)),
@@ -76,6 +75,11 @@ class CornerBatch:
     def edge(self) -> Array:
         """Where the inner wall starts to bend, in the canonical frame, (n, 2) [m]."""
         return self._edge.copy()
+
+    @property
+    def q(self) -> Array:
+        """Joint positions in the robot's own frame, (n, joints)."""
+        return self._own_q.copy()
 
     @property
     def snapshot(self) -> observation.Snapshot:

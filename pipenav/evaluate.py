@@ -1,19 +1,22 @@
-"""Many episodes of one controller in many pipes, and what came of them."""
+"""Many episodes of one stage in many pipes, and what came of them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pipenav.batch import CornerBatch, StepResult
+from pipenav.backend import Backend
+from pipenav.batch import CornerBatch, EpisodeSource
 from pipenav.controller import Controller
 from pipenav.pipe import Pipe
 from pipenav.records import Evaluation, PipeRecord
 from pipenav.registry import open_backend
 from pipenav.robot import RobotSpec
+from pipenav.stage import FrontStage, Stage, StageStep
 from pipenav.task import episode
 from pipenav.task.config import TaskConfig
 from pipenav.task.episode import Episodes, Verdict
@@ -39,6 +42,7 @@ class EpisodeResults(NamedTuple):
         penetration: deepest overlap with the wall, (k,) [m].
         force: peak contact force, (k,) [N].
         contact_share: share of the time in contact, (k,).
+        q: joint positions at the end, in the robot's own frame, (k, joints) [m, rad].
     """
 
     verdict: NDArray[np.int8]
@@ -47,28 +51,27 @@ class EpisodeResults(NamedTuple):
     penetration: Array
     force: Array
     contact_share: Array
+    q: Array
 
     def part(self, start: int, stop: int) -> EpisodeResults:
         """The episodes from `start` to before `stop`."""
-        numbers = (self.clearance, self.penetration, self.force, self.contact_share)
+        numbers = (self.clearance, self.penetration, self.force, self.contact_share, self.q)
         return EpisodeResults(
             self.verdict[start:stop], self.steps[start:stop], *(column[start:stop] for column in numbers)
         )
 
 
-class _Queue:
-    """Hands out the episodes of all pipes one after another and remembers which robot runs which.
+class EpisodeQueue:
+    """Hands out episodes one after another and remembers which robot runs which.
 
-    Start and target of an episode depend on the seed, the pipe and the episode's number alone, so that results do not
-    depend on how many robots run at once, nor on the other pipes of the set.
+    Args:
+        start: gives an episode by its number, the same one whenever it is asked.
+        total: how many episodes there are.
+        n: how many robots share them.
     """
 
-    def __init__(
-        self, robot: RobotSpec, task: TaskConfig, pipes: Sequence[Pipe], episodes: int, seed: int, n: int
-    ) -> None:
-        self._robot, self._task = robot, task
-        self._pipes, self._episodes, self._seed = pipes, episodes, seed
-        self.total = len(pipes) * episodes
+    def __init__(self, start: Callable[[int], Episodes], total: int, n: int) -> None:
+        self._start, self.total = start, total
         self._next = 0
         self.running = np.full(n, -1)
 
@@ -81,16 +84,33 @@ class _Queue:
             started.append(self._start(max(job, 0)))  # a robot without work repeats episode 0, which is not counted
         return _joined(started)
 
-    def _start(self, job: int) -> Episodes:
-        pipe, number = self._pipes[job // self._episodes], job % self._episodes
-        diameter, angle = round(m_to_mm(pipe.diameter) * 1e3), round(rad_to_deg(pipe.angle) * 1e3)
-        rng = np.random.default_rng([self._seed, diameter, angle, int(pipe.side > 0), number])
-        return episode.sample(self._robot, self._task, [pipe], rng)
-
 
 def _joined(parts: list[Episodes]) -> Episodes:
     arrays = [np.concatenate([part[i] for part in parts]) for i in range(1, len(Episodes._fields))]
     return Episodes(tuple(part.pipes[0] for part in parts), *arrays)
+
+
+def random_start(
+    robot: RobotSpec, task: TaskConfig, pipes: Sequence[Pipe], episodes: int, seed: int
+) -> Callable[[int], Episodes]:
+    """Episodes by number: all of the first pipe, then of the next.
+
+    Start and target of an episode depend on the seed, the pipe and the episode's number in it alone, so that results
+    do not depend on how many robots run at once, nor on the other pipes of the set.
+    """
+
+    def start(job: int) -> Episodes:
+        pipe, number = pipes[job // episodes], job % episodes
+        diameter, angle = round(m_to_mm(pipe.diameter) * 1e3), round(rad_to_deg(pipe.angle) * 1e3)
+        rng = np.random.default_rng([seed, diameter, angle, int(pipe.side > 0), number])
+        return episode.sample(robot, task, [pipe], rng)
+
+    return start
+
+
+def robots_for(total: int) -> int:
+    """How many robots share `total` episodes."""
+    return min(MAX_ROBOTS, max(1, total // EPISODES_PER_ROBOT))
 
 
 def run_episodes(
@@ -102,7 +122,7 @@ def run_episodes(
     options: dict[str, Any] | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> EpisodeResults:
-    """Run `episodes` episodes in every pipe.
+    """Run `episodes` front passages in every pipe.
 
     Args:
         controller: what acts.
@@ -114,15 +134,39 @@ def run_episodes(
         progress: called with (episodes done, successes so far) now and then.
     """
     robot, task = controller.robot, controller.task
-    total = len(pipes) * episodes
-    n = min(MAX_ROBOTS, max(1, total // EPISODES_PER_ROBOT))
+
+    def make(simulator: Backend, n: int, source: EpisodeSource) -> Stage:
+        return FrontStage(CornerBatch(robot, task, simulator, n, source), controller)
+
+    start = random_start(robot, task, pipes, episodes, seed)
+    return run_stage(make, robot, start, [pipe for pipe in pipes for _ in range(episodes)], backend, options, progress)
+
+
+def run_stage(
+    make: Callable[[Backend, int, EpisodeSource], Stage],
+    robot: RobotSpec,
+    start: Callable[[int], Episodes],
+    pipes: Sequence[Pipe],
+    backend: str = "mujoco",
+    options: dict[str, Any] | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> EpisodeResults:
+    """Run every episode of a stage once.
+
+    Args:
+        make: the stage, from a backend of so many robots and the source of their episodes.
+        robot: the robot.
+        start: gives an episode by its number.
+        pipes: the pipe of every episode.
+        backend: name of a simulator backend.
+        options: the backend's own settings.
+        progress: called with (episodes done, successes so far) now and then.
+    """
+    n = robots_for(len(pipes))
     segments = max(len(pipe.segments) for pipe in pipes)
-    queue = _Queue(robot, task, pipes, episodes, seed, n)
-    batch = CornerBatch(robot, task, open_backend(backend, robot, n, options or {}, segments), n, queue.source)
-    try:
-        return _drain(batch, queue, controller, progress)
-    finally:
-        batch.close()
+    queue = EpisodeQueue(start, len(pipes), n)
+    with closing(make(open_backend(backend, robot, n, options or {}, segments), n, queue.source)) as stage:
+        return drain(stage, queue, progress)
 
 
 class _Peaks:
@@ -132,7 +176,7 @@ class _Peaks:
         self.clearance, self.penetration = np.full(n, np.inf), np.zeros(n)
         self.force, self.contact_steps = np.zeros(n), np.zeros(n)
 
-    def add(self, step: StepResult) -> None:
+    def add(self, step: StageStep) -> None:
         self.clearance = np.minimum(self.clearance, step.clearance)
         self.penetration = np.maximum(self.penetration, step.truth.penetration)
         self.force = np.maximum(self.force, step.truth.contact_force)
@@ -143,34 +187,33 @@ class _Peaks:
         self.force[robots], self.contact_steps[robots] = 0.0, 0.0
 
 
-def _drain(
-    batch: CornerBatch, queue: _Queue, controller: Controller, progress: Callable[[int, int], None] | None
-) -> EpisodeResults:
-    """Step until every episode has ended."""
+def drain(stage: Stage, queue: EpisodeQueue, progress: Callable[[int, int], None] | None = None) -> EpisodeResults:
+    """Step until every episode of the queue, which is the stage's source, has ended."""
     total = queue.total
-    results = EpisodeResults(np.zeros(total, np.int8), np.zeros(total, np.intp), *(np.zeros(total) for _ in range(4)))
-    peaks = _Peaks(batch.n)
-    observation = batch.reset()
+    clearance, penetration, force, contact_share = np.zeros((4, total))
+    verdict, steps, q = np.zeros(total, np.int8), np.zeros(total, np.intp), np.zeros((total, len(stage.robot.joints)))
+    results = EpisodeResults(verdict, steps, clearance, penetration, force, contact_share, q)
+    peaks = _Peaks(stage.n)
+    stage.start(np.arange(stage.n))
     finished = 0
     while finished < total:
-        step = batch.step(controller.act(observation, batch))
-        observation = step.observation
+        step = stage.step()
         peaks.add(step)
         ended = np.flatnonzero(step.verdict != Verdict.RUNNING)
         if not len(ended):
             continue
         counted = ended[queue.running[ended] >= 0]
         jobs = queue.running[counted]
-        results.verdict[jobs], results.steps[jobs] = step.verdict[counted], batch.steps[counted]
+        results.verdict[jobs], results.steps[jobs] = step.verdict[counted], stage.steps[counted]
         results.clearance[jobs], results.penetration[jobs] = peaks.clearance[counted], peaks.penetration[counted]
-        results.force[jobs] = peaks.force[counted]
-        results.contact_share[jobs] = peaks.contact_steps[counted] / batch.steps[counted]
+        results.force[jobs], results.q[jobs] = peaks.force[counted], step.q[counted]
+        results.contact_share[jobs] = peaks.contact_steps[counted] / stage.steps[counted]
         finished += len(counted)
         peaks.forget(ended)
         if progress is not None:
             progress(finished, int((results.verdict == Verdict.REACHED).sum()))
         if finished < total:
-            observation = batch.reset(ended)
+            stage.start(ended)
     return results
 
 

@@ -1,0 +1,61 @@
+"""Stages: what the evaluation runs is what the batch would do by itself."""
+
+from __future__ import annotations
+
+from contextlib import closing
+
+import numpy as np
+
+from pipenav import kinematics
+from pipenav.batch import CornerBatch
+from pipenav.controller import open_controller
+from pipenav.evaluate import EpisodeQueue, random_start, run_episodes
+from pipenav.pipe_set import parse_pipes
+from pipenav.registry import open_backend
+from pipenav.stage import FrontStage
+from pipenav.task.episode import Verdict
+
+PIPES = parse_pipes(["d=100,angle=90", "d=90,angle=60,turn=right"])
+
+
+def test_the_front_stage_is_the_corner_task_under_its_controller() -> None:
+    controller = open_controller("baseline:centreline")
+    start = random_start(controller.robot, controller.task, PIPES, 1, seed=2)
+
+    def batch() -> CornerBatch:
+        queue = EpisodeQueue(start, len(PIPES), len(PIPES))
+        simulator = open_backend("mujoco", controller.robot, len(PIPES), {}, 4)
+        return CornerBatch(controller.robot, controller.task, simulator, len(PIPES), queue.source)
+
+    with closing(batch()) as plain, closing(FrontStage(batch(), controller)) as stage:
+        observation = plain.reset()
+        stage.start(np.arange(stage.n))
+        for _ in range(12):
+            expected, step = plain.step(controller.act(observation, plain)), stage.step()
+            observation = expected.observation
+            np.testing.assert_array_equal(step.verdict, expected.verdict)
+            np.testing.assert_array_equal(step.truth.tip, expected.truth.tip)
+            np.testing.assert_array_equal(step.q, plain.q)
+            np.testing.assert_array_equal(stage.steps, plain.steps)
+
+
+def test_an_episode_is_the_same_whenever_it_is_asked_for() -> None:
+    controller = open_controller("baseline:centreline")
+    start = random_start(controller.robot, controller.task, PIPES, 3, seed=2)
+    for job in range(6):
+        one, again = start(job), start(job)
+        assert one.pipes == again.pipes == (PIPES[job // 3],)
+        np.testing.assert_array_equal(one.q, again.q)
+        np.testing.assert_array_equal(one.goal, again.goal)
+
+
+def test_results_say_where_each_episode_ended() -> None:
+    """The next stage starts there: the tip is at the target of those that reached it."""
+    controller = open_controller("baseline:centreline")
+    found = run_episodes(controller, PIPES, 2, seed=2)
+    assert (found.verdict == Verdict.REACHED).all()
+    start = random_start(controller.robot, controller.task, PIPES, 2, seed=2)
+    for job, q in enumerate(found.q):
+        episode = start(job)
+        tip = kinematics.forward(controller.robot, q[None]).tip * [1.0, episode.side[0]]
+        assert np.linalg.norm(tip - episode.goal) <= controller.task.reach_tolerance
