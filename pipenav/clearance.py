@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipenav import kinematics
+from pipenav.kinematics import ChainPose
 from pipenav.pipe import Pipe
-from pipenav.robot import RobotSpec
+from pipenav.robot import BoxPart, DiscPart, RobotSpec
 
 Array = NDArray[np.float64]
 
@@ -15,9 +16,9 @@ Array = NDArray[np.float64]
 def clearance(robot: RobotSpec, pipe: Pipe, q: Array, base: float) -> Array:
     """Smallest signed distance of any link to any wall, (...) [m]; negative where they overlap.
 
-    Links are rectangles. The outer wall bounds a convex space: every corner of a link is on the near side of each of
-    its lines. The inner wall bounds a convex obstacle: link and obstacle are as far apart as along the best of their
-    edges' normals. That is the exact distance between an edge and a corner, and less than it between two corners.
+    The outer wall bounds a convex space: every point of a part is on the near side of each of its lines. The inner wall
+    bounds a convex obstacle: a box and it are as far apart as along the best of their edges' normals. That is the exact
+    distance between an edge and a corner, and less than it between two corners. Discs are exact.
 
     Args:
         robot: the robot.
@@ -25,26 +26,49 @@ def clearance(robot: RobotSpec, pipe: Pipe, q: Array, base: float) -> Array:
         q: joint positions in the pipe's turn, (..., joints) [m, rad].
         base: where the robot's frame starts on the first leg's axis, x in the pipe's frame [m].
     """
-    poses = q.reshape(-1, q.shape[-1])
-    chain = kinematics.forward(robot, poses)
-    start = chain.joints + np.array([base, 0.0])  # (p, links, 2)
-    length = np.array([link.length for link in robot.links])[:, None]
-    half = np.array([link.width / 2 for link in robot.links])[:, None]
-    along = np.stack([np.cos(chain.headings), np.sin(chain.headings)], axis=-1)  # (p, links, 2)
-    across = np.stack([-along[..., 1], along[..., 0]], axis=-1)
-    sides = [start + half * across, start - half * across]
-    corners = np.stack([*sides, *(side + length * along for side in sides)], axis=2)  # (p, links, 4, 2)
-    beyond_walls = _inside(corners, pipe.segments)  # (p, links, 4, segments)
+    chain = kinematics.forward(robot, q.reshape(-1, q.shape[-1]))
+    distances = []
+    for i, link in enumerate(robot.links):
+        boxes = [part for part in link.parts if isinstance(part, BoxPart)]
+        discs = [part for part in link.parts if isinstance(part, DiscPart)]
+        distances += [_box_clearance(pipe, *_place(chain, i, part, base), part) for part in boxes]
+        distances += [_disc_clearance(pipe, _place(chain, i, part, base)[0], part) for part in discs]
+    return np.asarray(np.min(distances, axis=0).reshape(q.shape[:-1]))
+
+
+def _place(chain: ChainPose, link: int, part: BoxPart | DiscPart, base: float) -> tuple[Array, Array, Array]:
+    """Middle of a part in the pipe's frame and unit vectors along and across its link, (p, 2) each."""
+    heading = chain.headings[:, link]
+    along = np.stack([np.cos(heading), np.sin(heading)], axis=1)
+    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    return chain.joints[:, link] + [base, 0.0] + part.x * along + part.y * across, along, across
+
+
+def _box_clearance(pipe: Pipe, middle: Array, along: Array, across: Array, part: BoxPart) -> Array:
+    half = np.array([part.length, part.width]) / 2
+    signs = np.array([[-1, -1], [-1, 1], [1, 1], [1, -1]]) * half
+    corners = middle[:, None] + signs[:, :1] * along[:, None] + signs[:, 1:] * across[:, None]  # (p, 4, 2)
+    beyond_walls = _inside(corners, pipe.segments)  # (p, 4, segments)
     count = len(pipe.walls.outer) - 1
-    outer = beyond_walls[..., :count].min(axis=(2, 3))
-    inner = beyond_walls[..., count:].min(axis=2).max(axis=-1)
-    to_wall = pipe.walls.inner - start[:, :, None]  # (p, links, points, 2)
-    x = np.einsum("plvi,pli->plv", to_wall, along)
-    y = np.einsum("plvi,pli->plv", to_wall, across)
-    ends = np.maximum(x.min(axis=-1) - length[:, 0], -x.max(axis=-1))
-    flanks = np.maximum(y.min(axis=-1), -y.max(axis=-1)) - half[:, 0]
-    apart = np.maximum(inner, np.maximum(ends, flanks))
-    return np.asarray(np.minimum(outer, apart).min(axis=1).reshape(q.shape[:-1]))
+    outer = beyond_walls[..., :count].min(axis=(1, 2))
+    inner = beyond_walls[..., count:].min(axis=1).max(axis=-1)
+    to_wall = pipe.walls.inner - middle[:, None]  # (p, points, 2)
+    axes = np.stack([along, across], axis=1)  # (p, 2, 2)
+    place = np.einsum("pvi,pai->pva", to_wall, axes)
+    apart = np.maximum(place.min(axis=1), -place.max(axis=1)) - half  # (p, 2)
+    return np.asarray(np.minimum(outer, np.maximum(inner, apart.max(axis=1))))
+
+
+def _disc_clearance(pipe: Pipe, middle: Array, part: DiscPart) -> Array:
+    lines = _inside(middle, pipe.segments)  # (p, segments)
+    count = len(pipe.walls.outer) - 1
+    start, end = pipe.segments[count:, 0], pipe.segments[count:, 1]
+    step = end - start
+    along = np.einsum("psi,si->ps", middle[:, None] - start, step) / (step**2).sum(axis=1)
+    nearest = start + np.clip(along, 0.0, 1.0)[..., None] * step  # (p, segments, 2)
+    to_obstacle = np.linalg.norm(middle[:, None] - nearest, axis=2).min(axis=1)
+    inner = np.where(lines[:, count:].max(axis=1) > 0, to_obstacle, lines[:, count:].max(axis=1))
+    return np.asarray(np.minimum(lines[:, :count].min(axis=1), inner) - part.diameter / 2)
 
 
 def _inside(points: Array, segments: Array) -> Array:

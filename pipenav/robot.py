@@ -7,7 +7,7 @@ import tomllib
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -82,15 +82,68 @@ class Joint(_Table):
         return self
 
 
+class BoxPart(_Table):
+    """A box, its sides along the link's axes."""
+
+    shape: Literal["box"] = "box"
+    x: float = Field(description="of its middle, along the link from its joint [m]")
+    y: float = Field(0.0, description="of its middle, to the left [m]")
+    length: float = Field(gt=0, description="along x [m]")
+    width: float = Field(gt=0, description="along y, in the robot's plane [m]")
+    height: float = Field(gt=0, description="across the robot's plane, half of it on either side [m]")
+
+    @property
+    def volume(self) -> float:
+        """[m^3]."""
+        return self.length * self.width * self.height
+
+
+class DiscPart(_Table):
+    """A round part, its axis across the robot's plane: a wheel, or the end of a link around a joint."""
+
+    shape: Literal["disc"]
+    x: float = Field(description="of its middle, along the link from its joint [m]")
+    y: float = Field(0.0, description="of its middle, to the left [m]")
+    diameter: float = Field(gt=0, description="in the robot's plane [m]")
+    height: float = Field(gt=0, description="across the robot's plane, half of it on either side [m]")
+
+    @property
+    def volume(self) -> float:
+        """[m^3]."""
+        return math.pi / 4 * self.diameter**2 * self.height
+
+    @property
+    def width(self) -> float:
+        """Across the link [m]."""
+        return self.diameter
+
+
+Part = Annotated[BoxPart | DiscPart, Field(discriminator="shape")]
+
+
 class Link(_Table):
-    """One link, a box from its joint (x = 0) to the next joint (x = length)."""
+    """One link from its joint (x = 0) to the next joint (x = length): its parts, or one box where none are given."""
 
     name: str
     length: float = Field(gt=0, description="along x, to the next joint or the tip [m]")
-    width: float = Field(gt=0, description="across, in the robot's plane [m]")
-    height: float = Field(gt=0, description="across the robot's plane [m]")
+    width: float = Field(gt=0, description="across, in the robot's plane; no part is wider [m]")
+    height: float = Field(gt=0, description="across the robot's plane; no part is higher [m]")
     mass: float = Field(gt=0, description="[kg]")
     joint: Joint
+    shape: tuple[Part, ...] = Field((), strict=False, description="the parts that it is made of")
+
+    @model_validator(mode="after")
+    def _parts_fit(self) -> Self:
+        for i, part in enumerate(self.shape):
+            if abs(part.y) + part.width / 2 > self.width / 2 + 1e-9 or part.height > self.height + 1e-9:
+                raise ValueError(f"part {i} of link {self.name!r} sticks out of the link's width or height")
+        return self
+
+    @property
+    def parts(self) -> tuple[BoxPart | DiscPart, ...]:
+        """What it is made of, at least one part."""
+        whole = BoxPart(x=self.length / 2, length=self.length, width=self.width, height=self.height)
+        return self.shape or (whole,)
 
 
 class Laser(_Table):

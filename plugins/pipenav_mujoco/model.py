@@ -11,12 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipenav.pipe import Pipe
-from pipenav.robot import Link, RobotSpec
+from pipenav.robot import BoxPart, Link, RobotSpec
 
 Array = NDArray[np.float64]
 
 ROBOT, WALL = 1, 2
 """Collision groups: links meet walls only, never each other."""
+
+HIDDEN_GROUP = 3
+"""Geom group that MuJoCo's viewers do not draw unless asked."""
 
 WALL_HALF_HEIGHT = 0.05
 """Half height of a wall box [m]: taller than any robot, so that contacts are those of the plane."""
@@ -107,7 +110,7 @@ def build_spec(robot: RobotSpec, slots: int, timestep: float, contact: Contact) 
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     # Pyramidal cones turned some sideways pushes against a wall into spikes of a thousand newtons.
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-    # Every body has one geom, so a bounding-volume tree within bodies is only overhead (a fifth of a step).
+    # Bodies have few geoms, so a bounding-volume tree within bodies is only overhead (a fifth of a step).
     # A state that is not finite must be seen, not silently replaced by a fresh one.
     spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_MIDPHASE | mujoco.mjtDisableBit.mjDSBL_AUTORESET
     spec.option.gravity = [0.0, 0.0, 0.0]  # the arm lies in a plane, carried by its rails (thesis 4.2.1)
@@ -146,7 +149,7 @@ def _add_robot(spec: Any, robot: RobotSpec, contact: Contact) -> None:
             damping=actuator.damping,
             armature=actuator.armature,
         )
-        _add_link_geom(body, link, robot, contact)
+        _add_link_geoms(body, link, robot, contact)
         spec.add_actuator(
             name=link.joint.name,
             trntype=mujoco.mjtTrn.mjTRN_JOINT,
@@ -160,17 +163,21 @@ def _add_robot(spec: Any, robot: RobotSpec, contact: Contact) -> None:
     parent.add_site(name="tip", pos=[robot.links[-1].length, 0, 0])
 
 
-def _add_link_geom(body: Any, link: Link, robot: RobotSpec, contact: Contact) -> None:
-    body.add_geom(
-        name=link.name,
-        type=mujoco.mjtGeom.mjGEOM_BOX,
-        pos=[link.length / 2, 0, 0],
-        size=[link.length / 2, link.width / 2, link.height / 2],
-        mass=link.mass,
-        contype=ROBOT,
-        conaffinity=WALL,
-        **_surface(robot, contact),
-    )
+def _add_link_geoms(body: Any, link: Link, robot: RobotSpec, contact: Contact) -> None:
+    """The link's parts. A disc meets upright walls as the ball of its diameter does, which collides exactly and fast."""
+    density = link.mass / sum(part.volume for part in link.parts)
+    touching = {"contype": ROBOT, "conaffinity": WALL, **_surface(robot, contact)}
+    for i, part in enumerate(link.parts):
+        name, place, mass = f"{link.name}_{i}", [part.x, part.y, 0], density * part.volume
+        if isinstance(part, BoxPart):
+            size = [part.length / 2, part.width / 2, part.height / 2]
+            body.add_geom(name=name, type=mujoco.mjtGeom.mjGEOM_BOX, pos=place, size=size, mass=mass, **touching)
+            continue
+        radius = part.diameter / 2
+        kind, seen = mujoco.mjtGeom.mjGEOM_CYLINDER, {"contype": 0, "conaffinity": 0}
+        body.add_geom(name=f"{name}_seen", type=kind, pos=place, size=[radius, part.height / 2, 0], mass=mass, **seen)
+        ball, hidden = mujoco.mjtGeom.mjGEOM_SPHERE, {"group": HIDDEN_GROUP}
+        body.add_geom(name=name, type=ball, pos=place, size=[radius, 0, 0], mass=0, **hidden, **touching)
 
 
 def _add_wall_geom(body: Any, name: str, half_size: Any, robot: RobotSpec, contact: Contact) -> Any:
