@@ -85,3 +85,26 @@ def test_errors_are_one_sentence_that_names_the_key(tmp_path: Path, old: str, ne
     assert text != TEXT
     given = message(tmp_path, text)
     assert re.search(said, given), given
+
+
+def test_a_part_that_sticks_out_of_its_link_is_refused(tmp_path: Path) -> None:
+    text = TEXT.replace(
+        "mass = 0.10", 'shape = [{ shape = "disc", x = 0.0, diameter = 0.03, height = 0.01 }]\nmass = 0.10', 1
+    )
+    assert "part 0 of link 'base' sticks out of the link's width or height" in message(tmp_path, text)
+
+
+def test_an_unknown_shape_of_a_part_is_refused(tmp_path: Path) -> None:
+    text = TEXT.replace("mass = 0.10", 'shape = [{ shape = "cone", x = 0.0 }]\nmass = 0.10', 1)
+    said = message(tmp_path, text)
+    assert "'box'" in said
+    assert "'disc'" in said
+
+
+def test_a_changed_copy_works_out_its_own_arrays() -> None:
+    robot = load_robot("basic")
+    assert robot.lengths.tolist() == [0.04, 0.12, 0.12, 0.11]
+    shorter = robot.model_copy(update={"links": robot.links[1:]})
+    assert shorter.lengths.tolist() == [0.12, 0.12, 0.11]
+    assert shorter.mirror_signs.tolist() == [-1.0, -1.0, -1.0]
+    assert robot == load_robot("basic")

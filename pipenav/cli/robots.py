@@ -1,20 +1,51 @@
-"""`pipenav robots`: the shipped robots."""
+"""`pipenav robots`: the shipped robots, the numbers of one, and its links as meshes."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
 
 from pipenav.cli import table_console
 
 if TYPE_CHECKING:
-    from pipenav.robot import Laser
+    from rich.table import Table
+
+    from pipenav.robot import Laser, RobotSpec
 
 
-def robots() -> None:
+def robots(
+    name: Annotated[
+        str | None, typer.Argument(help="Show the links of this robot, or of a robot.toml.", show_default=False)
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Write the links of the robot as STL meshes, in mm.")
+    ] = None,
+) -> None:
     """List the robots that can be trained and driven.
 
     Any other robot is named by the path of its robot.toml: pipenav train --robot my-robot/robot.toml
+
+    The links of one robot, also as meshes: pipenav robots high-fidelity --out meshes
     """
+    from pipenav.robot import load_robot
+
+    if name is None:
+        if out is not None:
+            raise typer.BadParameter("--out needs the name of a robot, for example: pipenav robots basic --out meshes")
+        table_console().print(_all_robots())
+        return
+    robot = load_robot(name)
+    console = table_console()
+    console.print(robot.description, _links(robot), f"laser: {_laser(robot.laser)}", sep="\n", markup=False)
+    if out is not None:
+        from pipenav.robot_mesh import write_meshes
+
+        console.print(f"Made {', '.join(str(path) for path in write_meshes(robot, out))}", markup=False)
+
+
+def _all_robots() -> Table:
     from rich.table import Table
     from rich.text import Text
 
@@ -31,7 +62,33 @@ def robots() -> None:
         joints = ", ".join(joint.name for joint in robot.joints)
         length, width = f"{m_to_mm(robot.length):g}", f"{m_to_mm(robot.width):g}"
         table.add_row(Text(name, "bold"), joints, length, width, _laser(robot.laser), Text(robot.description))
-    table_console().print(table)
+    return table
+
+
+def _links(robot: RobotSpec) -> Table:
+    from rich.table import Table
+    from rich.text import Text
+
+    from pipenav.units import m_to_mm, rad_to_deg
+
+    table = Table("link", "joint", box=None, pad_edge=False)
+    for column in ("range", "top speed", "stall effort", "length [mm]", "width [mm]", "mass [g]", "parts"):
+        table.add_column(Text(column), justify="right")
+    for link, actuator in zip(robot.links, robot.joint_actuators, strict=True):
+        hinge = link.joint.type == "hinge"
+        edge, unit, force = (rad_to_deg, "deg", "N m") if hinge else (m_to_mm, "mm", "N")
+        table.add_row(
+            Text(link.name, "bold"),
+            f"{link.joint.name} ({link.joint.type})",
+            f"{edge(link.joint.lower):.0f} to {edge(link.joint.upper):.0f} {unit}",
+            f"{edge(actuator.speed_limit):.0f} {unit}/s",
+            f"{actuator.effort_limit:.3g} {force}",
+            f"{m_to_mm(link.length):g}",
+            f"{m_to_mm(link.width):g}",
+            f"{1e3 * link.mass:g}",
+            str(len(link.parts)),
+        )
+    return table
 
 
 def _laser(laser: Laser) -> str:

@@ -164,7 +164,7 @@ def _add_robot(spec: Any, robot: RobotSpec, contact: Contact) -> None:
 
 
 def _add_link_geoms(body: Any, link: Link, robot: RobotSpec, contact: Contact) -> None:
-    """The link's parts. A disc meets upright walls as the ball of its diameter does, which collides exactly and fast."""
+    """The link's parts. A disc meets upright walls as the ball of its diameter does, which is exact and fast."""
     density = link.mass / sum(part.volume for part in link.parts)
     touching = {"contype": ROBOT, "conaffinity": WALL, **_surface(robot, contact)}
     for i, part in enumerate(link.parts):
