@@ -89,7 +89,7 @@ def success_figure(evaluation: Evaluation) -> Figure:
 
     figure = Figure((9.0, 5.4), facecolor="white", layout="constrained")
     axes = figure.add_subplot()
-    _plain(axes)
+    plain(axes)
     lines = {diameter: pooled(records) for diameter, records in by_diameter(evaluation.pipes).items()}
     angles = sorted({angle for line in lines.values() for angle in line})
     shades = colormaps["viridis"]
@@ -245,12 +245,12 @@ def training_figure(columns: dict[str, list[float]], run: str) -> Figure:
     bottom.set(ylabel="mean clearance\nat the tip [mm]", xlabel="control steps")
     bottom.xaxis.set_major_formatter("{x:,.0f}")
     for axes in (top, bottom):
-        _plain(axes)
+        plain(axes)
     if top.get_legend_handles_labels()[0]:
         top.legend(loc="lower right", fontsize=9, frameon=True, framealpha=0.9, edgecolor="none", labelcolor=INK)
     steps, seconds = columns.get("steps", []), columns.get("seconds", [])
     took = f", {seconds[-1]:,.0f} s" if seconds and not math.isnan(seconds[-1]) else ""
-    _heading(
+    heading(
         top,
         f"Training of {run}" if run else "Training",
         f"{steps[-1]:,.0f} control steps{took}" if steps else "no steps yet",
@@ -274,7 +274,7 @@ def _curve(
         axes.plot(*zip(*points, strict=True), color=colour, label=label, lw=1.8, marker=marker, drawstyle=drawstyle)
 
 
-def _plain(axes: Axes) -> None:
+def plain(axes: Axes) -> None:
     """Two thin axes lines and a pale grid behind the data."""
     axes.grid(color=GRID, linewidth=0.7)
     axes.set_axisbelow(True)
@@ -287,10 +287,10 @@ def _plain(axes: Axes) -> None:
 
 
 def _title(axes: Axes, title: str, evaluation: Evaluation, note: str) -> None:
-    _heading(axes, title, f"{headline(evaluation)}\n{circumstances(evaluation)}\n{note}")
+    heading(axes, title, f"{headline(evaluation)}\n{circumstances(evaluation)}\n{note}")
 
 
-def _heading(axes: Axes, title: str, text: str) -> None:
+def heading(axes: Axes, title: str, text: str) -> None:
     lines = text.count("\n") + 1
     axes.set_title(title, loc="left", fontsize=14, fontweight="bold", color=INK, pad=12 + 14 * lines)
     note = axes.annotate(text, (0, 1), (0, 8), xycoords="axes fraction", textcoords="offset points", color=MUTED)

@@ -29,6 +29,10 @@ COMMANDS = {
         "pipenav.cli.eval:evaluate",
         "Measure in which pipes a policy passes: success with 95 % intervals, failures, clearance, contact, pictures.",
     ),
+    "experiment": (
+        "pipenav.cli.experiment:experiment",
+        "Train and evaluate the thesis's experiments (a)-(f), and report them beside its tables.",
+    ),
     "backends": ("pipenav.cli.backends:backends", "List the installed backends, or the settings of one."),
     "robots": ("pipenav.cli.robots:robots", "List the robots that can be trained and driven."),
     "presets": ("pipenav.cli.presets:presets", "List the training presets, one line each."),

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import shlex
-import signal
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,6 +12,7 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from pipenav.cli.signals import stop_signals
 from pipenav.errors import PipenavError
 from pipenav.train_config import DEFAULT_PRESET, TrainConfig, load_config, validate_config
 
@@ -115,7 +113,7 @@ def _run(console: Console, config: TrainConfig, folder: RunFolder, resumed: bool
         TextColumn("left"),
         TimeRemainingColumn(),
     )
-    with _stop_signals() as stopped, Progress(*columns, console=console) as bar:  # from here on a stop is not lost
+    with stop_signals() as stopped, Progress(*columns, console=console) as bar:  # from here on a stop is not lost
         task = bar.add_task("loading the learner", total=config.steps)
         from pipenav.train import train as run_training
 
@@ -133,24 +131,6 @@ def _run(console: Console, config: TrainConfig, folder: RunFolder, resumed: bool
                 console.print(f"{progress.steps:>9,} of {config.steps:,} steps: {text}")
 
         return run_training(config, folder, resumed, report, stopped)
-
-
-@contextmanager
-def _stop_signals() -> Iterator[Callable[[], bool]]:
-    """Turn Ctrl-C and SIGTERM into a flag: training stops at the next step and saves."""
-    seen: list[int] = []
-
-    def note(number: int, _frame: object) -> None:
-        if seen and number == signal.SIGINT:
-            raise KeyboardInterrupt  # a second Ctrl-C does not wait for the saving
-        seen.append(number)
-
-    before = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield lambda: bool(seen)
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 def _tell(console: Console, folder: RunFolder, outcome: Outcome) -> None:

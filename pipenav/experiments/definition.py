@@ -1,0 +1,125 @@
+"""What an experiment trains and measures, as its TOML file says."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, model_validator
+
+from pipenav.errors import ConfigError, UnknownName
+from pipenav.train_config import TrainConfig, load_config, read_toml
+
+FOLDER = Path(__file__).parent
+ALL = "all"
+BEST_OF = "best of "
+"""An agent named so is the one of that experiment that did best."""
+
+ExperimentStage = Literal["front", "front-rear", "locate", "passage"]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+
+class Agent(_Table):
+    """A training recipe: a preset with settings laid over it."""
+
+    preset: str
+    settings: dict[str, Any] = Field(default_factory=dict, description="dotted keys of TrainConfig")
+
+    def config(self, seed: int, steps: int | None) -> TrainConfig:
+        """The resolved configuration; `steps` None keeps the preset's."""
+        return load_config(self.preset, options={**self.settings, "seed": seed, "steps": steps})
+
+
+class Row(_Table):
+    """One line of an experiment's table: an agent in a stage, or a stage that needs none.
+
+    `table` and `label` name the thesis's row that it stands beside, if the thesis has one.
+    """
+
+    label: str
+    agent: str | None = None
+    robot: str | None = Field(None, description="of a stage without an agent")
+    stage: ExperimentStage = "front"
+    variant: Literal["default", "thesis"] = Field("default", description="of the stages that locate a target")
+    table: str | None = Field(None, description="the thesis's table, e.g. 5.1")
+    candidate: bool = Field(True, description="whether the experiment's best agent is chosen from it too")
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        if (self.agent is None) != (self.stage == "locate"):
+            raise ValueError("every stage but locate needs an agent, and locate has none")
+        if (self.robot is None) != (self.stage != "locate"):
+            raise ValueError("only the stage locate names a robot; an agent brings its own")
+        return self
+
+
+class Experiment(_Table):
+    """One experiment of the thesis.
+
+    Attributes:
+        title, question, finding: what it is about, what it asks, what the thesis found.
+        rows: its table.
+        pipes: where its rows are measured.
+    """
+
+    title: str
+    question: str
+    finding: str
+    rows: tuple[Row, ...] = Field(min_length=1, strict=False)
+    pipes: str = "thesis"
+
+
+def experiment_names() -> list[str]:
+    """The shipped experiments."""
+    return sorted(path.stem for path in FOLDER.glob("?.toml"))
+
+
+def chosen(name: str) -> list[str]:
+    """The experiments that a name stands for: one, or all of them.
+
+    Raises:
+        UnknownName: no such experiment.
+    """
+    if name == ALL:
+        return experiment_names()
+    if name not in experiment_names():
+        raise UnknownName("experiment", name, [*experiment_names(), ALL])
+    return [name]
+
+
+@lru_cache(maxsize=8)
+def load_experiment(name: str) -> Experiment:
+    """A shipped experiment."""
+    return _checked(Experiment, FOLDER / f"{name}.toml")
+
+
+@lru_cache(maxsize=1)
+def load_agents() -> dict[str, Agent]:
+    """The agents by name."""
+    table = read_toml(FOLDER / "agents.toml")
+    return TypeAdapter(dict[str, Agent]).validate_python(table)
+
+
+def _checked(model: type[Experiment], path: Path) -> Experiment:
+    try:
+        return model.model_validate(read_toml(path))
+    except ValidationError as error:
+        raise ConfigError.from_validation(str(path), error, model.model_fields) from error
+
+
+def agents_of(experiments: list[str]) -> list[str]:
+    """The agents that these experiments need, each once, in order; what the best agent is chosen from as well."""
+    names: dict[str, None] = {}
+    for experiment in experiments:
+        for row in load_experiment(experiment).rows:
+            if row.agent is None:
+                continue
+            if row.agent.startswith(BEST_OF):
+                names |= dict.fromkeys(agents_of([row.agent.removeprefix(BEST_OF)]))  # the measured ones as well
+            else:
+                names[row.agent] = None
+    return list(names)

@@ -1,0 +1,157 @@
+"""`report.md` and `report.html`: each table of the thesis beside ours, the pictures, and whether its findings held."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from pipenav.experiments.definition import agents_of, load_agents, load_experiment
+from pipenav.experiments.figures import success_figure, training_figure
+from pipenav.experiments.findings import paragraph
+from pipenav.experiments.run import TRAINED_FILE, Plan
+from pipenav.experiments.tables import Line, Result, results
+from pipenav.files import Content, atomic_write_all
+from pipenav.report_figures import png
+
+INTRODUCTION = (
+    "Success in percent, mean over the corner angles of one diameter (55 to 125 deg in steps of 5). Ours is the mean"
+    " over the seeds, with the lowest and highest seed in brackets where they differ; the thesis gives one figure each."
+    " A rear's success is over the successful fronts; `whole` is every stage together, over all episodes."
+)
+
+PHASE_LABELS = {"located": "located", "front": "front", "rear": "rear", "whole": "whole passage"}
+
+STYLE = (
+    "body{font:16px/1.5 system-ui,sans-serif;color:#20262c;max-width:70rem;margin:2rem auto;padding:0 1rem}"
+    "table{border-collapse:collapse;margin:1rem 0}"
+    "td,th{padding:.3rem .7rem;border-bottom:1px solid #e3e7eb;text-align:left}"
+    "img{max-width:100%;height:auto}h2{margin-top:3rem}"
+)
+
+
+class Section(NamedTuple):
+    """One experiment in the report; pictures are PNG files' contents by name."""
+
+    name: str
+    title: str
+    question: str
+    paragraph: str
+    results: list[Result]
+    pictures: dict[str, bytes]
+
+
+def write_report(plan: Plan, seconds: float) -> list[str]:
+    """Write the report of what the plan's folder holds; the names of its files.
+
+    Args:
+        plan: its experiments must be complete.
+        seconds: what this run took, for the record.
+    """
+    sections = [_section(plan, name) for name in plan.experiments]
+    summary = _summary(plan, seconds)
+    pictures = {name: content for section in sections for name, content in section.pictures.items()}
+    files: dict[str, Content] = {
+        **pictures,
+        "report.md": _markdown(sections, summary),
+        "report.html": _html(sections, summary),
+    }
+    atomic_write_all({plan.out / name: content for name, content in files.items()})
+    return list(files)
+
+
+def _section(plan: Plan, name: str) -> Section:
+    found, experiment = results(plan, name), load_experiment(name)
+    title = f"({name}) {experiment.title}"
+    pictures = {f"{name}-success.png": png(success_figure(found, title))}
+    if (training := training_figure(plan, found, title)) is not None:
+        pictures = {f"{name}-training.png": png(training), **pictures}
+    return Section(name, title, experiment.question, paragraph(name, found), found, pictures)
+
+
+def _summary(plan: Plan, seconds: float) -> str:
+    """What was run, in how long, against the time that the robots lived through."""
+    records = []
+    for agent in agents_of(list(plan.experiments)):
+        for seed in plan.seeds:
+            records.append(json.loads((plan.run_folder(agent, seed) / TRAINED_FILE).read_text(encoding="utf-8")))
+    steps = sum(record["steps"] for record in records)
+    hours = steps / 10 / 3600
+    episodes = sum(r.episodes for name in plan.experiments for r in results(plan, name))
+    text = (
+        f"Experiments {', '.join(plan.experiments)}; {len(records)} trainings (seeds"
+        f" {', '.join(map(str, plan.seeds))}) of {steps:,} control steps in all, which is {hours:,.0f} h of the robots'"
+        f" time; {episodes:,} episodes of evaluation in the tables, {plan.settings.episodes} per pipe and agent,"
+        f" backend {plan.settings.backend}."
+    )
+    if seconds > 0:
+        text += f" This run took {seconds / 60:.1f} min."
+        if len(records) and steps:
+            text += f" If it did all of it, that is {hours * 3600 / seconds:,.0f} times faster than the robots' time."
+    return text
+
+
+def table(results: Sequence[Result]) -> tuple[list[str], list[list[str]]]:
+    """Headings and rows of an experiment's table, as texts."""
+    lines = [line for result in results for line in result.lines]
+    diameters = sorted({d for line in lines for d in line.ours}, reverse=True)
+    headings = ["agent", "stage", "", *(f"{d:g} mm" for d in diameters)]
+    rows = []
+    for line in lines:
+        ours = [line.ours[d].text if d in line.ours else "-" for d in diameters]
+        rows.append([line.label, PHASE_LABELS[line.phase], "ours", *ours])
+        if line.thesis:
+            rows.append(["", "", f"thesis, table {line.table}", *(_number(line, d) for d in diameters)])
+    return headings, rows
+
+
+def _number(line: Line, diameter: float) -> str:
+    return f"{line.thesis[diameter]:g}" if diameter in line.thesis else "-"
+
+
+def _settings(section: Section) -> str:
+    """The recipe of each agent of a section, in words that `pipenav train` takes."""
+    parts = []
+    for agent in dict.fromkeys(result.row.agent for result in section.results):
+        if agent in load_agents():
+            recipe = load_agents()[agent]
+            settings = "".join(f" --set {key}={value}" for key, value in recipe.settings.items())
+            parts.append(f"{agent}: pipenav train --preset {recipe.preset}{settings}")
+    return "\n".join(parts)
+
+
+def _markdown(sections: Sequence[Section], summary: str) -> str:
+    parts = ["# The thesis's experiments", INTRODUCTION, summary]
+    for section in sections:
+        headings, rows = table(section.results)
+        lines = [f"| {' | '.join(row)} |" for row in (headings, ["---"] * len(headings), *rows)]
+        pictures = [f"![{name.removesuffix('.png')}]({name})" for name in section.pictures]
+        parts += [f"## {section.title}", section.question, "\n".join(lines), section.paragraph, *pictures]
+        if recipes := _settings(section):
+            parts.append(f"```\n{recipes}\n```")
+    return "\n\n".join(parts) + "\n"
+
+
+def _html(sections: Sequence[Section], summary: str) -> str:
+    """One file that holds its pictures."""
+    body = ["<h1>The thesis's experiments</h1>", _p(INTRODUCTION), _p(summary)]
+    for section in sections:
+        headings, rows = table(section.results)
+        head = "".join(f"<th>{html.escape(cell)}</th>" for cell in headings)
+        cells = ["".join(f"<td>{html.escape(cell)}</td>" for cell in row) for row in rows]
+        lines = "".join(f"<tr>{row}</tr>" for row in (head, *cells))
+        body += [f"<h2>{html.escape(section.title)}</h2>", _p(section.question), f"<table>{lines}</table>"]
+        body.append(_p(section.paragraph))
+        for name, content in section.pictures.items():
+            data = base64.b64encode(content).decode("ascii")
+            body.append(f'<p><img alt="{html.escape(name)}" src="data:image/png;base64,{data}"></p>')
+        if recipes := _settings(section):
+            body.append(f"<pre>{html.escape(recipes)}</pre>")
+    head = f'<meta charset="utf-8"><title>The thesis\'s experiments</title><style>{STYLE}</style>'
+    return f'<!doctype html><html lang="en"><head>{head}</head><body>{"".join(body)}</body></html>\n'
+
+
+def _p(text: str) -> str:
+    return f"<p>{html.escape(text)}</p>"

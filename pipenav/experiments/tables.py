@@ -1,0 +1,123 @@
+"""An experiment's numbers: per row and diameter the mean over seeds and their range, beside the thesis's figure."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import Literal, NamedTuple
+
+from pipenav.experiments.definition import Row, load_experiment
+from pipenav.experiments.run import Plan, evaluations
+from pipenav.records import DiameterRecord, Evaluation
+from pipenav.thesis import thesis_rows
+
+Phase = Literal["located", "front", "rear", "whole"]
+
+PHASES: dict[str, tuple[Phase, ...]] = {
+    "front": ("front",),
+    "front-rear": ("front", "rear", "whole"),
+    "locate": ("located",),
+    "passage": ("located", "front", "rear", "whole"),
+}
+"""What each stage has figures of; the rear's are shares of the successful fronts, `whole` is all stages together."""
+
+
+class Spread(NamedTuple):
+    """Success in percent over the seeds: mean, lowest and highest; and how many seeds."""
+
+    mean: float
+    low: float
+    high: float
+    seeds: int
+
+    @property
+    def text(self) -> str:
+        if self.seeds == 1 or self.high - self.low < 0.05:
+            return f"{self.mean:.1f}"
+        return f"{self.mean:.1f} ({self.low:.1f}-{self.high:.1f})"
+
+
+class Line(NamedTuple):
+    """One phase of one row.
+
+    Attributes:
+        label: of the agent.
+        table: the thesis's table, or empty.
+        phase: see `PHASES`.
+        ours: by diameter [mm]; without the diameters in which the phase was never tried.
+        thesis: success [percent] by diameter [mm]; empty where it has none.
+    """
+
+    label: str
+    table: str
+    phase: Phase
+    ours: dict[float, Spread]
+    thesis: dict[float, float]
+
+    @property
+    def mean(self) -> float:
+        """Over the diameters [percent]; NaN without any."""
+        return sum(spread.mean for spread in self.ours.values()) / len(self.ours) if self.ours else float("nan")
+
+
+class Result(NamedTuple):
+    """What a row came to: its evaluations, one per seed, and its lines."""
+
+    row: Row
+    found: list[Evaluation]
+    lines: list[Line]
+
+    def line(self, phase: Phase) -> Line:
+        (line,) = (line for line in self.lines if line.phase == phase)
+        return line
+
+    @property
+    def failures(self) -> Counter[str]:
+        """How many episodes of all seeds ended by each reason."""
+        total: Counter[str] = Counter()
+        for evaluation in self.found:
+            for record in evaluation.pipes:
+                total.update(record.failures)
+        return total
+
+    @property
+    def episodes(self) -> int:
+        return sum(evaluation.episodes for evaluation in self.found)
+
+
+def results(plan: Plan, name: str) -> list[Result]:
+    """The results of an experiment, row by row."""
+    return [_result(row, evaluations(plan, row)) for row in load_experiment(name).rows]
+
+
+def _result(row: Row, found: list[Evaluation]) -> Result:
+    return Result(row, found, [_line(row, phase, found) for phase in PHASES[row.stage]])
+
+
+def _line(row: Row, phase: Phase, found: Sequence[Evaluation]) -> Line:
+    by_diameter: dict[float, list[float]] = {}
+    for evaluation in found:
+        for record in evaluation.diameters:
+            share = _share(record, evaluation, phase)
+            if share is not None:
+                by_diameter.setdefault(record.diameter_mm, []).append(100 * share)
+    ours = {d: Spread(sum(v) / len(v), min(v), max(v), len(v)) for d, v in by_diameter.items()}
+    return Line(row.label, row.table or "", phase, ours, _thesis(row, phase))
+
+
+def _share(record: DiameterRecord, evaluation: Evaluation, phase: Phase) -> float | None:
+    if phase == "located":
+        return record.located_share
+    if phase == "front":
+        return record.front_success
+    if phase == "rear":
+        return record.rear_success
+    pipes = [pipe for pipe in evaluation.pipes if pipe.diameter_mm == record.diameter_mm]
+    return sum(pipe.successes for pipe in pipes) / sum(pipe.episodes for pipe in pipes)
+
+
+def _thesis(row: Row, phase: Phase) -> dict[float, float]:
+    for known in thesis_rows():
+        if (known.table, known.agent, known.phase) == (row.table, row.label, phase):
+            return known.percent
+    return {}
