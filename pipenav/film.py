@@ -39,6 +39,9 @@ COLUMNS = 4
 PANEL_IN = 3.4
 """Width of a panel of a strip [in]."""
 
+TEXT_IN = 0.3
+"""Height of the text above a panel [in]."""
+
 MAX_ROWS = 24
 """Most rows of panels in a strip; a picture of more is taller than what programs open."""
 
@@ -50,8 +53,11 @@ DPI = 100
 HOLD = 12
 """How many control periods the last frame of each motion stays, to be read."""
 
-MARGIN = np.array([0.03, 0.055])
-"""Room around all that moves, across and up [m]: time, outcome and scale are written above and below the pipe."""
+MARGIN = 0.06
+"""Room around all that moves, as a share of its width."""
+
+KEY_ROOM = 0.06
+"""Room below it for the force's scale, as a share of the picture's width."""
 
 SUCCEEDED, FAILED = "#007a5a", "#b04a00"
 """Colours behind an outcome's word."""
@@ -110,8 +116,9 @@ def box_of(trajectory: Trajectory) -> Box:
     points = np.concatenate([points, pipe.walls.outer[1:-1], np.reshape(header.goal_m or (), (-1, 2))])
     rear = points[:, 0].min()
     points = np.concatenate([points, [[rear, -pipe.radius], [rear, pipe.radius]]])
-    low, high = m_to_mm(1.0) * (points.min(axis=0) - MARGIN), m_to_mm(1.0) * (points.max(axis=0) + MARGIN)
-    return Box(float(low[0]), float(high[0]), float(low[1]), float(high[1]))
+    margin = MARGIN * float(np.ptp(points[:, 0]))
+    low, high = m_to_mm(1.0) * (points.min(axis=0) - margin), m_to_mm(1.0) * (points.max(axis=0) + margin)
+    return Box(float(low[0]), float(high[0]), float(low[1] - KEY_ROOM * (high[0] - low[0])), float(high[1]))
 
 
 def _strip(trajectories: Sequence[Trajectory], told: Progress) -> bytes:
@@ -128,7 +135,7 @@ def _strip(trajectories: Sequence[Trajectory], told: Progress) -> bytes:
         )
     boxes = [box_of(one) for one in trajectories]
     heads, foot = 0.45, 0.45  # inches above each motion, and below all
-    heights = [count * (PANEL_IN * box.aspect + 0.12) + heads for count, box in zip(lines, boxes, strict=True)]
+    heights = [count * (PANEL_IN * box.aspect + TEXT_IN) + heads for count, box in zip(lines, boxes, strict=True)]
     figure = Figure(figsize=(COLUMNS * PANEL_IN, sum(heights) + foot), dpi=DPI, facecolor="white")
     FigureCanvasAgg(figure)
     grids: Any = figure.subfigures(len(trajectories) + 1, 1, height_ratios=[*heights, foot], squeeze=False)[:, 0]
@@ -136,7 +143,8 @@ def _strip(trajectories: Sequence[Trajectory], told: Progress) -> bytes:
     for one, chosen, box, height, grid in zip(trajectories, rows, boxes, heights, grids[:-1], strict=True):
         _title(grid, one, 1 - 0.24 / height)
         panels = grid.subplots(-(-len(chosen) // COLUMNS), COLUMNS, squeeze=False)
-        grid.subplots_adjust(left=0.005, right=0.995, bottom=0.0, top=1 - heads / height, wspace=0.02, hspace=0.06)
+        grid.subplots_adjust(left=0.005, right=0.995, bottom=0.0, top=1 - (heads + TEXT_IN) / height, wspace=0.03)
+        grid.subplots_adjust(hspace=TEXT_IN / (PANEL_IN * box.aspect))
         for axes in panels.flat[len(chosen) :]:
             axes.set_axis_off()
         for axes, row in zip(panels.flat, chosen, strict=False):
@@ -155,7 +163,7 @@ def _frames(trajectories: Sequence[Trajectory], told: Progress) -> Iterator[NDAr
 
     boxes = [box_of(one) for one in trajectories]
     head, foot = 0.5, 0.45
-    height = max(FRAME_IN * box.aspect for box in boxes) + head + foot
+    height = max(FRAME_IN * box.aspect for box in boxes) + head + TEXT_IN + foot
     height = 2 * round(height * DPI / 2) / DPI
     total, drawn = sum(len(one.q) for one in trajectories), 0
     for one, box in zip(trajectories, boxes, strict=True):
@@ -165,7 +173,7 @@ def _frames(trajectories: Sequence[Trajectory], told: Progress) -> Iterator[NDAr
             bands: Any = figure.subfigures(3, 1, height_ratios=[head, height - head - foot, foot])
             top, middle, bottom = bands
             _title(top, one, 0.5)
-            axes = middle.add_axes((0.01, 0.0, 0.98, 1.0))
+            axes = middle.add_axes((0.01, 0.0, 0.98, 1 - TEXT_IN / (height - head - foot)))
             _frame(axes, one, row, box, size=11)
             _legend(bottom)
             canvas.draw()
@@ -174,26 +182,23 @@ def _frames(trajectories: Sequence[Trajectory], told: Progress) -> Iterator[NDAr
 
 
 def _frame(axes: Axes, trajectory: Trajectory, row: int, box: Box, size: float) -> None:
-    """One panel: the scene, its time and force, and at the end the outcome."""
+    """One panel: the scene, above it time, largest contact force and, at the end, the outcome."""
     draw_scene(axes, scene_of(trajectory, row))
     if trajectory.link_forces is not None:
-        draw_force_key(axes, box.left + 12, box.bottom + 20, size)
+        width = box.right - box.left
+        draw_force_key(axes, box.left + 0.03 * width, box.bottom + 0.04 * width, size)
     axes.set(xlim=(box.left, box.right), ylim=(box.bottom, box.top), aspect="equal", xticks=[], yticks=[])
     for spine in axes.spines.values():
         spine.set_color("#d5dbe1")
     text = f"{trajectory.time[row]:.1f} s"
     if trajectory.contact_force is not None:
         text += f"   {trajectory.contact_force[row]:.1f} N"
-    frame: dict[str, Any] = {"boxstyle": "round,pad=0.25", "facecolor": "white", "edgecolor": "none", "alpha": 0.85}
-    at_left: dict[str, Any] = {"xy": (0, 1), "xytext": (6, -6), "ha": "left"}
-    style: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "va": "top", "zorder": 10}
-    axes.annotate(text, **at_left, **style, fontsize=size, color=INK, bbox=frame)
+    axes.set_title(text, loc="left", fontsize=size, color=INK, pad=5)
     outcome = trajectory.header.outcome
     if row == len(trajectory.q) - 1 and outcome is not None:
-        colour = SUCCEEDED if trajectory.succeeded else FAILED
-        at_right: dict[str, Any] = {"xy": (1, 1), "xytext": (-6, -6), "ha": "right"}
-        filled = frame | {"facecolor": colour, "alpha": 1.0}
-        axes.annotate(outcome, **at_right, **style, fontsize=size, fontweight="bold", color="white", bbox=filled)
+        frame = {"boxstyle": "round,pad=0.2", "edgecolor": "none"}
+        frame["facecolor"] = SUCCEEDED if trajectory.succeeded else FAILED
+        axes.set_title(outcome, loc="right", fontsize=size, fontweight="bold", color="white", pad=5, bbox=frame)
 
 
 def _title(figure: Any, trajectory: Trajectory, y: float) -> None:

@@ -140,7 +140,7 @@ def plan_rear(parts: Sequence[Trajectory]) -> Trajectory:
 
 
 def _require_straight_start(robot: RobotSpec, front: Motion) -> None:
-    hinges = np.where(robot.mirror_signs < 0, np.abs(front.q[0]), 0.0)
+    hinges = np.where(robot.hinges, np.abs(front.q[0]), 0.0)
     if hinges.max() > STRAIGHT:
         name = robot.joints[int(hinges.argmax())].name
         raise PipenavError(
@@ -164,7 +164,7 @@ def hand_over(robot: RobotSpec, front: Motion) -> HandOver:
     # The halves are joined back to back: seen along the robot, the rear arm's base faces backwards.
     turn = after[2] + turned + math.pi - before[2]
     along = front.pipe.centre_line_distance(place) - front.pipe.centre_line_distance(before[:2])
-    hinges = robot.mirror_signs < 0
+    hinges = robot.hinges
     joint = np.abs(rear.q[0] - front.q[-1])[hinges]
     distance = float(np.linalg.norm(place - before[:2]))
     return HandOver(distance, float(along), abs(math.remainder(turn, 2 * math.pi)), float(joint.max(initial=0.0)))

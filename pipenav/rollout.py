@@ -120,7 +120,7 @@ def tracking(plan: Trajectory, recorded: Trajectory) -> Tracking:
     """How well a recording follows its plan; beyond the plan's last row, that row counts."""
     goal = plan.q[np.minimum(np.arange(len(recorded.q)), len(plan.q) - 1)]
     difference = np.abs(recorded.q - goal).max(axis=0)
-    hinges = plan.robot.mirror_signs < 0
+    hinges = plan.robot.hinges
     tips = [kinematics.forward(plan.robot, q).tip for q in (goal, recorded.q)]
     return Tracking(
         float(np.linalg.norm(tips[0] - tips[1], axis=1).max()),

@@ -82,7 +82,7 @@ def draw_scene(axes: Axes, scene: Scene) -> None:
     outlines = [[polygon[0] + offset for polygon in link] for link in link_outlines(scene.robot, scene.q[None])]
     for polygon in (polygon for link in outlines for polygon in link):
         axes.fill(*m_to_mm(1.0) * polygon.T, facecolor=LINK, edgecolor=LINK_EDGE, linewidth=0.9, zorder=5)
-    hinges = (pose.joints[0] + offset)[[joint.type == "hinge" for joint in scene.robot.joints]]
+    hinges = (pose.joints[0] + offset)[scene.robot.hinges]
     axes.plot(*m_to_mm(1.0) * hinges.T, "o", color="white", markersize=4.5, markeredgecolor=LINK_EDGE, zorder=6)
     if scene.link_forces is not None:
         for link, force in zip(outlines, scene.link_forces, strict=True):

@@ -12,6 +12,8 @@ import typer
 from pipenav.errors import PipenavError
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from pipenav.film import Progress
     from pipenav.rollout import Simulator
     from pipenav.trajectory import Trajectory
@@ -72,7 +74,7 @@ def view(
         for one in shown:
             console.print(_sentence(one), highlight=False)
     for path in paths or ([] if live else [Path(f"view-{shown[0].header.pipe.name}.png")]):
-        _write(path, shown)
+        _write(path, shown, console)
         console.print(f"written: {path}", highlight=False, soft_wrap=True)
 
 
@@ -147,7 +149,7 @@ def _sentence(trajectory: Trajectory) -> str:
     return f"{header.pipe.label}, {header.stage}: {header.outcome or 'not run'} after {seconds:.1f} s{touched}"
 
 
-def _write(path: Path, trajectories: list[Trajectory]) -> None:
+def _write(path: Path, trajectories: list[Trajectory], console: Console) -> None:
     from pipenav.film import write_film
     from pipenav.trajectory import write_trajectory
 
@@ -156,15 +158,16 @@ def _write(path: Path, trajectories: list[Trajectory]) -> None:
             raise PipenavError(f"{path}: a trajectory file holds one motion: name one pipe.")
         write_trajectory(path, trajectories[0])
         return
-    with _drawing_bar(path) as progress:
+    with _drawing_bar(path, console) as progress:
         write_film(path, trajectories, progress)
 
 
 @contextmanager
-def _drawing_bar(path: Path) -> Iterator[Progress]:
+def _drawing_bar(path: Path, console: Console) -> Iterator[Progress]:
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:>3.0f}%"))
-    with Progress(*columns, TextColumn("left"), TimeRemainingColumn(), transient=True) as bar:
+    shown = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:>3.0f}%"))
+    columns = (*shown, TextColumn("left"), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task(f"drawing {path.name}")
         yield lambda done, total: bar.update(task, completed=done, total=total)
