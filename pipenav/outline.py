@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
 from pipenav import kinematics
-from pipenav.robot import RobotSpec
+from pipenav.robot import BoxPart, DiscPart, RobotSpec
 
 Array = NDArray[np.float64]
 
+DISC_POINTS = 48
+"""Points that stand for a disc: chords between them stay within 0.04 mm of a disc of 36 mm."""
+
 
 def link_outlines(robot: RobotSpec, q: Array) -> list[list[Array]]:
-    """For every link the convex polygons that make it up, each (n, points, 2) [m] in the robot's frame.
+    """For every link the convex polygons of its parts, each (n, points, 2) [m] in the robot's frame.
 
     Args:
         robot: the robot.
@@ -23,10 +28,22 @@ def link_outlines(robot: RobotSpec, q: Array) -> list[list[Array]]:
     across = np.stack([-along[..., 1], along[..., 0]], axis=-1)
     outlines = []
     for i, link in enumerate(robot.links):
-        x, y = (np.array([[0, -1], [1, -1], [1, 1], [0, 1]]) * [link.length, link.width / 2]).T
-        sides = x[:, None] * along[:, i, None] + y[:, None] * across[:, i, None]
-        outlines.append([pose.joints[:, i, None] + sides])
+        placed = []
+        for x, y in map(_part_outline, link.parts):
+            sideways = x[:, None] * along[:, i, None] + y[:, None] * across[:, i, None]
+            placed.append(pose.joints[:, i, None] + sideways)  # (n, points, 2)
+        outlines.append(placed)
     return outlines
+
+
+def _part_outline(part: BoxPart | DiscPart) -> Array:
+    """A part's corners in its link's frame, x and y, (2, points) [m], counter-clockwise."""
+    if isinstance(part, BoxPart):
+        corners = np.array([[-1, 1, 1, -1], [-1, -1, 1, 1]]) / 2 * [[part.length], [part.width]]
+    else:
+        phi = np.arange(DISC_POINTS) * 2 * math.pi / DISC_POINTS
+        corners = part.diameter / 2 * np.stack([np.cos(phi), np.sin(phi)])
+    return np.asarray(corners + np.array([[part.x], [part.y]]))
 
 
 def foremost(robot: RobotSpec, q: Array) -> Array:

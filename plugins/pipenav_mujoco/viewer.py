@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipenav.errors import PipenavError
-from pipenav_mujoco.model import ROBOT
 
 Array = NDArray[np.float64]
 
@@ -35,7 +34,7 @@ class MujocoViewer:
         self._copy()
         # The camera sees nothing nearer than a share of the model's extent, which parked walls make a hundred metres.
         model.stat.extent = 1.0
-        model.geom_rgba[model.geom_contype == ROBOT] = [0.0, 0.45, 0.70, 1.0]
+        model.geom_rgba[model.body_mocapid[model.geom_bodyid] < 0] = [0.0, 0.45, 0.70, 1.0]  # the robot
         self._window = mujoco.viewer.launch_passive(model, self._data, show_left_ui=False, show_right_ui=False)
         with self._window.lock():
             camera = self._window.cam
