@@ -91,12 +91,13 @@ def draw_scene(axes: Axes, scene: Scene) -> None:
 
 
 def _draw_beams(axes: Axes, scene: Scene, tip: Array, heading: float) -> None:
-    """Beams as thin lines; a dot where one meets a wall within the laser's range."""
+    """Beams as thin lines as long as they read; a dot where one meets a wall within the laser's range."""
     beams = heading + scene.robot.laser.angles
     ends = tip + scene.ranges[:, None] * np.stack([np.cos(beams), np.sin(beams)], axis=1)
     for end in ends:
         axes.plot(*m_to_mm(1.0) * np.stack([tip, end]).T, color=BEAM, linewidth=0.7, alpha=0.6, zorder=4)
-    met = m_to_mm(1.0) * ends[scene.ranges < scene.robot.laser.range_max]
+    lidar = scene.robot.laser  # what is nearer than its least reading reads as that, beyond the wall that it meets
+    met = m_to_mm(1.0) * ends[(scene.ranges > lidar.range_min) & (scene.ranges < lidar.range_max)]
     axes.plot(*met.T, ".", color=BEAM, markersize=4.5, zorder=4)
 
 
