@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,3 +67,28 @@ class Backend(ABC):
     @abstractmethod
     def close(self) -> None:
         """Release everything; closing twice is harmless."""
+
+
+class Viewer(Protocol):
+    """A window on a backend's first robot."""
+
+    def show(self) -> bool:
+        """Show how things are now; False once the person has closed the window."""
+        ...
+
+    def close(self) -> None:
+        """Close the window; closing twice is harmless."""
+        ...
+
+
+@runtime_checkable
+class Viewable(Protocol):
+    """What a backend may offer besides, for `pipenav view --live`."""
+
+    def open_viewer(self) -> Viewer:
+        """Open a window.
+
+        Raises:
+            PipenavError: there is no display.
+        """
+        ...

@@ -17,13 +17,13 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from pipenav import kinematics
 from pipenav.batch import CornerBatch, StepResult, random_episodes
 from pipenav.errors import ConfigError, PipenavError
 from pipenav.pipe_set import parse_pipes
 from pipenav.robot import load_robot
 from pipenav.task.config import RewardConfig, TaskConfig
 from pipenav.task.episode import Episodes, Verdict
+from pipenav.top_view import Scene, scene_pixels
 
 Float32s = NDArray[np.float32]
 
@@ -262,33 +262,10 @@ def top_view(batch: CornerBatch, episodes: Episodes, pixels: int = 480) -> NDArr
         episodes: the first robot's episode, k = 1.
         pixels: width and height.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    robot, now = batch.robot, batch.snapshot
-    pose = kinematics.forward(robot, now.q[:1])
-    to_pipe = np.array([1.0, episodes.side[0]])
-    shift = np.array([episodes.base[0], 0.0])
-    tip, goal = (pose.tip[0] + shift) * to_pipe, (episodes.goal[0] + shift) * to_pipe
-    beams = pose.headings[0, -1] + robot.laser.angles
-    ends = tip + now.ranges[0, :, None] * np.stack([np.cos(beams), np.sin(beams)], axis=1) * to_pipe
-
-    figure = Figure(figsize=(pixels / 100, pixels / 100), dpi=100)
-    canvas = FigureCanvasAgg(figure)
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    for wall in episodes.pipes[0].walls:
-        axes.plot(*wall.T, color="0.3", linewidth=2)
-    for end in ends:
-        axes.plot(*np.stack([tip, end]).T, color="tab:red", linewidth=0.5)
-    for start, heading, link in zip(pose.joints[0], pose.headings[0], robot.links, strict=True):
-        corners = np.array([[0, -1], [1, -1], [1, 1], [0, 1]]) * [link.length, link.width / 2]
-        forwards = np.array([np.cos(heading), np.sin(heading)])
-        axes.fill(*((corners @ [forwards, [-forwards[1], forwards[0]]] + start + shift) * to_pipe).T, "tab:blue")
-    axes.plot(*goal, "x", color="tab:green", markersize=10)
-    axes.set(xlim=(tip[0] - 0.4, tip[0] + 0.4), ylim=(tip[1] - 0.4, tip[1] + 0.4))
-    axes.set_axis_off()
-    canvas.draw()
-    return np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
+    side, base = float(episodes.side[0]), float(episodes.base[0])
+    ranges = batch.snapshot.ranges[0, :: int(side)]  # those of the canonical frame are mirrored for right turns
+    goal = episodes.goal[0] * [1.0, side] + [base, 0.0]
+    return scene_pixels(Scene(episodes.pipes[0], batch.robot, base, batch.q[0], ranges, goal), pixels)
 
 
 gymnasium.register(ENV_ID, entry_point="pipenav.env:CornerEnv", vector_entry_point="pipenav.env:CornerVectorEnv")

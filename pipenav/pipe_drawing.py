@@ -69,6 +69,17 @@ def pipe_figure(pipe: Pipe) -> Figure:
     return figure
 
 
+def draw_walls(axes: Axes, pipe: Pipe) -> None:
+    """Fill the free space and the walls of a pipe, in millimetres of the pipe's frame."""
+    inner, outer = m_to_mm(1.0) * pipe.walls.inner, m_to_mm(1.0) * pipe.walls.outer
+    axes.fill(*np.concatenate([outer, inner[::-1]]).T, color=FREE, zorder=1)
+    for near, offset in ((inner, pipe.radius + pipe.wall), (outer, -pipe.radius - pipe.wall)):
+        far = m_to_mm(1.0) * pipe.line(offset)
+        outline = np.concatenate([near, far[::-1]])
+        label = "wall" if near is inner else None
+        axes.fill(*outline.T, facecolor=WALL, edgecolor=WALL, linewidth=0.8, zorder=3, label=label)
+
+
 class _Sketch:
     """The parts of one drawing. Coordinates are those of a left turn [mm]; `unit` is about a hundredth of its width."""
 
@@ -92,13 +103,7 @@ class _Sketch:
 
     def pipe_itself(self) -> None:
         """Free space, walls, centre line and the inner edge."""
-        inner, outer = m_to_mm(1.0) * self.pipe.walls.inner, m_to_mm(1.0) * self.pipe.walls.outer
-        self.axes.fill(*np.concatenate([outer, inner[::-1]]).T, color=FREE, zorder=1)
-        for near, offset in ((inner, self.pipe.radius + self.pipe.wall), (outer, -self.pipe.radius - self.pipe.wall)):
-            far = m_to_mm(1.0) * self.pipe.line(offset)
-            outline = np.concatenate([near, far[::-1]])
-            label = "wall" if near is inner else None
-            self.axes.fill(*outline.T, facecolor=WALL, edgecolor=WALL, linewidth=0.8, zorder=3, label=label)
+        draw_walls(self.axes, self.pipe)
         centre = m_to_mm(1.0) * self.pipe.line(0.0)
         self.axes.plot(*centre.T, color=CENTRE, linewidth=0.9, dashes=(12, 3, 2, 3), zorder=2, label="centre line")
         if self.pipe.angle < math.pi:

@@ -293,7 +293,7 @@ def _check_rows(path: Path, robot: RobotSpec, table: dict[str, Array], q: Array)
     late = np.flatnonzero(np.abs(table[TIME] - due) > TIME_TOLERANCE)
     if late.size:
         row = int(late[0])
-        what = f"is {table[TIME][row]:g} where {due[row]:g} is due, rows being {CONTROL_PERIOD:g} s apart from 0"
+        what = f"{table[TIME][row]:g} where {due[row]:g} is due, rows being {CONTROL_PERIOD:g} s apart from 0"
         refuse(row, f"{TIME}: {what}")
     spare = LIMIT_TOLERANCE * (robot.upper - robot.lower)
     beyond = np.argwhere((q < robot.lower - spare) | (q > robot.upper + spare))

@@ -82,6 +82,7 @@ def test_left_and_right_mirror_each_other() -> None:
     assert one.q == pytest.approx(two.q * signs, abs=1e-9)
     assert np.array_equal(one.ranges, two.ranges[:, ::-1])
     assert left.truth().contact_force == pytest.approx(right.truth().contact_force, abs=1e-5)
+    assert left.truth().link_forces == pytest.approx(right.truth().link_forces * [1, -1], abs=1e-5)
 
 
 def test_readings_belong_to_the_caller() -> None:
@@ -129,6 +130,9 @@ def test_a_slide_presses_with_its_stall_effort() -> None:
         backend.step(Command("torque", np.ones((1, 1))))
     assert backend.read().q[0, 0] == pytest.approx(0.2 + 0.05 - 0.04, abs=1e-4)
     assert backend.truth().contact_force[0] == pytest.approx(robot.effort_limits[0], rel=1e-3)
+    assert backend.truth().link_forces[0] == pytest.approx(
+        np.array([[-robot.effort_limits[0], 0.0]]), rel=1e-3, abs=1e-6
+    )
 
 
 @pytest.mark.parametrize("drive", [-1.0, -0.5, 0.3, 1.0])
@@ -143,7 +147,9 @@ def test_a_hinge_presses_by_the_law_of_the_lever(drive: float) -> None:
     lever = body.length * np.cos(q) - body.width / 2 * np.sin(q)
     height = body.length * np.sin(q) + body.width / 2 * np.cos(q)
     assert height == pytest.approx(pipe.radius, abs=1e-4)
-    assert backend.truth().contact_force[0] == pytest.approx(abs(drive) * robot.effort_limits[0] / lever, rel=1e-3)
+    force = drive * robot.effort_limits[0] / lever
+    assert backend.truth().contact_force[0] == pytest.approx(abs(force), rel=1e-3)
+    assert backend.truth().link_forces[0, 0] == pytest.approx([0.0, -force], rel=1e-3, abs=1e-6)
 
 
 def test_the_position_controller_goes_where_it_is_told_and_stays() -> None:

@@ -29,6 +29,14 @@ COMMANDS = {
         "pipenav.cli.eval:evaluate",
         "Measure in which pipes a policy passes: success with 95 % intervals, failures, clearance, contact, pictures.",
     ),
+    "view": (
+        "pipenav.cli.view:view",
+        "Draw what a policy, a baseline or a trajectory file does, from above: links, beams, target, contact forces.",
+    ),
+    "mirror-rear": (
+        "pipenav.cli.mirror_rear:mirror_rear",
+        "Turn a front half's recorded passage into the rear half's: mirrored in space, reversed in time (approach II).",
+    ),
     "experiment": (
         "pipenav.cli.experiment:experiment",
         "Train and evaluate the thesis's experiments (a)-(f), and report them beside its tables.",

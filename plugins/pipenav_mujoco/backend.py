@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 
 import mujoco
@@ -16,6 +17,7 @@ from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
 from pipenav.state import Command, Control, Reading, Truth
 from pipenav_mujoco.model import Contact, build_spec, wall_boxes
+from pipenav_mujoco.viewer import MujocoViewer
 
 Array = NDArray[np.float64]
 
@@ -139,6 +141,15 @@ class MujocoBackend(backend.Backend):
         tip[:, 0] += self._base
         force = np.sqrt((self._link_forces**2).sum(axis=2)).max(axis=1)
         return Truth(tip, force, self._depth.copy(), self._contact_share.copy(), self._link_forces.copy())
+
+    def open_viewer(self) -> MujocoViewer:
+        """MuJoCo's own viewer on the first robot, as it is placed now: see `pipenav.backend.Viewable`."""
+        model = copy.copy(self._model)
+        first = model.geom("wall0").id
+        model.geom_size[first : first + self._slots] = self._wall_half_size[0]
+        live = {"qpos": self._q, "qvel": self._qd, "ctrl": self._ctrl}
+        walls = {"mocap_pos": self._wall_position, "mocap_quat": self._wall_quaternion}
+        return MujocoViewer(model, {name: values[0] for name, values in (live | walls).items()})
 
     def close(self) -> None:
         self.__dict__.pop("_batch", None)

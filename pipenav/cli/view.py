@@ -1,0 +1,173 @@
+"""`pipenav view`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from pipenav.errors import PipenavError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from pipenav.film import Progress
+    from pipenav.rollout import Simulator
+    from pipenav.trajectory import Trajectory
+
+TABLE = ".csv"
+DEFAULT_PIPE = "d=90,angle=60"
+
+
+def view(
+    policy: Annotated[
+        str | None, typer.Option(help="best.zip, a shipped policy's name, baseline:random or baseline:centreline.")
+    ] = None,
+    trajectory: Annotated[
+        list[Path] | None, typer.Option(help="Draw this recorded trajectory instead; repeatable: one after another.")
+    ] = None,
+    pipes: Annotated[
+        list[str] | None,
+        typer.Option(help=f"Pipe set, FILE.toml or d=90,angle=60[,turn=right]; repeatable. Default: {DEFAULT_PIPE}."),
+    ] = None,
+    backend: Annotated[str, typer.Option(help="Simulator backend; see `pipenav backends`.")] = "mujoco",
+    robot: Annotated[
+        str | None, typer.Option(help="Robot of a baseline, or of a trajectory whose robot is not shipped.")
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of start and target, as in `pipenav eval`.")] = 0,
+    episode: Annotated[
+        int, typer.Option(min=0, help="Which of the episodes that `pipenav eval` runs in each pipe, from 0.")
+    ] = 0,
+    option: Annotated[list[str] | None, typer.Option(help="Backend setting, key=value; repeatable.")] = None,
+    out: Annotated[
+        list[Path] | None,
+        typer.Option(help="Picture .png (a strip), film .gif or .mp4, or trajectory .csv; repeatable."),
+    ] = None,
+    live: Annotated[bool, typer.Option("--live", help="Open the simulator's own viewer and run in real time.")] = False,
+) -> None:
+    """Draw what a policy, a baseline or a trajectory file does, from above: links, beams, target, contact forces.
+
+    Examples:
+
+        pipenav view --policy arm --pipes d=90,angle=60
+
+        pipenav view --policy arm --pipes d=90,angle=60,turn=right --episode 7 --out film.mp4 --out front.csv
+
+        pipenav view --trajectory front.csv --trajectory rear.csv --out passage.gif
+
+        pipenav view --policy baseline:centreline --live
+    """
+    from rich.console import Console
+
+    if (policy is None) == (not trajectory):
+        raise PipenavError("nothing to draw, or two things at once: give either --policy or --trajectory.")
+    paths = _checked_outputs(out, live, trajectory, pipes)
+    console = Console()
+    with _simulator(backend, option or [], live) as simulator:
+        if policy is not None:
+            shown = _record(policy, pipes or [DEFAULT_PIPE], robot, seed, episode, simulator)
+        else:
+            shown = _read(trajectory or [], robot, simulator if live else None)
+        for one in shown:
+            console.print(_sentence(one), highlight=False)
+    for path in paths or ([] if live else [Path(f"view-{shown[0].header.pipe.name}.png")]):
+        _write(path, shown, console)
+        console.print(f"written: {path}", highlight=False, soft_wrap=True)
+
+
+def _checked_outputs(
+    out: list[Path] | None, live: bool, trajectory: list[Path] | None, pipes: list[str] | None
+) -> list[Path]:
+    """The files to write, each of a kind that can be written, before any work is done for them."""
+    from pipenav.film import SUFFIXES, check_suffix
+
+    for path in out or []:
+        if path.suffix.lower() != TABLE:
+            check_suffix(path, [*SUFFIXES, TABLE])
+        elif trajectory:
+            raise PipenavError(f"{path}: a trajectory is recorded from a --policy; --trajectory only draws one.")
+        if not path.parent.is_dir():
+            raise PipenavError(f"there is no folder {path.parent} for {path.name}: make it first.")
+    if trajectory and pipes:
+        raise PipenavError("--pipes goes with --policy: a trajectory brings its own pipe.")
+    if live and trajectory and out:
+        raise PipenavError("--live shows a trajectory and writes nothing: give it without --out, or --out without it.")
+    return out or []
+
+
+@contextmanager
+def _simulator(backend: str, options: list[str], live: bool) -> Iterator[Simulator]:
+    from pipenav.cli.eval import parse_options
+    from pipenav.live import live_window
+    from pipenav.registry import check_options, load_backend
+    from pipenav.rollout import Simulator
+
+    parsed = parse_options(options)
+    check_options(backend, load_backend(backend), parsed)
+    if not live:
+        yield Simulator(backend, parsed)
+        return
+    with live_window() as window:
+        yield Simulator(backend, parsed, window)
+
+
+def _record(
+    policy: str, pipes: list[str], robot: str | None, seed: int, episode: int, simulator: Simulator
+) -> list[Trajectory]:
+    from pipenav.controller import open_controller
+    from pipenav.film import MAX_ROWS
+    from pipenav.pipe_set import parse_pipes
+    from pipenav.rollout import record_front
+
+    parsed = parse_pipes(pipes)
+    if len(parsed) > MAX_ROWS:
+        raise PipenavError(f"{len(parsed)} pipes are too many to look at: name at most {MAX_ROWS}.")
+    controller = open_controller(policy, robot, seed)
+    return [record_front(controller, policy, pipe, seed, episode, simulator) for pipe in parsed]
+
+
+def _read(paths: list[Path], robot: str | None, simulator: Simulator | None) -> list[Trajectory]:
+    from pipenav.live import play
+    from pipenav.robot import load_robot
+    from pipenav.trajectory import read_trajectory
+
+    spec = None if robot is None else load_robot(robot)
+    read = [read_trajectory(path, spec) for path in paths]
+    if simulator is not None:
+        play(read, simulator)
+    return read
+
+
+def _sentence(trajectory: Trajectory) -> str:
+    """What happened, in one line."""
+    header, seconds = trajectory.header, trajectory.time[-1]
+    force = trajectory.contact_force
+    touched = "" if force is None else f", largest contact force {force.max():.1f} N"
+    return f"{header.pipe.label}, {header.stage}: {header.outcome or 'not run'} after {seconds:.1f} s{touched}"
+
+
+def _write(path: Path, trajectories: list[Trajectory], console: Console) -> None:
+    from pipenav.film import write_film
+    from pipenav.trajectory import write_trajectory
+
+    if path.suffix.lower() == TABLE:
+        if len(trajectories) > 1:
+            raise PipenavError(f"{path}: a trajectory file holds one motion: name one pipe.")
+        write_trajectory(path, trajectories[0])
+        return
+    with _drawing_bar(path, console) as progress:
+        write_film(path, trajectories, progress)
+
+
+@contextmanager
+def _drawing_bar(path: Path, console: Console) -> Iterator[Progress]:
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    shown = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:>3.0f}%"))
+    columns = (*shown, TextColumn("left"), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task(f"drawing {path.name}")
+        yield lambda done, total: bar.update(task, completed=done, total=total)

@@ -1,0 +1,231 @@
+"""Approach II: mirroring and reversing undo themselves; what may be mirrored; the rear stage on physics."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from pipenav import mirror
+from pipenav.clearance import clearance
+from pipenav.controller import open_controller
+from pipenav.errors import PipenavError
+from pipenav.kinematics import forward
+from pipenav.mirror import Motion, RearStage, hand_over, is_out, join, plan_rear, rear_motion, reverse
+from pipenav.pipe import Pipe
+from pipenav.registry import open_backend
+from pipenav.robot import load_robot
+from pipenav.rollout import Simulator, record_front
+from pipenav.task.episode import Verdict
+from pipenav.testing import KinematicBackend, KinematicOptions
+from pipenav.trajectory import Trajectory, TrajectoryHeader
+
+Array = NDArray[np.float64]
+
+ROBOT = load_robot("basic")
+FAST = {"timestep": 0.005, "threads": 1}
+
+
+@st.composite
+def motions(draw: st.DrawFn) -> Motion:
+    rng = np.random.default_rng(draw(st.integers(0, 2**32)))
+    turn = draw(st.sampled_from(["left", "right"]))
+    pipe = Pipe.of(draw(st.floats(60, 200)), draw(st.floats(40, 170)), turn, draw(st.sampled_from([0.0, 80.0])))
+    q = rng.uniform(ROBOT.lower, ROBOT.upper, (draw(st.integers(2, 12)), 4))
+    return Motion(pipe, draw(st.floats(-0.8, -0.4)), q)
+
+
+def same(one: Motion, two: Motion) -> bool:
+    return one.pipe == two.pipe and one.base == two.base and np.array_equal(one.q, two.q)
+
+
+@given(motions())
+def test_mirroring_twice_and_reversing_twice_are_nothing(motion: Motion) -> None:
+    assert same(mirror.mirror(ROBOT, mirror.mirror(ROBOT, motion)), motion)
+    assert same(reverse(reverse(motion)), motion)
+    assert same(rear_motion(ROBOT, rear_motion(ROBOT, motion)), motion)
+    assert same(reverse(mirror.mirror(ROBOT, motion)), mirror.mirror(ROBOT, reverse(motion)))
+
+
+@given(motions())
+def test_a_mirrored_motion_is_the_image_in_the_mirrored_pipe(motion: Motion) -> None:
+    image = mirror.mirror(ROBOT, motion)
+    assert forward(ROBOT, image.q).tip == pytest.approx(forward(ROBOT, motion.q).tip * [1, -1], abs=1e-12)
+    assert image.pipe.walls.inner == pytest.approx(motion.pipe.walls.inner * [1, -1], abs=1e-12)
+    room = [clearance(ROBOT, one.pipe, one.q, one.base) for one in (motion, image)]
+    assert room[0] == pytest.approx(room[1], abs=1e-9)
+
+
+@given(motions())
+def test_the_hand_over_is_between_two_places_of_the_same_pipe(motion: Motion) -> None:
+    jump, pipe = hand_over(ROBOT, motion), motion.pipe
+    middle = motion.base + motion.q[-1, 0]  # the first link's rear end, on the first leg's axis
+    assert jump.along == pytest.approx(2 * -middle, abs=1e-9)
+    assert jump.distance == pytest.approx(2 * -middle * math.sin(pipe.angle / 2), abs=1e-9)
+    assert jump.turn == pytest.approx(abs(pipe.heading_change), abs=1e-9)
+    assert jump.joint == pytest.approx(2 * np.abs(motion.q[-1, 1:]).max())
+
+
+@given(motions(), st.integers(1, 8))
+def test_joining_undoes_a_cut(motion: Motion, cut: int) -> None:
+    cut = min(cut, len(motion.q) - 1)
+    parts = [motion._replace(q=motion.q[: cut + 1]), motion._replace(q=motion.q[cut:])]
+    assert same(join(parts), motion)
+
+
+def test_parts_that_do_not_follow_each_other_are_refused() -> None:
+    one = Motion(Pipe.of(100, 90), -0.6, np.zeros((3, 4)))
+    with pytest.raises(PipenavError, match=r"part 2 of the passage starts 0\.3 rad or m away"):
+        join([one, one._replace(q=np.full((3, 4), 0.3))])
+    with pytest.raises(PipenavError, match="part 2 of the passage is in another pipe"):
+        join([one, one._replace(pipe=Pipe.of(100, 91))])
+    with pytest.raises(PipenavError, match="or at another base"):
+        join([one, one._replace(base=-0.5)])
+
+
+@settings(max_examples=50)
+@given(motions())
+def test_out_of_the_corner_is_before_the_inner_edge_with_every_point(motion: Motion) -> None:
+    out = is_out(ROBOT, motion.pipe, motion.base, motion.q)
+    pose = forward(ROBOT, motion.q)
+    along = np.stack([np.cos(pose.headings), np.sin(pose.headings)], axis=-1)
+    lengths = np.array([link.length for link in ROBOT.links])
+    for share in (0.0, 0.5, 1.0):
+        points = pose.joints + share * lengths[:, None] * along
+        beyond = (points[..., 0] + motion.base > -motion.pipe.inner_edge).any(axis=1)
+        assert not (out & beyond).any()
+
+
+@pytest.fixture(scope="module")
+def front() -> Trajectory:
+    """A real front passage, around a right turn."""
+    pipe = Pipe.of(100, 75, "right")
+    return record_front(open_controller("arm"), "arm", pipe, 0, 0, Simulator("mujoco", FAST))
+
+
+def changed(front: Trajectory, **header: Any) -> Trajectory:
+    return replace(front, header=front.header.model_copy(update=header))
+
+
+def test_the_plan_of_a_front(front: Trajectory) -> None:
+    plan = plan_rear([front])
+    assert np.array_equal(plan.q, (front.q * [1, -1, -1, -1])[::-1])
+    assert plan.header.pipe == Pipe.of(100, 75, "left")
+    assert (plan.header.stage, plan.header.outcome, plan.header.goal_m) == ("rear", None, None)
+    assert plan.header.base_m == front.header.base_m
+    assert plan.contact_force is None
+    assert plan.link_forces is None
+
+
+def test_a_front_that_began_where_locating_ended_needs_the_locating_part(front: Trajectory) -> None:
+    whole = front.q
+    locate = replace(changed(front, stage="locate"), q=whole[:6])
+    rest = replace(front, q=whole[5:])
+    assert np.abs(rest.q[0, 1:]).max() > mirror.STRAIGHT
+    with pytest.raises(PipenavError, match=r"does not start straight: theta\d is at .* deg, allowed are 5\.7 deg"):
+        plan_rear([rest])
+    assert np.array_equal(plan_rear([locate, rest]).q, plan_rear([front]).q)
+
+
+@pytest.mark.parametrize(
+    ("header", "message"),
+    [
+        ({"outcome": "timeout"}, r"front part of the passage did not succeed \(outcome: timeout\)"),
+        ({"outcome": None}, r"\(outcome: not run\)"),
+        ({"stage": "rear"}, "a rear half's already"),
+        ({"stage": "locate"}, "ends with a part of stage 'locate'"),
+        ({"base_m": -0.3}, "in the corner"),
+    ],
+)
+def test_what_cannot_be_mirrored(front: Trajectory, header: dict[str, Any], message: str) -> None:
+    with pytest.raises(PipenavError, match=message):
+        plan_rear([changed(front, **header)])
+
+
+def test_how_straight_a_start_must_be(front: Trajectory) -> None:
+    def bent(angle: float) -> Trajectory:
+        return replace(front, q=np.concatenate([[[0.0, 0.0, angle, 0.0]], front.q[1:]]))
+
+    for angle in (-0.05, 0.0999):
+        plan_rear([bent(angle)])
+    with pytest.raises(PipenavError, match=r"theta2 is at 6\.3 deg"):
+        plan_rear([bent(-0.11)])
+
+
+def run(stage: RearStage) -> tuple[list[str], list[int]]:
+    """How the first episode of every robot ends, and after how many steps."""
+    stage.start(np.arange(stage.n))
+    verdict, steps = np.zeros(stage.n, int), np.zeros(stage.n, int)
+    while not verdict.all():
+        step = stage.step()
+        running = verdict == Verdict.RUNNING
+        steps[running] = stage.steps[running]
+        verdict[running] = step.verdict[running]
+    stage.close()
+    return [Verdict(one).label for one in verdict], steps.tolist()
+
+
+def test_the_rear_leaves_the_corner(front: Trajectory) -> None:
+    rear = rear_motion(ROBOT, front.motion)
+    ends, steps = run(RearStage(ROBOT, open_backend("mujoco", ROBOT, 3, FAST), 3, lambda robots: [rear] * len(robots)))
+    assert ends == ["reached"] * 3
+    assert max(steps) <= len(rear.q) - 1 + mirror.settling_steps(ROBOT)
+
+
+def test_each_robot_replays_its_own_motion_anew_after_each_start(front: Trajectory) -> None:
+    rear = rear_motion(ROBOT, front.motion)
+    slow = rear._replace(q=np.repeat(rear.q, 2, axis=0))
+    given: list[list[int]] = []
+
+    def source(robots: NDArray[np.intp]) -> list[Motion]:
+        given.append(robots.tolist())
+        return [rear if robot % 2 == 0 else slow for robot in robots]
+
+    stage = RearStage(ROBOT, KinematicBackend(ROBOT, 4, KinematicOptions()), 4, source)
+    stage.start(np.arange(4))
+    for _ in range(5):
+        step = stage.step()
+    assert step.q[[0, 2]] == pytest.approx(np.stack([rear.q[5]] * 2))
+    assert step.q[[1, 3]] == pytest.approx(np.stack([slow.q[5]] * 2))
+    stage.start(np.array([1, 2]))
+    step = stage.step()
+    assert given == [[0, 1, 2, 3], [1, 2]]
+    assert stage.steps.tolist() == [6, 1, 1, 6]
+    assert step.q == pytest.approx(np.stack([rear.q[6], slow.q[1], rear.q[1], slow.q[6]]))
+
+
+def test_an_arm_that_stays_in_the_corner_times_out() -> None:
+    bent = np.tile([0.2, 0.3, 0.3, 0.3], (4, 1))
+    motion = Motion(Pipe.of(120, 90), -0.5, bent)
+    stage = RearStage(ROBOT, KinematicBackend(ROBOT, 1, KinematicOptions()), 1, lambda _: [motion])
+    assert run(stage) == (["timeout"], [3 + mirror.settling_steps(ROBOT)])
+
+
+def test_the_settling_time_lets_every_joint_cross_its_travel() -> None:
+    seconds = mirror.settling_steps(ROBOT) * 0.1
+    slowest = ((ROBOT.upper - ROBOT.lower) / ROBOT.speed_limits).max()
+    assert slowest <= seconds < slowest + 0.1
+
+
+def test_a_joint_at_its_limit_and_a_link_in_the_wall_end_it() -> None:
+    pipe = Pipe.of(120, 90)
+    at_limit = Motion(pipe, -0.5, np.array([[0.0, 0.0, 0.0, 2.39]] * 2))
+    stage = RearStage(ROBOT, KinematicBackend(ROBOT, 1, KinematicOptions()), 1, lambda _: [at_limit])
+    assert run(stage) == (["limit"], [1])
+    in_wall = Motion(pipe, -0.5, np.array([[0.0, 0.5, 0.0, 0.0]] * 2))
+    assert run(RearStage(ROBOT, open_backend("mujoco", ROBOT, 1, FAST), 1, lambda _: [in_wall])) == (
+        ["penetration"],
+        [1],
+    )
+
+
+def test_a_header_of_a_plan_is_of_the_mirrored_pipe() -> None:
+    header = TrajectoryHeader(robot="basic", pipe=Pipe.of(100, 60), base_m=-0.7, stage="front", outcome="reached")
+    plan = plan_rear([Trajectory(header, ROBOT, np.zeros((3, 4)))])
+    assert plan.header.pipe.name == "corner-d100-a60-right"

@@ -1,0 +1,120 @@
+"""`pipenav view` and `pipenav mirror-rear` as typed."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from pipenav.cli import main
+from pipenav.trajectory import read_trajectory
+
+FAST = ("--option", "timestep=0.005", "--option", "threads=1")
+
+
+@pytest.fixture(autouse=True)
+def here(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "300")
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    return tmp_path
+
+
+def run(*args: str) -> int:
+    with pytest.raises(SystemExit) as left:
+        main(args)
+    return int(left.value.code or 0)
+
+
+@pytest.fixture
+def front(here: Path, capsys: pytest.CaptureFixture[str]) -> Path:
+    assert run("view", "--policy", "arm", "--pipes", "d=95,angle=65,turn=right", "--out", "front.csv", *FAST) == 0
+    assert re.search(
+        r"95 mm, 65 deg, right, front: reached after 1\.\d s, largest contact force", capsys.readouterr().out
+    )
+    return here / "front.csv"
+
+
+def test_a_picture_where_none_was_asked_for(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("view", "--policy", "baseline:centreline", *FAST) == 0
+    assert "written: view-corner-d90-a60-left.png" in capsys.readouterr().out
+    assert Image.open(here / "view-corner-d90-a60-left.png").size[0] > 1000
+
+
+def test_a_recording_can_be_drawn_and_mirrored(front: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    command = [
+        "mirror-rear",
+        "--trajectory",
+        "front.csv",
+        "--out",
+        "rear.csv",
+        "--replay",
+        "--record",
+        "done.csv",
+        *FAST,
+    ]
+    assert run(*command) == 0
+    said = capsys.readouterr().out
+    assert re.search(r"hand-over jump: the robot's middle \d+ mm \(\d+ mm along the pipe\) and 115 deg; largest", said)
+    assert "replay on mujoco: the arm came out of the corner after" in said
+    assert re.search(r"error [\d.]+ mm at the tip, [\d.]+ deg of a hinge, .* contact force [\d.]+ N", said)
+    plan, done = read_trajectory(Path("rear.csv")), read_trajectory(Path("done.csv"))
+    assert np.array_equal(plan.q, (read_trajectory(front).q * [1, -1, -1, -1])[::-1])
+    assert done.succeeded
+    assert done.contact_force is not None
+    files = [f"--trajectory={name}" for name in ("front.csv", "rear.csv", "done.csv")]
+    assert run("view", *files, "--out", "all.png") == 0
+    assert "95 mm, 65 deg, left, rear: not run after" in capsys.readouterr().out
+    assert Path("all.png").is_file()
+
+
+def test_the_same_seed_and_episode_are_the_same_recording(front: Path) -> None:
+    again = ("view", "--policy", "arm", "--pipes", "d=95,angle=65,turn=right", *FAST)
+    assert run(*again, "--out", "again.csv") == 0
+    assert Path("again.csv").read_bytes() == front.read_bytes()
+    assert run(*again, "--episode", "1", "--out", "other.csv") == 0
+    assert Path("other.csv").read_bytes() != front.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("args", "message"),
+    [
+        ((), "give either --policy or --trajectory"),
+        (("--policy", "arm", "--trajectory", "front.csv"), "give either --policy or --trajectory"),
+        (("--trajectory", "none.csv"), "cannot read none.csv: No such file"),
+        (("--policy", "arm", "--out", "film.avi"), r"film.avi: its suffix must say what it shall be"),
+        (("--policy", "arm", "--out", "nowhere/film.gif"), "there is no folder nowhere for film.gif"),
+        (("--policy", "arm", "--pipes", "working-range"), "180 pipes are too many to look at"),
+        (("--policy", "arm", "--pipes", "d=90,angle=60", "--pipes", "d=90,angle=70", "--out", "a.csv"), "one motion"),
+        (("--policy", "arm", "--live"), "MuJoCo's viewer needs a display"),
+        (("--policy", "arm", "--option", "timestep=0.003"), "does not divide the control period"),
+        (("--policy", "amr"), "unknown policy 'amr': did you mean 'arm'"),
+        (("--trajectory", "front.csv", "--pipes", "d=90,angle=60"), "a trajectory brings its own pipe"),
+        (("--trajectory", "front.csv", "--out", "copy.csv"), "--trajectory only draws one"),
+        (("--trajectory", "front.csv", "--live", "--out", "a.png"), "writes nothing"),
+    ],
+)
+def test_what_cannot_be_drawn(args: tuple[str, ...], message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("view", *args) == 1
+    said = capsys.readouterr().err
+    assert message in said
+    assert said.count("\n") == 1
+    assert not list(Path().iterdir())
+
+
+def test_what_cannot_be_mirrored(front: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = front.read_text()
+    front.write_text(text.replace('"outcome": "reached"', '"outcome": "timeout"'))
+    assert run("mirror-rear", "--trajectory", "front.csv") == 1
+    assert "did not succeed (outcome: timeout): only a successful front passage" in capsys.readouterr().err
+    lines = text.splitlines(keepends=True)
+    front.write_text("".join(lines[:6] + lines[7:]))
+    assert run("mirror-rear", "--trajectory", "front.csv") == 1
+    assert "line 7, t_s: 0.5 where 0.4 is due" in capsys.readouterr().err
+    assert run("mirror-rear", "--trajectory", "front.csv", "--record", "done.csv") == 1
+    assert "--record writes what --replay runs: give both." in capsys.readouterr().err
+    assert not Path("rear.csv").exists()
