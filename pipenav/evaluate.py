@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import closing
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipenav.backend import Backend
-from pipenav.batch import CornerBatch, EpisodeSource
+from pipenav.batch import CornerBatch
 from pipenav.controller import Controller
 from pipenav.pipe import Pipe
 from pipenav.records import Evaluation, PipeRecord
@@ -24,6 +24,8 @@ from pipenav.thesis import thesis_best
 from pipenav.units import m_to_mm, rad_to_deg
 
 Array = NDArray[np.float64]
+Episode = TypeVar("Episode")
+"""What a stage's episode starts from: `Episodes` of k = 1, or a motion to replay."""
 
 MAX_ROBOTS = 256
 """Robots stepped together: enough to keep every core busy, few enough that the last ones to finish cost little."""
@@ -61,7 +63,7 @@ class EpisodeResults(NamedTuple):
         )
 
 
-class EpisodeQueue:
+class EpisodeQueue(Generic[Episode]):
     """Hands out episodes one after another and remembers which robot runs which.
 
     Args:
@@ -70,22 +72,24 @@ class EpisodeQueue:
         n: how many robots share them.
     """
 
-    def __init__(self, start: Callable[[int], Episodes], total: int, n: int) -> None:
+    def __init__(self, start: Callable[[int], Episode], total: int, n: int) -> None:
         self._start, self.total = start, total
         self._next = 0
         self.running = np.full(n, -1)
 
-    def source(self, robots: NDArray[np.intp]) -> Episodes:
+    def take(self, robots: NDArray[np.intp]) -> list[Episode]:
+        """The next episode of each of these robots."""
         started = []
         for robot in robots:
             job = self._next if self._next < self.total else -1
             self._next += 1
             self.running[robot] = job
             started.append(self._start(max(job, 0)))  # a robot without work repeats episode 0, which is not counted
-        return _joined(started)
+        return started
 
 
-def _joined(parts: list[Episodes]) -> Episodes:
+def joined(parts: Sequence[Episodes]) -> Episodes:
+    """Several episodes as one, in order."""
     arrays = [np.concatenate([part[i] for part in parts]) for i in range(1, len(Episodes._fields))]
     return Episodes(tuple(part.pipes[0] for part in parts), *arrays)
 
@@ -135,17 +139,18 @@ def run_episodes(
     """
     robot, task = controller.robot, controller.task
 
-    def make(simulator: Backend, n: int, source: EpisodeSource) -> Stage:
-        return FrontStage(CornerBatch(robot, task, simulator, n, source), controller)
+    def make(simulator: Backend, queue: EpisodeQueue[Episodes]) -> Stage:
+        n = len(queue.running)
+        return FrontStage(CornerBatch(robot, task, simulator, n, lambda robots: joined(queue.take(robots))), controller)
 
     start = random_start(robot, task, pipes, episodes, seed)
     return run_stage(make, robot, start, [pipe for pipe in pipes for _ in range(episodes)], backend, options, progress)
 
 
 def run_stage(
-    make: Callable[[Backend, int, EpisodeSource], Stage],
+    make: Callable[[Backend, EpisodeQueue[Episode]], Stage],
     robot: RobotSpec,
-    start: Callable[[int], Episodes],
+    start: Callable[[int], Episode],
     pipes: Sequence[Pipe],
     backend: str = "mujoco",
     options: dict[str, Any] | None = None,
@@ -154,7 +159,7 @@ def run_stage(
     """Run every episode of a stage once.
 
     Args:
-        make: the stage, from a backend of so many robots and the source of their episodes.
+        make: the stage, from a backend and the queue of its episodes; it has as many robots as the queue.
         robot: the robot.
         start: gives an episode by its number.
         pipes: the pipe of every episode.
@@ -165,7 +170,7 @@ def run_stage(
     n = robots_for(len(pipes))
     segments = max(len(pipe.segments) for pipe in pipes)
     queue = EpisodeQueue(start, len(pipes), n)
-    with closing(make(open_backend(backend, robot, n, options or {}, segments), n, queue.source)) as stage:
+    with closing(make(open_backend(backend, robot, n, options or {}, segments), queue)) as stage:
         return drain(stage, queue, progress)
 
 
@@ -187,7 +192,9 @@ class _Peaks:
         self.force[robots], self.contact_steps[robots] = 0.0, 0.0
 
 
-def drain(stage: Stage, queue: EpisodeQueue, progress: Callable[[int, int], None] | None = None) -> EpisodeResults:
+def drain(
+    stage: Stage, queue: EpisodeQueue[Episode], progress: Callable[[int, int], None] | None = None
+) -> EpisodeResults:
     """Step until every episode of the queue, which is the stage's source, has ended."""
     total = queue.total
     clearance, penetration, force, contact_share = np.zeros((4, total))

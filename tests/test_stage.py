@@ -9,7 +9,7 @@ import numpy as np
 from pipenav import kinematics
 from pipenav.batch import CornerBatch
 from pipenav.controller import open_controller
-from pipenav.evaluate import EpisodeQueue, random_start, run_episodes
+from pipenav.evaluate import EpisodeQueue, joined, random_start, run_episodes
 from pipenav.pipe_set import parse_pipes
 from pipenav.registry import open_backend
 from pipenav.stage import FrontStage
@@ -25,7 +25,9 @@ def test_the_front_stage_is_the_corner_task_under_its_controller() -> None:
     def batch() -> CornerBatch:
         queue = EpisodeQueue(start, len(PIPES), len(PIPES))
         simulator = open_backend("mujoco", controller.robot, len(PIPES), {}, 4)
-        return CornerBatch(controller.robot, controller.task, simulator, len(PIPES), queue.source)
+        return CornerBatch(
+            controller.robot, controller.task, simulator, len(PIPES), lambda robots: joined(queue.take(robots))
+        )
 
     with closing(batch()) as plain, closing(FrontStage(batch(), controller)) as stage:
         observation = plain.reset()
