@@ -60,7 +60,8 @@ def parse(path: Path, content: bytes) -> Contents:
     header_text, weights = _read_members(path, content)
     header = _parse_header(path, header_text)
     tensors = _parse_weights(path, weights)
-    return Contents(header, tensors["observation_scale"], _chain(path, header, tensors))
+    layers = _chain(path, header, tensors)  # checks first that all tensors are there, the scale too
+    return Contents(header, tensors["observation_scale"], layers)
 
 
 def _read_members(path: Path, content: bytes) -> tuple[bytes, bytes]:
