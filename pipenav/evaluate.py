@@ -1,269 +1,135 @@
-"""Many episodes of one stage in many pipes, and what came of them."""
+"""Evaluations: some stages over many episodes in many pipes, counted pipe by pipe."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from contextlib import closing
-from typing import Any, Generic, NamedTuple, TypeVar
+from collections.abc import Sequence
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pipenav.backend import Backend
-from pipenav.batch import CornerBatch
-from pipenav.controller import Controller
+from pipenav.controller import open_controller
+from pipenav.errors import PipenavError
+from pipenav.locate import Variant
+from pipenav.passage import Part, Passages, Progress
 from pipenav.pipe import Pipe
+from pipenav.pipe_set import parse_pipes
 from pipenav.records import Evaluation, PipeRecord
-from pipenav.registry import open_backend
-from pipenav.robot import RobotSpec
-from pipenav.stage import FrontStage, Stage, StageStep
-from pipenav.task import episode
+from pipenav.registry import check_options, load_backend
+from pipenav.robot import load_robot
 from pipenav.task.config import TaskConfig
-from pipenav.task.episode import Episodes, Verdict
+from pipenav.task.episode import Verdict, check_fits
 from pipenav.thesis import thesis_best
 from pipenav.units import m_to_mm, rad_to_deg
 
-Array = NDArray[np.float64]
-Episode = TypeVar("Episode")
-"""What a stage's episode starts from: `Episodes` of k = 1, or a motion to replay."""
-
-MAX_ROBOTS = 256
-"""Robots stepped together: enough to keep every core busy, few enough that the last ones to finish cost little."""
-
-EPISODES_PER_ROBOT = 4
-"""With fewer each, most robots would wait for the last ones, whose episodes may be ten times longer than the mean."""
+StageName = Literal["front", "front-rear", "locate", "passage"]
 
 
-class EpisodeResults(NamedTuple):
-    """One entry per episode, in order: all episodes of the first pipe, then of the next.
+class EvaluationRun:
+    """An evaluation of some stages that has been checked and can begin.
 
-    Attributes:
-        verdict: a `Verdict` each, (k,).
-        steps: control steps, (k,).
-        clearance: smallest laser reading, (k,) [m].
-        penetration: deepest overlap with the wall, (k,) [m].
-        force: peak contact force, (k,) [N].
-        contact_share: share of the time in contact, (k,).
-        q: joint positions at the end, in the robot's own frame, (k, joints) [m, rad].
+    Args:
+        policy: as `pipenav.controller.open_controller` takes it; None for the stage locate.
+        pipes: as `pipenav.pipe_set.parse_pipes` takes them.
+        episodes: in each pipe.
+        seed: of starts and targets.
+        stage: what to run.
+        robot: of the stage locate and of baselines, `basic` where none is named; a policy brings its own.
+        variant: of approach I.
+        backend: name of a simulator backend.
+        options: the backend's own settings.
+
+    Raises:
+        PipenavError: something is unknown, the robot does not fit into a pipe, or there is no policy where one is
+            needed.
     """
 
-    verdict: NDArray[np.int8]
-    steps: NDArray[np.intp]
-    clearance: Array
-    penetration: Array
-    force: Array
-    contact_share: Array
-    q: Array
+    def __init__(
+        self,
+        policy: str | None,
+        pipes: Sequence[str],
+        episodes: int,
+        seed: int,
+        stage: StageName = "front",
+        robot: str | None = None,
+        variant: Variant = "map",
+        backend: str = "mujoco",
+        options: dict[str, Any] | None = None,
+    ) -> None:
+        if (policy is None) != (stage == "locate"):
+            raise PipenavError(
+                f"stage {stage} measures a policy: give --policy, for example --policy arm."
+                if policy is None
+                else "stage locate runs without a policy: leave out --policy."
+            )
+        self._policy, self._stage, self._variant = policy, stage, variant
+        self._episodes, self._seed = episodes, seed
+        self._controller = None if policy is None else open_controller(policy, robot, seed)
+        self._robot = load_robot(robot or "basic") if self._controller is None else self._controller.robot
+        self._task = TaskConfig() if self._controller is None else self._controller.task
+        self._pipes = parse_pipes(pipes)
+        self._backend, self._options = backend, dict(options or {})
+        check_options(backend, load_backend(backend), self._options)
+        check_fits(self._robot, self._pipes)
 
-    def part(self, start: int, stop: int) -> EpisodeResults:
-        """The episodes from `start` to before `stop`."""
-        numbers = (self.clearance, self.penetration, self.force, self.contact_share, self.q)
-        return EpisodeResults(
-            self.verdict[start:stop], self.steps[start:stop], *(column[start:stop] for column in numbers)
+    def run(self, progress: Progress = lambda _part, _total, _done, _successes: None) -> Evaluation:
+        """Every stage over all episodes, one after the other."""
+        pipes, episodes, controller = self._pipes, self._episodes, self._controller
+        runs = Passages(self._robot, self._task, pipes, episodes, self._seed, self._backend, self._options, progress)
+        parts: dict[str, Part] = {}
+        if self._stage in ("locate", "passage"):
+            parts["locate"] = runs.locate(self._variant)
+        if controller is not None:
+            parts["front"] = runs.front(controller, parts.get("locate"))
+        if self._stage in ("front-rear", "passage"):
+            parts["rear"] = runs.rear(parts["front"], parts.get("locate"))
+        deepest = np.zeros(len(pipes) * episodes)
+        for part in parts.values():
+            deepest[part.jobs] = np.maximum(deepest[part.jobs], part.results.penetration)
+        return Evaluation.of(
+            [_pipe_record(pipe, parts, i * episodes, episodes) for i, pipe in enumerate(pipes)],
+            policy=self._policy or f"locate:{self._variant}",
+            backend=self._backend,
+            robot=self._robot.name,
+            stage=self._stage,
+            seed=self._seed,
+            episodes_per_pipe=episodes,
+            penetration_p99_m=float(np.percentile(deepest, 99)),
+            options=self._options,
+            thesis={} if controller is None else thesis_best(controller.task.control, self._robot.name),
         )
 
 
-class EpisodeQueue(Generic[Episode]):
-    """Hands out episodes one after another and remembers which robot runs which.
-
-    Args:
-        start: gives an episode by its number, the same one whenever it is asked.
-        total: how many episodes there are.
-        n: how many robots share them.
-    """
-
-    def __init__(self, start: Callable[[int], Episode], total: int, n: int) -> None:
-        self._start, self.total = start, total
-        self._next = 0
-        self.running = np.full(n, -1)
-
-    def take(self, robots: NDArray[np.intp]) -> list[Episode]:
-        """The next episode of each of these robots."""
-        started = []
-        for robot in robots:
-            job = self._next if self._next < self.total else -1
-            self._next += 1
-            self.running[robot] = job
-            started.append(self._start(max(job, 0)))  # a robot without work repeats episode 0, which is not counted
-        return started
-
-
-def joined(parts: Sequence[Episodes]) -> Episodes:
-    """Several episodes as one, in order."""
-    arrays = [np.concatenate([part[i] for part in parts]) for i in range(1, len(Episodes._fields))]
-    return Episodes(tuple(part.pipes[0] for part in parts), *arrays)
-
-
-def random_start(
-    robot: RobotSpec, task: TaskConfig, pipes: Sequence[Pipe], episodes: int, seed: int
-) -> Callable[[int], Episodes]:
-    """Episodes by number: all of the first pipe, then of the next.
-
-    Start and target of an episode depend on the seed, the pipe and the episode's number in it alone, so that results
-    do not depend on how many robots run at once, nor on the other pipes of the set.
-    """
-
-    def start(job: int) -> Episodes:
-        pipe, number = pipes[job // episodes], job % episodes
-        diameter, angle = round(m_to_mm(pipe.diameter) * 1e3), round(rad_to_deg(pipe.angle) * 1e3)
-        rng = np.random.default_rng([seed, diameter, angle, int(pipe.side > 0), number])
-        return episode.sample(robot, task, [pipe], rng)
-
-    return start
-
-
-def robots_for(total: int) -> int:
-    """How many robots share `total` episodes."""
-    return min(MAX_ROBOTS, max(1, total // EPISODES_PER_ROBOT))
-
-
-def run_episodes(
-    controller: Controller,
-    pipes: Sequence[Pipe],
-    episodes: int,
-    seed: int,
-    backend: str = "mujoco",
-    options: dict[str, Any] | None = None,
-    progress: Callable[[int, int], None] | None = None,
-) -> EpisodeResults:
-    """Run `episodes` front passages in every pipe.
-
-    Args:
-        controller: what acts.
-        pipes: where.
-        episodes: per pipe.
-        seed: of starts and targets.
-        backend: name of a simulator backend.
-        options: the backend's own settings.
-        progress: called with (episodes done, successes so far) now and then.
-    """
-    robot, task = controller.robot, controller.task
-
-    def make(simulator: Backend, queue: EpisodeQueue[Episodes]) -> Stage:
-        n = len(queue.running)
-        return FrontStage(CornerBatch(robot, task, simulator, n, lambda robots: joined(queue.take(robots))), controller)
-
-    start = random_start(robot, task, pipes, episodes, seed)
-    return run_stage(make, robot, start, [pipe for pipe in pipes for _ in range(episodes)], backend, options, progress)
-
-
-def run_stage(
-    make: Callable[[Backend, EpisodeQueue[Episode]], Stage],
-    robot: RobotSpec,
-    start: Callable[[int], Episode],
-    pipes: Sequence[Pipe],
-    backend: str = "mujoco",
-    options: dict[str, Any] | None = None,
-    progress: Callable[[int, int], None] | None = None,
-) -> EpisodeResults:
-    """Run every episode of a stage once.
-
-    Args:
-        make: the stage, from a backend and the queue of its episodes; it has as many robots as the queue.
-        robot: the robot.
-        start: gives an episode by its number.
-        pipes: the pipe of every episode.
-        backend: name of a simulator backend.
-        options: the backend's own settings.
-        progress: called with (episodes done, successes so far) now and then.
-    """
-    n = robots_for(len(pipes))
-    segments = max(len(pipe.segments) for pipe in pipes)
-    queue = EpisodeQueue(start, len(pipes), n)
-    with closing(make(open_backend(backend, robot, n, options or {}, segments), queue)) as stage:
-        return drain(stage, queue, progress)
-
-
-class _Peaks:
-    """What has been seen of each robot's running episode."""
-
-    def __init__(self, n: int) -> None:
-        self.clearance, self.penetration = np.full(n, np.inf), np.zeros(n)
-        self.force, self.contact_steps = np.zeros(n), np.zeros(n)
-
-    def add(self, step: StageStep) -> None:
-        self.clearance = np.minimum(self.clearance, step.clearance)
-        self.penetration = np.maximum(self.penetration, step.truth.penetration)
-        self.force = np.maximum(self.force, step.truth.contact_force)
-        self.contact_steps = self.contact_steps + step.truth.contact_share
-
-    def forget(self, robots: NDArray[np.intp]) -> None:
-        self.clearance[robots], self.penetration[robots] = np.inf, 0.0
-        self.force[robots], self.contact_steps[robots] = 0.0, 0.0
-
-
-def drain(
-    stage: Stage, queue: EpisodeQueue[Episode], progress: Callable[[int, int], None] | None = None
-) -> EpisodeResults:
-    """Step until every episode of the queue, which is the stage's source, has ended."""
-    total = queue.total
-    clearance, penetration, force, contact_share = np.zeros((4, total))
-    verdict, steps, q = np.zeros(total, np.int8), np.zeros(total, np.intp), np.zeros((total, len(stage.robot.joints)))
-    results = EpisodeResults(verdict, steps, clearance, penetration, force, contact_share, q)
-    peaks = _Peaks(stage.n)
-    stage.start(np.arange(stage.n))
-    finished = 0
-    while finished < total:
-        step = stage.step()
-        peaks.add(step)
-        ended = np.flatnonzero(step.verdict != Verdict.RUNNING)
-        if not len(ended):
-            continue
-        counted = ended[queue.running[ended] >= 0]
-        jobs = queue.running[counted]
-        results.verdict[jobs], results.steps[jobs] = step.verdict[counted], stage.steps[counted]
-        results.clearance[jobs], results.penetration[jobs] = peaks.clearance[counted], peaks.penetration[counted]
-        results.force[jobs], results.q[jobs] = peaks.force[counted], step.q[counted]
-        results.contact_share[jobs] = peaks.contact_steps[counted] / stage.steps[counted]
-        finished += len(counted)
-        peaks.forget(ended)
-        if progress is not None:
-            progress(finished, int((results.verdict == Verdict.REACHED).sum()))
-        if finished < total:
-            stage.start(ended)
-    return results
-
-
-def summarise(
-    results: EpisodeResults,
-    pipes: Sequence[Pipe],
-    episodes: int,
-    policy: str,
-    backend: str,
-    controller: Controller,
-    seed: int,
-    options: dict[str, Any],
-) -> Evaluation:
-    """The results per pipe, per diameter and over all, as `eval.json` holds them."""
-    records = [_pipe_record(pipe, results.part(i * episodes, (i + 1) * episodes)) for i, pipe in enumerate(pipes)]
-    return Evaluation.of(
-        records,
-        policy=policy,
-        backend=backend,
-        robot=controller.robot.name,
-        stage="front",
-        seed=seed,
-        episodes_per_pipe=episodes,
-        penetration_p99_m=float(np.percentile(results.penetration, 99)),
-        options=options,
-        thesis=thesis_best(controller.task.control, controller.robot.name),
-    )
-
-
-def _pipe_record(pipe: Pipe, results: EpisodeResults) -> PipeRecord:
-    reached = results.verdict == Verdict.REACHED
-    verdicts, counts = np.unique(results.verdict[~reached], return_counts=True)
+def _pipe_record(pipe: Pipe, parts: dict[str, Part], first: int, episodes: int) -> PipeRecord:
+    """The record of one pipe, whose episodes are `first` and the ones after it."""
+    counts: dict[str, int] = {}
+    failures: dict[str, int] = {}
+    seen = []
+    for name, part in parts.items():
+        here = (part.jobs >= first) & (part.jobs < first + episodes)
+        results, passed = part.results.select(here), part.passed[here]
+        seen.append(results)
+        if name == "locate":
+            counts["located"] = int(passed.sum())
+        else:
+            counts |= {f"{name}_attempts": len(passed), f"{name}_successes": int(passed.sum())}
+        for verdict in results.verdict[~passed]:
+            reason = Verdict(verdict).label if name == "front" else f"{name} {Verdict(verdict).label}"
+            failures[reason] = failures.get(reason, 0) + 1
+    main = parts.get("front") or parts["locate"]
+    timed = main.results.select((main.jobs >= first) & (main.jobs < first + episodes))
+    reached = timed.verdict == Verdict.REACHED
+    steps = np.concatenate([results.steps for results in seen])
+    shares = np.concatenate([results.contact_share for results in seen])
     return PipeRecord(
         diameter_mm=round(m_to_mm(pipe.diameter), 6),
         angle_deg=round(rad_to_deg(pipe.angle), 6),
         turn=pipe.turn,
-        episodes=len(reached),
-        front_attempts=len(reached),
-        front_successes=int(reached.sum()),
-        failures={Verdict(v).label: int(c) for v, c in zip(verdicts, counts, strict=True)},
-        mean_steps=float(results.steps[reached].mean()) if reached.any() else None,
-        min_clearance_m=float(results.clearance.min()),
-        max_penetration_m=float(results.penetration.max()),
-        peak_force_n=float(results.force.max()),
-        contact_time_share=float(results.contact_share.mean()),
+        episodes=episodes,
+        failures=failures,
+        mean_steps=float(timed.steps[reached].mean()) if reached.any() else None,
+        min_clearance_m=min(float(results.clearance.min(initial=np.inf)) for results in seen),
+        max_penetration_m=max(float(results.penetration.max(initial=0.0)) for results in seen),
+        peak_force_n=max(float(results.force.max(initial=0.0)) for results in seen),
+        contact_time_share=float((steps * shares).sum() / steps.sum()),
+        **counts,
     )

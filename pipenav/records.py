@@ -78,7 +78,8 @@ class PipeRecord(_Record):
         front_successes: front passages that reached their target.
         rear_attempts, rear_successes: the same of rear passages, which succeed by leaving the corner.
         failures: how many episodes ended by each reason other than success.
-        mean_steps: mean control steps of a successful front passage; None without one.
+        mean_steps: mean control steps of a successful front passage, or of finding a target where no front passage was
+            run; None without one.
         min_clearance_m: smallest laser reading of all episodes [m].
         max_penetration_m: deepest overlap of robot and wall of all episodes [m].
         peak_force_n: largest contact force of all episodes [N].

@@ -13,7 +13,7 @@ from pipenav import kinematics
 from pipenav.backend import Backend
 from pipenav.batch import CornerBatch
 from pipenav.controller import Controller
-from pipenav.evaluate import random_start
+from pipenav.episode_runner import random_start
 from pipenav.mirror import RearStage
 from pipenav.pipe import Pipe
 from pipenav.registry import open_backend

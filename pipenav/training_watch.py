@@ -15,8 +15,8 @@ from stable_baselines3.common.callbacks import BaseCallback
 from pipenav import resume
 from pipenav.controller import PolicyController
 from pipenav.errors import PipenavError
-from pipenav.evaluate import run_episodes
 from pipenav.files import atomic_write
+from pipenav.passage import run_fronts
 from pipenav.pipe_set import parse_pipes
 from pipenav.policy import load_policy, save_policy
 from pipenav.policy_header import PolicyHeader, header_for
@@ -194,7 +194,7 @@ class Watch(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3 is importe
         each = math.ceil(check.episodes / len(chosen))
         seed = self._config.seed + CHECK_SEED
         controller = PolicyController(load_policy(self._folder.last))
-        results = run_episodes(controller, chosen, each, seed, self._config.backend, self._config.options)
+        results = run_fronts(controller, chosen, each, seed, self._config.backend, self._config.options)
         return float((results.verdict == Verdict.REACHED).mean())
 
     def _header(self) -> PolicyHeader:

@@ -10,11 +10,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from pipenav import assets, evaluate
+from pipenav import assets, episode_runner
 from pipenav.batch import CornerBatch
 from pipenav.cli import main
 from pipenav.controller import Controller, PolicyController, open_controller
-from pipenav.evaluate import EpisodeResults, run_episodes, summarise
+from pipenav.episode_runner import EpisodeResults
+from pipenav.evaluate import EvaluationRun
+from pipenav.passage import run_fronts
 from pipenav.pipe_set import parse_pipes
 from pipenav.policy import load_policy
 from pipenav.robot import load_robot
@@ -48,7 +50,7 @@ class Clumsy:
 
 @pytest.fixture(scope="module")
 def results() -> EpisodeResults:
-    return run_episodes(Clumsy(), PIPES, EPISODES, seed=3)
+    return run_fronts(Clumsy(), PIPES, EPISODES, seed=3)
 
 
 def require_same(some: EpisodeResults, others: EpisodeResults) -> None:
@@ -57,11 +59,11 @@ def require_same(some: EpisodeResults, others: EpisodeResults) -> None:
 
 
 def test_the_same_seed_gives_the_same_results(results: EpisodeResults) -> None:
-    require_same(run_episodes(Clumsy(), PIPES, EPISODES, seed=3), results)
+    require_same(run_fronts(Clumsy(), PIPES, EPISODES, seed=3), results)
 
 
 def test_another_seed_gives_other_episodes(results: EpisodeResults) -> None:
-    other = run_episodes(Clumsy(), PIPES[:1], EPISODES, seed=4)
+    other = run_fronts(Clumsy(), PIPES[:1], EPISODES, seed=4)
     assert (other.steps != results.steps[:EPISODES]).any()
 
 
@@ -69,12 +71,12 @@ def test_another_seed_gives_other_episodes(results: EpisodeResults) -> None:
 def test_results_do_not_depend_on_how_many_robots_run_together(
     robots: int, results: EpisodeResults, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(evaluate, "MAX_ROBOTS", robots)
-    require_same(run_episodes(Clumsy(), PIPES, EPISODES, seed=3), results)
+    monkeypatch.setattr(episode_runner, "MAX_ROBOTS", robots)
+    require_same(run_fronts(Clumsy(), PIPES, EPISODES, seed=3), results)
 
 
 def test_results_do_not_depend_on_the_other_pipes(results: EpisodeResults) -> None:
-    turned = run_episodes(Clumsy(), PIPES[::-1], EPISODES, seed=3)
+    turned = run_fronts(Clumsy(), PIPES[::-1], EPISODES, seed=3)
     for i in range(len(PIPES)):
         here, there = slice(i * EPISODES, (i + 1) * EPISODES), len(PIPES) - 1 - i
         part = EpisodeResults(*(column[here] for column in results))
@@ -82,7 +84,7 @@ def test_results_do_not_depend_on_the_other_pipes(results: EpisodeResults) -> No
 
 
 def test_results_do_not_depend_on_the_number_of_episodes(results: EpisodeResults) -> None:
-    fewer = run_episodes(Clumsy(), PIPES[:1], 2, seed=3)
+    fewer = run_fronts(Clumsy(), PIPES[:1], 2, seed=3)
     require_same(fewer, EpisodeResults(*(column[:2] for column in results)))
 
 
@@ -97,23 +99,11 @@ def test_every_episode_has_ended_in_one_way(results: EpisodeResults) -> None:
     assert (results.penetration >= 0).all()
 
 
-def test_counts_add_up(results: EpisodeResults) -> None:
-    evaluation = summarise(results, PIPES, EPISODES, "baseline:centreline", "mujoco", Clumsy(), 3, {})
-    assert len(evaluation.pipes) == len(PIPES)
-    for record in evaluation.pipes:
-        assert record.front_attempts == record.episodes == EPISODES
-        assert record.front_successes + sum(record.failures.values()) == EPISODES
-    reached = int((results.verdict == Verdict.REACHED).sum())
-    assert sum(record.front_successes for record in evaluation.pipes) == reached
-    assert (PIPES[0].turn, PIPES[2].turn) == (evaluation.pipes[0].turn, evaluation.pipes[2].turn)
-    assert [record.diameter_mm for record in evaluation.pipes] == [100, 70, 70]
-
-
 def test_progress_is_told_until_the_end() -> None:
-    told: list[tuple[int, int]] = []
-    found = run_episodes(centreline(), PIPES[:1], EPISODES, 0, progress=lambda *both: told.append(both))
+    told: list[tuple[str, int, int, int]] = []
+    EvaluationRun("baseline:centreline", NAMES[:1], EPISODES, 0).run(lambda *all_four: told.append(all_four))
     assert told == sorted(told)
-    assert told[-1] == (EPISODES, int((found.verdict == Verdict.REACHED).sum()))
+    assert told[-1] == ("front", EPISODES, EPISODES, EPISODES)
 
 
 def test_the_shipped_policy_passes_the_working_range() -> None:
@@ -121,7 +111,7 @@ def test_the_shipped_policy_passes_the_working_range() -> None:
     assert policy.is_file(), "models/policies/arm/best.zip is missing: train it by pipenav train --preset arm"
     sample = parse_pipes(["working-range"])[::16]
     assert len(sample) == 12
-    found = run_episodes(PolicyController(load_policy(policy)), sample, EPISODES, seed=11)
+    found = run_fronts(PolicyController(load_policy(policy)), sample, EPISODES, seed=11)
     assert (found.verdict == Verdict.REACHED).mean() >= 0.95
 
 

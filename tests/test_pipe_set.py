@@ -43,9 +43,9 @@ def test_the_working_range_is_90_corners_to_either_side() -> None:
 
 
 @pytest.mark.parametrize("name", pipe_set_names())
-def test_every_shipped_set_lies_in_the_working_range(name: str) -> None:
+def test_every_shipped_set_can_be_passed(name: str) -> None:
     for diameter, angle, _ in corners(parse_pipes([name])):
-        assert 70 <= diameter <= 120
+        assert 70 <= diameter <= 130  # the thesis's physical arm ran in 130 mm
         assert 55 <= angle <= 125
 
 

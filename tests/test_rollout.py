@@ -7,9 +7,9 @@ import pytest
 
 from pipenav.backend import Backend
 from pipenav.controller import open_controller
-from pipenav.evaluate import run_episodes
 from pipenav.kinematics import forward
 from pipenav.mirror import plan_rear
+from pipenav.passage import run_fronts
 from pipenav.pipe import Pipe
 from pipenav.rollout import Simulator, record_front, record_rear, tracking
 from pipenav.task.episode import Verdict
@@ -26,7 +26,7 @@ def fronts() -> list[Trajectory]:
 
 
 def test_the_recorded_episode_is_the_one_that_an_evaluation_runs(fronts: list[Trajectory]) -> None:
-    results = run_episodes(open_controller("arm"), [PIPE], 3, 5, options=OPTIONS)
+    results = run_fronts(open_controller("arm"), [PIPE], 3, 5, options=OPTIONS)
     for number, front in enumerate(fronts):
         assert front.header.outcome == Verdict(results.verdict[number]).label
         assert len(front.q) - 1 == results.steps[number]

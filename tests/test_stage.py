@@ -9,7 +9,8 @@ import numpy as np
 from pipenav import kinematics
 from pipenav.batch import CornerBatch
 from pipenav.controller import open_controller
-from pipenav.evaluate import EpisodeQueue, joined, random_start, run_episodes
+from pipenav.episode_runner import EpisodeQueue, joined, random_start
+from pipenav.passage import run_fronts
 from pipenav.pipe_set import parse_pipes
 from pipenav.registry import open_backend
 from pipenav.stage import FrontStage
@@ -54,7 +55,7 @@ def test_an_episode_is_the_same_whenever_it_is_asked_for() -> None:
 def test_results_say_where_each_episode_ended() -> None:
     """The next stage starts there: the tip is at the target of those that reached it."""
     controller = open_controller("baseline:centreline")
-    found = run_episodes(controller, PIPES, 2, seed=2)
+    found = run_fronts(controller, PIPES, 2, seed=2)
     assert (found.verdict == Verdict.REACHED).all()
     start = random_start(controller.robot, controller.task, PIPES, 2, seed=2)
     for job, q in enumerate(found.q):

@@ -3,30 +3,44 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from pipenav.errors import PipenavError
+
+STAGE_HELP = (
+    "front: a policy reaches a given target; front-rear: then the rear half follows; "
+    "locate: the robot finds a target itself; passage: locate, front and rear."
+)
+VARIANT_HELP = "How a target is located: map, or thesis for the method exactly as printed."
 
 
 def evaluate(
     policy: Annotated[
-        str, typer.Option(help="best.zip, a shipped policy's name, baseline:random or baseline:centreline.")
-    ],
+        str | None,
+        typer.Option(help="best.zip, a shipped policy's name, baseline:random or baseline:centreline."),
+    ] = None,
+    # The names of pipenav.evaluate.StageName and pipenav.locate.Variant, whose import would slow down --help.
+    stage: Annotated[Literal["front", "front-rear", "locate", "passage"], typer.Option(help=STAGE_HELP)] = "front",
     backend: Annotated[str, typer.Option(help="Simulator backend; see `pipenav backends`.")] = "mujoco",
     pipes: Annotated[
         list[str] | None, typer.Option(help="Shipped set, FILE.toml or d=90,angle=60[,turn=right]; repeatable.")
     ] = None,
     episodes: Annotated[int, typer.Option(min=1, help="Episodes per pipe.")] = 20,
     seed: Annotated[int, typer.Option(min=0, help="Seed of starts and targets.")] = 0,
-    robot: Annotated[str, typer.Option(help="Robot of a baseline; a policy brings its own.")] = "basic",
+    robot: Annotated[
+        str | None, typer.Option(help="Robot of --stage locate or of a baseline (basic); a policy brings its own.")
+    ] = None,
+    variant: Annotated[Literal["map", "thesis"], typer.Option(help=VARIANT_HELP)] = "map",
     option: Annotated[list[str] | None, typer.Option(help="Backend setting, key=value; repeatable.")] = None,
     out: Annotated[Path | None, typer.Option(help="Evaluation folder; default beside the policy.")] = None,
 ) -> None:
     """Measure in which pipes a policy passes: success with 95 % intervals, failures, clearance, contact, pictures.
+
+    Every stage begins where the one before ended. The rear's share is one of the successful fronts.
 
     Examples:
 
@@ -34,26 +48,23 @@ def evaluate(
 
         pipenav eval --policy arm --pipes thesis --episodes 100
 
+        pipenav eval --policy arm --stage passage --episodes 50
+
+        pipenav eval --stage locate --robot high-fidelity --pipes thesis
+
         pipenav eval --policy baseline:centreline --pipes d=90,angle=60 --pipes d=90,angle=60,turn=right
 
         pipenav eval --policy arm --option timestep=0.001
     """
-    from pipenav.controller import open_controller
-    from pipenav.evaluate import run_episodes, summarise
+    from pipenav.evaluate import EvaluationRun
     from pipenav.files import prepare_folder
-    from pipenav.pipe_set import parse_pipes
-    from pipenav.registry import check_options, load_backend
     from pipenav.report import evaluation_table, write_evaluation
 
     names = pipes or ["working-range"]
-    parsed = parse_pipes(names)
-    controller = open_controller(policy, robot, seed)
-    options = parse_options(option or [])
-    check_options(backend, load_backend(backend), options)
-    folder = out or _default_folder(policy, names)
+    run = EvaluationRun(policy, names, episodes, seed, stage, robot, variant, backend, parse_options(option or []))
+    folder = out or _default_folder(policy, stage, robot or "basic", variant, names)
     prepare_folder(folder)
     console = Console()
-    total = len(parsed) * episodes
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
@@ -63,13 +74,14 @@ def evaluate(
         TimeRemainingColumn(),
     )
     with Progress(*columns, console=console) as bar:
-        task = bar.add_task("success", total=total)
+        bars: dict[str, TaskID] = {}
 
-        def report(done: int, successes: int) -> None:
-            bar.update(task, completed=done, description=f"success {successes / done:.1%}")
+        def report(part: str, total: int, done: int, successes: int) -> None:
+            if part not in bars:
+                bars[part] = bar.add_task(part, total=total)
+            bar.update(bars[part], completed=done, description=f"{part}: success {successes / done:.1%}")
 
-        results = run_episodes(controller, parsed, episodes, seed, backend, options, report)
-    evaluation = summarise(results, parsed, episodes, policy, backend, controller, seed, options)
+        evaluation = run.run(report)
     write_evaluation(folder, evaluation)
     console.print(evaluation_table(evaluation))
     console.print(f"evaluation folder {folder}: eval.json, eval.csv, success.png, map.png")
@@ -88,10 +100,11 @@ def parse_options(given: list[str]) -> dict[str, Any]:
     return options
 
 
-def _default_folder(policy: str, pipes: list[str]) -> Path:
-    """`eval-<pipes>` beside a policy file; under `runs/` for shipped policies and baselines."""
+def _default_folder(policy: str | None, stage: str, robot: str, variant: str, pipes: list[str]) -> Path:
+    """`eval-<stage>-<pipes>` beside a policy file, under `runs/` otherwise; the front's has no stage in its name."""
     label = "-".join(Path(name).stem.replace("=", "").replace(",", "-") for name in pipes)
+    if policy is None:
+        return Path("runs") / f"{robot}-{variant}" / f"eval-{stage}-{label}"
+    folder = f"eval-{label}" if stage == "front" else f"eval-{stage}-{label}"
     path = Path(policy)
-    if path.suffix == ".zip":
-        return path.parent / f"eval-{label}"
-    return Path("runs") / policy.replace(":", "-") / f"eval-{label}"
+    return path.parent / folder if path.suffix == ".zip" else Path("runs") / policy.replace(":", "-") / folder

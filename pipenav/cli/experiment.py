@@ -44,7 +44,7 @@ def experiment(
     from pipenav.cli.signals import stop_signals
     from pipenav.experiments.definition import chosen
     from pipenav.experiments.report import write_report
-    from pipenav.experiments.run import Settings, evaluation_jobs, open_plan, training_jobs
+    from pipenav.experiments.run import Settings, add_elapsed, evaluation_jobs, open_plan, training_jobs
     from pipenav.registry import load_backend
 
     experiments = chosen(name)
@@ -60,22 +60,21 @@ def experiment(
         # These may need the best agent of the fronts.
         ("measuring passages", lambda p: evaluation_jobs(p, threads, ("front-rear", "locate", "passage"))),
     )
-    seconds = 0.0
     with stop_signals() as stopped:
         for what, jobs_of in rounds:
-            took = _run_round(console, what, jobs_of(plan), processes, stopped)
-            if took is None:
+            complete, seconds = _run_round(console, what, jobs_of(plan), processes, stopped)
+            add_elapsed(plan, seconds)
+            if not complete:
                 console.print(f"stopped and saved in {out}; the same command goes on from there")
                 raise typer.Exit(130)
-            seconds += took
-    files = write_report(plan, seconds)
+    files = write_report(plan)
     console.print(f"report   {out / 'report.html'}\n         {out / 'report.md'}, {len(files) - 2} pictures beside it")
 
 
 def _run_round(
     console: Console, what: str, jobs: list[Job], processes: int, stopped: Callable[[], bool]
-) -> float | None:
-    """Run a round's jobs under a progress bar: the seconds that it took, None when it was stopped."""
+) -> tuple[bool, float]:
+    """Run a round's jobs under a progress bar: whether all were done, and the seconds that they took."""
     from pipenav.experiments.run import run_jobs
 
     columns = (
@@ -98,4 +97,4 @@ def _run_round(
 
         complete = run_jobs(jobs, processes, report, stopped)
         bar.update(task, completed=1.0 if complete else None)
-    return taken[0] if complete else None
+    return complete, taken[0]

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, model_validator
 
 from pipenav.errors import ConfigError, UnknownName
+from pipenav.evaluate import StageName
+from pipenav.locate import Variant
 from pipenav.train_config import TrainConfig, load_config, read_toml
 
 FOLDER = Path(__file__).parent
 ALL = "all"
 BEST_OF = "best of "
 """An agent named so is the one of that experiment that did best."""
-
-ExperimentStage = Literal["front", "front-rear", "locate", "passage"]
 
 
 class _Table(BaseModel):
@@ -43,8 +43,8 @@ class Row(_Table):
     label: str
     agent: str | None = None
     robot: str | None = Field(None, description="of a stage without an agent")
-    stage: ExperimentStage = "front"
-    variant: Literal["default", "thesis"] = Field("default", description="of the stages that locate a target")
+    stage: StageName = "front"
+    variant: Variant = Field("map", description="of the stages that locate a target")
     table: str | None = Field(None, description="the thesis's table, e.g. 5.1")
     candidate: bool = Field(True, description="whether the experiment's best agent is chosen from it too")
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from pipenav.experiments.definition import agents_of, load_agents, load_experiment
 from pipenav.experiments.figures import success_figure, training_figure
 from pipenav.experiments.findings import paragraph
-from pipenav.experiments.run import TRAINED_FILE, Plan
+from pipenav.experiments.run import TRAINED_FILE, Plan, elapsed
 from pipenav.experiments.tables import Line, Result, results
 from pipenav.files import Content, atomic_write_all
 from pipenav.report_figures import png
@@ -43,15 +43,14 @@ class Section(NamedTuple):
     pictures: dict[str, bytes]
 
 
-def write_report(plan: Plan, seconds: float) -> list[str]:
+def write_report(plan: Plan) -> list[str]:
     """Write the report of what the plan's folder holds; the names of its files.
 
     Args:
         plan: its experiments must be complete.
-        seconds: what this run took, for the record.
     """
     sections = [_section(plan, name) for name in plan.experiments]
-    summary = _summary(plan, seconds)
+    summary = _summary(plan)
     pictures = {name: content for section in sections for name, content in section.pictures.items()}
     files: dict[str, Content] = {
         **pictures,
@@ -71,7 +70,7 @@ def _section(plan: Plan, name: str) -> Section:
     return Section(name, title, experiment.question, paragraph(name, found), found, pictures)
 
 
-def _summary(plan: Plan, seconds: float) -> str:
+def _summary(plan: Plan) -> str:
     """What was run, in how long, against the time that the robots lived through."""
     records = []
     for agent in agents_of(list(plan.experiments)):
@@ -86,10 +85,11 @@ def _summary(plan: Plan, seconds: float) -> str:
         f" time; {episodes:,} episodes of evaluation in the tables, {plan.settings.episodes} per pipe and agent,"
         f" backend {plan.settings.backend}."
     )
+    seconds = elapsed(plan)
     if seconds > 0:
-        text += f" This run took {seconds / 60:.1f} min."
-        if len(records) and steps:
-            text += f" If it did all of it, that is {hours * 3600 / seconds:,.0f} times faster than the robots' time."
+        text += (
+            f" All of it took {seconds / 60:.1f} min: {hours * 3600 / seconds:,.0f} times faster than the robots' time."
+        )
     return text
 
 

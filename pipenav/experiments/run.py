@@ -28,6 +28,8 @@ SETTINGS_FILE = "experiment.json"
 TRAINED_FILE = "trained.json"
 """In an agent's run folder once its training is whole: seconds and steps."""
 
+ELAPSED_FILE = "elapsed.json"
+
 EVALUATION_SEED = 0
 """Of starts and targets; the same for every agent, so that all are measured on the same episodes."""
 
@@ -114,26 +116,25 @@ class Measurement:
     threads: int
 
     def __call__(self, report: Callable[[int], None], should_stop: Callable[[], bool]) -> None:
-        from pipenav.passage import measure
+        from pipenav.evaluate import EvaluationRun
         from pipenav.report import write_evaluation
 
-        def progress(done: int, _successes: int) -> None:
+        def progress(_part: str, _total: int, done: int, _successes: int) -> None:
             report(done * STEPS_PER_EPISODE)
             if should_stop():
                 raise KeyboardInterrupt
 
-        evaluation = measure(
+        evaluation = EvaluationRun(
             policy=None if self.policy is None else str(self.policy),
-            robot=self.row.robot,
             pipes=[self.pipes],
             episodes=self.settings.episodes,
             seed=EVALUATION_SEED,
             stage=self.row.stage,
+            robot=self.row.robot,
             variant=self.row.variant,
             backend=self.settings.backend,
             options={"threads": self.threads} if self.settings.backend == "mujoco" else {},
-            progress=progress,
-        )
+        ).run(progress)
         write_evaluation(self.folder, evaluation)
 
 
@@ -164,6 +165,18 @@ def open_plan(experiments: Sequence[str], seeds: int, settings: Settings, out: P
     else:
         atomic_write(file, settings.model_dump_json(indent=1) + "\n")
     return Plan(tuple(experiments), tuple(range(seeds)), settings, out)
+
+
+def elapsed(plan: Plan) -> float:
+    """Seconds that all runs have worked in the folder."""
+    file = plan.out / ELAPSED_FILE
+    return float(json.loads(file.read_text(encoding="utf-8"))["seconds"]) if file.exists() else 0.0
+
+
+def add_elapsed(plan: Plan, seconds: float) -> None:
+    """Count the seconds of some jobs."""
+    if seconds > 0:
+        atomic_write(plan.out / ELAPSED_FILE, json.dumps({"seconds": round(elapsed(plan) + seconds, 1)}) + "\n")
 
 
 def _words(settings: Settings) -> str:

@@ -10,9 +10,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pipenav.errors import PipenavError
 from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
 from pipenav.task.config import TaskConfig
+from pipenav.units import m_to_mm
 
 Array = NDArray[np.float64]
 
@@ -25,6 +27,7 @@ class Verdict(IntEnum):
     LIMIT = 2
     PENETRATION = 3
     TIMEOUT = 4
+    MISPLACED = 5
 
     @property
     def label(self) -> str:
@@ -76,6 +79,21 @@ def _corner(pipe: Pipe) -> tuple[float, ...]:
 
 START_CLEARANCE = 0.002
 """Least room between the robot and the wall at the start [m]."""
+
+
+def check_fits(robot: RobotSpec, pipes: Sequence[Pipe]) -> None:
+    """Refuse pipes in which the robot cannot lie straight.
+
+    Raises:
+        PipenavError: the first such pipe.
+    """
+    need = robot.width + 2 * START_CLEARANCE
+    for pipe in pipes:
+        if pipe.diameter < need:
+            raise PipenavError(
+                f"pipe {pipe.label} is too narrow for robot {robot.name!r}, which is {m_to_mm(robot.width):g} mm wide "
+                f"and needs {m_to_mm(need):g} mm at rest: choose a wider pipe."
+            )
 
 
 def _room(robot: RobotSpec, bend: Array, radius: Array) -> Array:

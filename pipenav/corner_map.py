@@ -1,0 +1,249 @@
+"""What a laser fan that moves along the first leg has seen of the corner ahead, and the corner that fits it best.
+
+Everything is in the canonical frame: the robot's frame with every turn a left turn, so that the first leg's walls are
+the lines y = r and y = -r. What lies ahead has three unknowns, each found by a vote of all beams so far:
+
+- r, the pipe's radius: at which distance from the axis most beams end;
+- the inner edge's place e: before it beams end at the line y = r, behind it they cross that line;
+- the second leg's heading h: its outer wall runs at the distance 2 r from the inner edge.
+
+A vote outlives readings that are wrong. A reading at the laser's minimum says no more than that something may be
+nearer; one at its maximum that nothing was.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.robot import Laser
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+SCANS = 32
+"""Scans kept of each robot; later ones overwrite the oldest."""
+
+RADII = np.arange(0.020, 0.1505, 0.001)
+"""Radii that are tried [m]: those of the pipes that can be made."""
+
+NEAR_RADII = np.array([-0.004, 0.0, 0.004, 0.008, 0.012])
+"""Radii that are tried again with the second leg [m], seen from the one that the first leg's outer wall votes for: too
+small ones mostly, as the corner's far end counts as that wall for a while."""
+
+HEADINGS = np.deg2rad(np.arange(15.0, 151.0, 3.0))
+"""Headings of the second leg that are tried [rad]."""
+
+PLACES = np.linspace(0.0, 1.0, 9)
+"""Places of the inner edge that are tried, as shares of the stretch in which it must lie."""
+
+HIDDEN = 0.1
+"""How far before the first beam that crosses the line y = r the edge may lie where no beam has met the wall [m]."""
+
+TIE = 1.0
+"""Corners that lose to the best one by less than one beam's vote are possible too."""
+
+LEFTWARDS = 0.05
+"""Least sine of a beam's heading that tells where it crosses the inner wall: flatter ones cross it too far away."""
+
+CHUNK = 32
+"""Robots worked on at once: their tables stay in the processor's cache."""
+
+
+class Corner(NamedTuple):
+    """The best guess of n robots' corners; NaN where nothing can be said yet.
+
+    Attributes:
+        radius: of the pipe, (n,) [m].
+        edge: where the inner wall ends, along the first leg, (n,) [m].
+        heading: of the second leg, (n,) [rad].
+        target: the middle of the second leg at the wanted depth, (n, 2) [m].
+        spread: how far the target of another possible corner lies from it at most, (n,) [m].
+        votes: beams that agree on the second leg's outer wall, (n,).
+        agreement: their share of all beams that ended past the first leg's walls, (n,).
+    """
+
+    radius: Array
+    edge: Array
+    heading: Array
+    target: Array
+    spread: Array
+    votes: Array
+    agreement: Array
+
+
+class _Rays(NamedTuple):
+    """All beams so far: tip (k, m, 2) [m], heading (k, m) [rad], end (k, m, 2) [m], whether it met a wall within the
+    laser's range, and whether it read the laser's minimum, (k, m)."""
+
+    tip: Array
+    beam: Array
+    end: Array
+    met: Flags
+    near: Flags
+
+
+class CornerMap:
+    """The beams of n robots.
+
+    Args:
+        laser: the fan.
+        n: robots.
+        tolerance: how far from a wall a beam may end that votes for it [m].
+    """
+
+    def __init__(self, laser: Laser, n: int, tolerance: float) -> None:
+        self._laser, self._tolerance = laser, tolerance
+        self._scans = np.zeros(n, int)
+        self._tip = np.zeros((n, SCANS, 1, 2))
+        self._beam = np.zeros((n, SCANS, laser.beams))
+        self._range = np.full((n, SCANS, laser.beams), np.nan)
+
+    def forget(self, robots: NDArray[np.intp]) -> None:
+        """Begin anew with some robots."""
+        self._scans[robots], self._range[robots] = 0, np.nan
+
+    def add(self, robots: NDArray[np.intp], tip: Array, beams: Array, ranges: Array) -> None:
+        """Take in one scan of some robots.
+
+        Args:
+            robots: which, (k,).
+            tip: where the beams begin, (k, 2) [m].
+            beams: their headings, (k, beams) [rad].
+            ranges: what they read, (k, beams) [m].
+        """
+        slot = self._scans[robots] % SCANS
+        self._tip[robots, slot, 0] = tip
+        self._beam[robots, slot] = beams
+        self._range[robots, slot] = ranges
+        self._scans[robots] += 1
+
+    def corner(self, robots: NDArray[np.intp], depth: float) -> Corner:
+        """The corners that fit best.
+
+        Args:
+            robots: which, (k,).
+            depth: of the target past the inner edge, along the second leg [m].
+        """
+        parts = [self._corner(robots[i : i + CHUNK], depth) for i in range(0, len(robots), CHUNK)]
+        return Corner(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+    def _corner(self, robots: NDArray[np.intp], depth: float) -> Corner:
+        rays = self._rays(robots)
+        radius = RADII[self._radius_votes(rays, np.broadcast_to(RADII, (len(robots), len(RADII)))).argmax(axis=1)]
+        radii = radius[:, None] + NEAR_RADII
+        first_leg = self._radius_votes(rays, radii)
+        fits = [self._second_leg(rays, radii[:, i], first_leg[:, i]) for i in range(len(NEAR_RADII))]
+        votes, agree, share, edges = (np.stack(column, axis=1) for column in zip(*fits, strict=True))
+        return _best(radii, edges, votes, agree, share, depth)
+
+    def _rays(self, robots: NDArray[np.intp]) -> _Rays:
+        used = int(min(SCANS, self._scans[robots].max(initial=1)))
+        shape = (len(robots), used * self._laser.beams)
+        ranges = self._range[robots, :used].reshape(shape)
+        beam = self._beam[robots, :used].reshape(shape)
+        tip = np.broadcast_to(self._tip[robots, :used], (len(robots), used, self._laser.beams, 2)).reshape(*shape, 2)
+        end = tip + ranges[..., None] * np.stack([np.cos(beam), np.sin(beam)], axis=-1)
+        near, far = ranges <= self._laser.range_min, ranges >= self._laser.range_max
+        return _Rays(tip, beam, end, ~(near | far | np.isnan(ranges)), near)
+
+    def _radius_votes(self, rays: _Rays, radii: Array) -> Array:
+        """For radii (k, r): how many beams end at the outer wall, y = -r, less those that end beyond it, (k, r)."""
+        y = np.where(rays.met, rays.end[..., 1], np.inf)
+        off = (-y[..., None] - radii[:, None]) / self._tolerance  # (k, m, r)
+        return np.asarray((_kernel(off) - (off > 1.0)).sum(axis=1))
+
+    def _edge(self, rays: _Rays, radius: Array) -> tuple[Array, Array]:
+        """The stretch of the line y = r in which the inner wall ends, (k,) each: fewest beams contradict it."""
+        rise = np.sin(rays.beam)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            length = (radius[:, None] - rays.tip[..., 1]) / rise
+            x = rays.tip[..., 0] + length * np.cos(rays.beam)
+        height = rays.end[..., 1] - radius[:, None]
+        leftwards = (rise > LEFTWARDS) & (length > 0)
+        wall = leftwards & np.where(rays.near, length <= self._laser.range_min, np.abs(height) <= self._tolerance)
+        free = leftwards & ~rays.near & (height > self._tolerance)
+        first_free = np.where(free, x, np.inf).min(axis=1)
+        wall &= x < (first_free + radius)[:, None]  # farther on, it is the second leg's outer wall that crosses y = r
+        order = np.where(wall | free, x, np.inf).argsort(axis=1, kind="stable")
+        walls, frees = np.take_along_axis(wall, order, axis=1), np.take_along_axis(free, order, axis=1)
+        x = np.take_along_axis(x, order, axis=1)
+        # cost[j]: beams that contradict an edge between crossings j - 1 and j
+        after = walls.sum(axis=1, keepdims=True) - np.cumsum(walls, axis=1)
+        cost = np.concatenate([walls.sum(axis=1, keepdims=True), after + np.cumsum(frees, axis=1)], axis=1)
+        best = cost == cost.min(axis=1, keepdims=True)
+        first, last = best.argmax(axis=1), cost.shape[1] - 1 - best[:, ::-1].argmax(axis=1)
+        high = np.where(last < (wall | free).sum(axis=1), _pick(x, last), np.nan)
+        return np.where(first > 0, _pick(x, first - 1), high - HIDDEN), high
+
+    def _second_leg(self, rays: _Rays, radius: Array, first_leg: Array) -> tuple[Array, Array, Array, Array]:
+        """The vote on the second leg's outer wall for one radius (k,) that has the first leg's votes (k,).
+
+        Returns:
+            The votes of both legs; how many beams agree on the second leg, and their share of all that end past the
+            first leg's walls, (k, places, headings) each; the places of the inner edge, (k, places).
+        """
+        low, high = self._edge(rays, radius)
+        x, y = rays.end[..., 0], rays.end[..., 1]
+        inner = (np.abs(y - radius[:, None]) <= self._tolerance) & (x <= high[:, None])
+        ahead = rays.met & ~inner & (y > self._tolerance - radius[:, None])
+        edges = low[:, None] + (high - low)[:, None] * PLACES
+        sin, cos = np.sin(HEADINGS), np.cos(HEADINGS)
+        across = np.where(ahead[..., None], x[..., None] * sin - y[..., None] * cos, -np.inf)  # (k, m, headings)
+        wall = edges[..., None] * sin + radius[:, None, None] * (2 - cos)  # (k, places, headings)
+        beyond = (across[:, :, None] - wall[:, None]) / self._tolerance  # (k, m, places, headings)
+        agree = _kernel(beyond).sum(axis=1)
+        votes = agree - (beyond > 1.0).sum(axis=1) + first_leg[:, None, None]
+        share = agree / np.maximum(ahead.sum(axis=1), 1)[:, None, None]
+        return votes, agree, share, edges
+
+
+def _best(radii: Array, edges: Array, votes: Array, agree: Array, share: Array, depth: float) -> Corner:
+    """The corner with the most votes, averaged with those that lose to it by less than `TIE`.
+
+    Args:
+        radii: (k, radii) [m].
+        edges: (k, radii, places) [m]; NaN where no edge can be.
+        votes, agree, share: (k, radii, places, headings).
+        depth: of the target past the inner edge [m].
+    """
+    flat = np.where(np.isnan(edges)[..., None], -np.inf, votes).reshape(len(votes), -1)
+    best = flat.argmax(axis=1)
+    most = _pick(flat, best)
+    known = np.isfinite(most)
+    weight = np.maximum(flat - np.where(known, most - TIE, np.inf)[:, None], 0.0)
+    weight /= np.maximum(weight.sum(axis=1, keepdims=True), 1e-9)
+    grid = (radii[:, :, None, None], np.nan_to_num(edges)[..., None], HEADINGS)
+    tried = [np.broadcast_to(a, votes.shape).reshape(flat.shape) for a in grid]
+    radius, edge, heading = ((weight * a).sum(axis=1) for a in tried)
+    target = _target(radius, edge, heading, depth)
+    away = np.linalg.norm(_target(tried[0], tried[1], tried[2], depth) - target[:, None], axis=-1)
+    unknown = np.where(known, 0.0, np.nan)
+    return Corner(
+        radius=radius + unknown,
+        edge=edge + unknown,
+        heading=heading + unknown,
+        target=target + unknown[:, None],
+        spread=np.where(known, np.where(weight > 0, away, 0.0).max(axis=1), np.inf),
+        votes=np.where(known, _pick(agree.reshape(flat.shape), best), 0.0),
+        agreement=np.where(known, _pick(share.reshape(flat.shape), best), 0.0),
+    )
+
+
+def _target(radius: Array, edge: Array, heading: Array, depth: float) -> Array:
+    """The point on the second leg's axis at `depth` past the inner edge, (..., 2)."""
+    sin, cos = np.sin(heading), np.cos(heading)
+    return np.stack([edge + depth * cos + radius * sin, radius + depth * sin - radius * cos], axis=-1)
+
+
+def _kernel(distance: Array) -> Array:
+    """A vote of 1 for a distance of 0, none from a distance of 1 on."""
+    return np.maximum(1.0 - distance**2, 0.0)
+
+
+def _pick(values: Array, index: NDArray[np.intp]) -> Array:
+    """values[i, index[i]], index clipped to what exists, (k,)."""
+    clipped = np.clip(index, 0, values.shape[1] - 1)
+    return np.take_along_axis(values, clipped[:, None], axis=1)[:, 0]

@@ -1,0 +1,191 @@
+"""Many episodes of one stage in many pipes, and what came of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from typing import Any, Generic, NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.backend import Backend
+from pipenav.pipe import Pipe
+from pipenav.registry import open_backend
+from pipenav.robot import RobotSpec
+from pipenav.stage import Stage, StageStep
+from pipenav.task import episode
+from pipenav.task.config import TaskConfig
+from pipenav.task.episode import Episodes, Verdict
+from pipenav.units import m_to_mm, rad_to_deg
+
+Array = NDArray[np.float64]
+Episode = TypeVar("Episode")
+"""What a stage's episode starts from: `Episodes` of k = 1, or a motion to replay."""
+
+MAX_ROBOTS = 256
+"""Robots stepped together: enough to keep every core busy, few enough that the last ones to finish cost little."""
+
+EPISODES_PER_ROBOT = 4
+"""With fewer each, most robots would wait for the last ones, whose episodes may be ten times longer than the mean."""
+
+
+class EpisodeResults(NamedTuple):
+    """One entry per episode, in order: all episodes of the first pipe, then of the next.
+
+    Attributes:
+        verdict: a `Verdict` each, (k,).
+        steps: control steps, (k,).
+        clearance: smallest laser reading, (k,) [m].
+        penetration: deepest overlap with the wall, (k,) [m].
+        force: peak contact force, (k,) [N].
+        contact_share: share of the time in contact, (k,).
+        q: joint positions at the end, in the robot's own frame, (k, joints) [m, rad].
+    """
+
+    verdict: NDArray[np.int8]
+    steps: NDArray[np.intp]
+    clearance: Array
+    penetration: Array
+    force: Array
+    contact_share: Array
+    q: Array
+
+    def select(self, which: NDArray[np.bool_]) -> EpisodeResults:
+        """Those of the episodes that are marked, (k,)."""
+        return EpisodeResults(*(column[which] for column in self))  # type: ignore[arg-type]  # every column alike
+
+
+class EpisodeQueue(Generic[Episode]):
+    """Hands out episodes one after another and remembers which robot runs which.
+
+    Args:
+        start: gives an episode by its number, the same one whenever it is asked.
+        total: how many episodes there are.
+        n: how many robots share them.
+    """
+
+    def __init__(self, start: Callable[[int], Episode], total: int, n: int) -> None:
+        self._start, self.total = start, total
+        self._next = 0
+        self.running = np.full(n, -1)
+
+    def take(self, robots: NDArray[np.intp]) -> list[Episode]:
+        """The next episode of each of these robots."""
+        started = []
+        for robot in robots:
+            job = self._next if self._next < self.total else -1
+            self._next += 1
+            self.running[robot] = job
+            started.append(self._start(max(job, 0)))  # a robot without work repeats episode 0, which is not counted
+        return started
+
+
+def joined(parts: Sequence[Episodes]) -> Episodes:
+    """Several episodes as one, in order."""
+    arrays = [np.concatenate([part[i] for part in parts]) for i in range(1, len(Episodes._fields))]
+    return Episodes(tuple(part.pipes[0] for part in parts), *arrays)
+
+
+def random_start(
+    robot: RobotSpec, task: TaskConfig, pipes: Sequence[Pipe], episodes: int, seed: int
+) -> Callable[[int], Episodes]:
+    """Episodes by number: all of the first pipe, then of the next.
+
+    Start and target of an episode depend on the seed, the pipe and the episode's number in it alone, so that results
+    do not depend on how many robots run at once, nor on the other pipes of the set.
+
+    Raises:
+        PipenavError: a pipe that is too narrow for the robot at rest.
+    """
+    episode.check_fits(robot, pipes)
+
+    def start(job: int) -> Episodes:
+        pipe, number = pipes[job // episodes], job % episodes
+        diameter, angle = round(m_to_mm(pipe.diameter) * 1e3), round(rad_to_deg(pipe.angle) * 1e3)
+        rng = np.random.default_rng([seed, diameter, angle, int(pipe.side > 0), number])
+        return episode.sample(robot, task, [pipe], rng)
+
+    return start
+
+
+def robots_for(total: int) -> int:
+    """How many robots share `total` episodes."""
+    return min(MAX_ROBOTS, max(1, total // EPISODES_PER_ROBOT))
+
+
+def run_stage(
+    make: Callable[[Backend, EpisodeQueue[Episode]], Stage],
+    robot: RobotSpec,
+    start: Callable[[int], Episode],
+    pipes: Sequence[Pipe],
+    backend: str = "mujoco",
+    options: dict[str, Any] | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> EpisodeResults:
+    """Run every episode of a stage once.
+
+    Args:
+        make: the stage, from a backend and the queue of its episodes; it has as many robots as the queue.
+        robot: the robot.
+        start: gives an episode by its number.
+        pipes: the pipe of every episode.
+        backend: name of a simulator backend.
+        options: the backend's own settings.
+        progress: called with (episodes done, successes so far) now and then.
+    """
+    n = robots_for(len(pipes))
+    segments = max(len(pipe.segments) for pipe in pipes)
+    queue = EpisodeQueue(start, len(pipes), n)
+    with closing(make(open_backend(backend, robot, n, options or {}, segments), queue)) as stage:
+        return drain(stage, queue, progress)
+
+
+class _Peaks:
+    """What has been seen of each robot's running episode."""
+
+    def __init__(self, n: int) -> None:
+        self.clearance, self.penetration = np.full(n, np.inf), np.zeros(n)
+        self.force, self.contact_steps = np.zeros(n), np.zeros(n)
+
+    def add(self, step: StageStep) -> None:
+        self.clearance = np.minimum(self.clearance, step.clearance)
+        self.penetration = np.maximum(self.penetration, step.truth.penetration)
+        self.force = np.maximum(self.force, step.truth.contact_force)
+        self.contact_steps = self.contact_steps + step.truth.contact_share
+
+    def forget(self, robots: NDArray[np.intp]) -> None:
+        self.clearance[robots], self.penetration[robots] = np.inf, 0.0
+        self.force[robots], self.contact_steps[robots] = 0.0, 0.0
+
+
+def drain(
+    stage: Stage, queue: EpisodeQueue[Episode], progress: Callable[[int, int], None] | None = None
+) -> EpisodeResults:
+    """Step until every episode of the queue, which is the stage's source, has ended."""
+    total = queue.total
+    clearance, penetration, force, contact_share = np.zeros((4, total))
+    verdict, steps, q = np.zeros(total, np.int8), np.zeros(total, np.intp), np.zeros((total, len(stage.robot.joints)))
+    results = EpisodeResults(verdict, steps, clearance, penetration, force, contact_share, q)
+    peaks = _Peaks(stage.n)
+    stage.start(np.arange(stage.n))
+    finished = 0
+    while finished < total:
+        step = stage.step()
+        peaks.add(step)
+        ended = np.flatnonzero(step.verdict != Verdict.RUNNING)
+        if not len(ended):
+            continue
+        counted = ended[queue.running[ended] >= 0]
+        jobs = queue.running[counted]
+        results.verdict[jobs], results.steps[jobs] = step.verdict[counted], stage.steps[counted]
+        results.clearance[jobs], results.penetration[jobs] = peaks.clearance[counted], peaks.penetration[counted]
+        results.force[jobs], results.q[jobs] = peaks.force[counted], step.q[counted]
+        results.contact_share[jobs] = peaks.contact_steps[counted] / stage.steps[counted]
+        finished += len(counted)
+        peaks.forget(ended)
+        if progress is not None:
+            progress(finished, int((results.verdict == Verdict.REACHED).sum()))
+        if finished < total:
+            stage.start(ended)
+    return results

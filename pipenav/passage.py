@@ -1,0 +1,234 @@
+"""The whole passage, stage by stage: locate a target, reach it with the policy, bring the rear half after.
+
+Every stage runs over all episodes before the next one begins, and each takes up what the one before left: the front
+starts at rest in the pose in which locating ended and goes for the target that was found; the rear starts in the
+mirrored final pose of a successful front and plays the passage backwards (approach II).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.backend import Backend
+from pipenav.batch import CornerBatch
+from pipenav.controller import Controller
+from pipenav.episode_runner import EpisodeQueue, EpisodeResults, joined, random_start, run_stage
+from pipenav.locate import LocateConfig, Variant, robot_for
+from pipenav.locate_stage import LocateStage
+from pipenav.mirror import RearStage, join, rear_motion
+from pipenav.pipe import Pipe
+from pipenav.robot import RobotSpec
+from pipenav.stage import FrontStage, Stage, StageStep
+from pipenav.task.config import TaskConfig
+from pipenav.task.episode import Episodes, Verdict
+from pipenav.trajectory import Motion
+
+Array = NDArray[np.float64]
+Jobs = NDArray[np.intp]
+Progress = Callable[[str, int, int, int], None]
+"""Called with the part that runs, its episodes, how many are done, and how many of those succeeded."""
+
+
+class Part(NamedTuple):
+    """What came of one stage.
+
+    Attributes:
+        jobs: the episodes that it was tried in, (k,).
+        results: of these, in order.
+        motions: their joint positions from the start to the end, k arrays (rows, joints); none of a rear.
+        targets: the targets that were found, (k, 2) in the canonical frame; NaN where none was, and of other stages.
+    """
+
+    jobs: Jobs
+    results: EpisodeResults
+    motions: list[Array]
+    targets: Array
+
+    @property
+    def passed(self) -> NDArray[np.bool_]:
+        """Which of its episodes succeeded, (k,)."""
+        return np.asarray(self.results.verdict == Verdict.REACHED)
+
+
+class _Recorded(Stage):
+    """A stage whose motions and found targets are kept, by episode."""
+
+    def __init__(
+        self, stage: Stage, queue: EpisodeQueue[Episodes], start: Callable[[int], Episodes], rows: int
+    ) -> None:
+        self.robot, self.n = stage.robot, stage.n
+        self._stage, self._queue, self._start = stage, queue, start
+        self._rows = np.zeros((stage.n, rows, len(stage.robot.joints)))
+        self.motions: dict[int, Array] = {}
+        self.targets: dict[int, Array] = {}
+
+    @property
+    def steps(self) -> NDArray[np.intp]:
+        return self._stage.steps
+
+    def start(self, robots: NDArray[np.intp]) -> None:
+        self._stage.start(robots)
+        for robot in robots:
+            self._rows[robot, 0] = self._start(max(int(self._queue.running[robot]), 0)).q[0]
+
+    def step(self) -> StageStep:
+        step = self._stage.step()
+        # A robot without work is stepped on beyond its time; its rows are nobody's.
+        count = np.minimum(self._stage.steps, self._rows.shape[1] - 1)
+        self._rows[np.arange(self.n), count] = step.q
+        for robot in np.flatnonzero(step.verdict != Verdict.RUNNING):
+            job = int(self._queue.running[robot])
+            self.motions.setdefault(job, self._rows[robot, : count[robot] + 1].copy())
+            if isinstance(self._stage, LocateStage):
+                self.targets.setdefault(job, self._stage.target[robot].copy())
+        return step
+
+    def close(self) -> None:
+        self._stage.close()
+
+
+class Passages:
+    """Runs stages over the same episodes of the same pipes.
+
+    Args:
+        robot: the robot.
+        task: the front's task; its starts and time limits hold for every stage.
+        pipes: where.
+        episodes: in each pipe.
+        seed: of starts and, where none is located, of targets.
+        backend: name of a simulator backend.
+        options: the backend's own settings.
+        progress: see `Progress`.
+    """
+
+    def __init__(
+        self,
+        robot: RobotSpec,
+        task: TaskConfig,
+        pipes: Sequence[Pipe],
+        episodes: int,
+        seed: int,
+        backend: str = "mujoco",
+        options: dict[str, Any] | None = None,
+        progress: Progress = lambda _part, _total, _done, _successes: None,
+    ) -> None:
+        self._robot, self._task = robot, task
+        self._pipes = [pipe for pipe in pipes for _ in range(episodes)]
+        self._given = random_start(robot, task, pipes, episodes, seed)
+        self._backend, self._options, self._progress = backend, dict(options or {}), progress
+
+    def locate(self, variant: Variant = "map") -> Part:
+        """Approach I in every episode."""
+        robot, config = robot_for(self._robot, variant), LocateConfig()
+
+        def make(simulator: Backend, queue: EpisodeQueue[Episodes]) -> Stage:
+            n = len(queue.running)
+            return LocateStage(robot, config, variant, self._task, simulator, n, lambda r: joined(queue.take(r)))
+
+        return self._run("locating", make, robot, np.arange(len(self._pipes)), self._given)
+
+    def front(self, controller: Controller, located: Part | None = None) -> Part:
+        """The front half in every episode, or in those where a target was located."""
+        jobs = np.arange(len(self._pipes)) if located is None else located.jobs[located.passed]
+        start = self._given
+        if located is not None:
+            found = {int(job): k for k, job in enumerate(located.jobs)}
+
+            def start(job: int) -> Episodes:
+                k, given = found[job], self._given(job)
+                return given._replace(q=located.results.q[k : k + 1], goal=located.targets[k : k + 1])
+
+        def make(simulator: Backend, queue: EpisodeQueue[Episodes]) -> Stage:
+            n = len(queue.running)
+            batch = CornerBatch(self._robot, self._task, simulator, n, lambda r: joined(queue.take(r)))
+            return FrontStage(batch, controller)
+
+        return self._run("front", make, self._robot, jobs, start)
+
+    def rear(self, front: Part, located: Part | None = None) -> Part:
+        """The rear half after every successful front."""
+        jobs = front.jobs[front.passed]
+        before = {int(job): k for k, job in enumerate(located.jobs)} if located is not None else {}
+        motions = {}
+        for k in np.flatnonzero(front.passed):
+            job = int(front.jobs[k])
+            parts = [front.motions[k]] if located is None else [located.motions[before[job]], front.motions[k]]
+            base = float(self._given(job).base[0])
+            whole = join([Motion(self._pipes[job], base, rows) for rows in parts])
+            motions[job] = rear_motion(self._robot, whole)
+
+        def make(simulator: Backend, queue: EpisodeQueue[Motion]) -> Stage:
+            return RearStage(self._robot, simulator, len(queue.running), queue.take, self._task)
+
+        if not len(jobs):
+            return _nothing(self._robot)
+        results = run_stage(
+            make,
+            self._robot,
+            lambda i: motions[int(jobs[i])],
+            [motions[int(job)].pipe for job in jobs],
+            self._backend,
+            self._options,
+            lambda done, successes: self._progress("rear", len(jobs), done, successes),
+        )
+        return Part(jobs, results, [], np.full((len(jobs), 2), np.nan))
+
+    def _run(
+        self,
+        name: str,
+        make: Callable[[Backend, EpisodeQueue[Episodes]], Stage],
+        robot: RobotSpec,
+        jobs: Jobs,
+        start: Callable[[int], Episodes],
+    ) -> Part:
+        if not len(jobs):
+            return _nothing(robot)
+        recorded: list[_Recorded] = []
+
+        def begin(i: int) -> Episodes:
+            return start(int(jobs[i]))
+
+        def make_recorded(simulator: Backend, queue: EpisodeQueue[Episodes]) -> Stage:
+            recorded.append(_Recorded(make(simulator, queue), queue, begin, self._task.max_steps + 1))
+            return recorded[0]
+
+        pipes = [self._pipes[job] for job in jobs]
+        results = run_stage(
+            make_recorded,
+            robot,
+            begin,
+            pipes,
+            self._backend,
+            self._options,
+            lambda done, successes: self._progress(name, len(jobs), done, successes),
+        )
+        (kept,) = recorded
+        targets = [kept.targets.get(i, np.full(2, np.nan)) for i in range(len(jobs))]
+        return Part(jobs, results, [kept.motions[i] for i in range(len(jobs))], np.reshape(targets, (-1, 2)))
+
+
+def _nothing(robot: RobotSpec) -> Part:
+    """The part of a stage that no episode came to."""
+    none = np.zeros(0)
+    results = EpisodeResults(
+        none.astype(np.int8), none.astype(np.intp), none, none, none, none, np.zeros((0, len(robot.joints)))
+    )
+    return Part(none.astype(np.intp), results, [], np.zeros((0, 2)))
+
+
+def run_fronts(
+    controller: Controller,
+    pipes: Sequence[Pipe],
+    episodes: int,
+    seed: int,
+    backend: str = "mujoco",
+    options: dict[str, Any] | None = None,
+) -> EpisodeResults:
+    """Front passages alone, to given targets: see `Passages`."""
+    return (
+        Passages(controller.robot, controller.task, pipes, episodes, seed, backend, options).front(controller).results
+    )

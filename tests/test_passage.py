@@ -1,0 +1,141 @@
+"""The whole passage: every stage takes up what the one before left, and the counts say so."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipenav import assets, kinematics
+from pipenav.cli import main
+from pipenav.controller import Controller, open_controller
+from pipenav.errors import PipenavError
+from pipenav.evaluate import EvaluationRun, StageName
+from pipenav.mirror import join, rear_motion
+from pipenav.passage import Part, Passages
+from pipenav.pipe_set import parse_pipes
+from pipenav.records import Evaluation
+from pipenav.task.episode import Verdict
+from pipenav.trajectory import Motion
+
+NAMES = ["d=110,angle=90", "d=100,angle=75,turn=right"]
+EPISODES = 3
+JOBS = len(NAMES) * EPISODES
+
+
+@pytest.fixture(scope="module")
+def controller() -> Controller:
+    return open_controller("arm")
+
+
+@pytest.fixture(scope="module")
+def passages(controller: Controller) -> Passages:
+    return Passages(controller.robot, controller.task, parse_pipes(NAMES), EPISODES, seed=5)
+
+
+@pytest.fixture(scope="module")
+def located(passages: Passages) -> Part:
+    return passages.locate()
+
+
+@pytest.fixture(scope="module")
+def front(passages: Passages, controller: Controller, located: Part) -> Part:
+    return passages.front(controller, located)
+
+
+def test_a_motion_is_what_the_stage_went_through(located: Part, front: Part) -> None:
+    for part in (located, front):
+        for k in range(len(part.jobs)):
+            assert len(part.motions[k]) == part.results.steps[k] + 1
+            np.testing.assert_array_equal(part.motions[k][-1], part.results.q[k])
+
+
+def test_the_front_begins_where_locating_ended(located: Part, front: Part) -> None:
+    assert list(front.jobs) == [job for job, passed in zip(located.jobs, located.passed, strict=True) if passed]
+    assert len(front.jobs) == JOBS
+    for job, motion in zip(front.jobs, front.motions, strict=True):
+        np.testing.assert_array_equal(motion[0], located.results.q[job])
+
+
+def test_the_front_goes_for_the_target_that_was_found(front: Part, controller: Controller, located: Part) -> None:
+    assert front.passed.all()
+    sides = np.array([pipe.side for pipe in parse_pipes(NAMES) for _ in range(EPISODES)])
+    tips = kinematics.forward(controller.robot, front.results.q).tip * np.stack([np.ones(JOBS), sides], axis=1)
+    off = np.linalg.norm(tips - located.targets, axis=1)
+    assert (off <= controller.task.reach_tolerance).all()
+
+
+def test_the_rear_plays_both_motions_backwards(passages: Passages, located: Part, front: Part) -> None:
+    rear = passages.rear(front, located)
+    assert list(rear.jobs) == list(front.jobs)
+    assert rear.passed.all()
+    whole = [join([Motion(parse_pipes(NAMES)[0], 0.0, part.motions[0]) for part in (located, front)])]
+    robot = open_controller("arm").robot
+    assert (
+        abs(rear.results.steps[0] - (len(rear_motion(robot, whole[0]).q) - 1)) <= 20
+    )  # it waits at the end until it is there
+
+
+def counts(evaluation: Evaluation) -> list[tuple[int | None, ...]]:
+    return [
+        (r.located, r.front_attempts, r.front_successes, r.rear_attempts, r.rear_successes) for r in evaluation.pipes
+    ]
+
+
+@pytest.mark.parametrize("stage", ["front", "front-rear", "locate", "passage"])
+def test_counts_are_those_of_the_stages_that_ran(stage: StageName) -> None:
+    found = EvaluationRun(None if stage == "locate" else "arm", NAMES, EPISODES, 5, stage).run()
+    n = EPISODES
+    expected = {
+        "front": (None, n, n, None, None),
+        "front-rear": (None, n, n, n, n),
+        "locate": (n, None, None, None, None),
+        "passage": (n, n, n, n, n),
+    }
+    assert counts(found) == [expected[stage]] * len(NAMES)
+    assert found.stage == stage
+    assert found.success == 1.0
+
+
+def test_failures_add_up_and_a_stage_that_nothing_came_to_is_empty() -> None:
+    found = EvaluationRun("baseline:random", NAMES, EPISODES, 5, "passage").run()
+    for record in found.pipes:
+        assert record.located == record.front_attempts == EPISODES
+        assert (record.front_successes, record.rear_attempts, record.rear_successes) == (0, 0, 0)
+        assert sum(record.failures.values()) == EPISODES
+    assert found.success == 0.0
+
+
+def test_the_same_seed_gives_the_same_passages(passages: Passages, located: Part) -> None:
+    again = passages.locate()
+    np.testing.assert_array_equal(again.targets, located.targets)
+    for one, other in zip(again.motions, located.motions, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize(
+    ("policy", "stage", "message"),
+    [(None, "front", "stage front measures a policy"), ("arm", "locate", "stage locate runs without a policy")],
+)
+def test_a_stage_wants_its_policy(policy: str | None, stage: StageName, message: str) -> None:
+    with pytest.raises(PipenavError, match=message):
+        EvaluationRun(policy, NAMES, 1, 0, stage)
+
+
+def test_a_pipe_too_narrow_for_the_robot_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    wide = tmp_path / "robot.toml"
+    text = (assets.robots_dir() / "real-setup" / "robot.toml").read_text(encoding="utf-8")
+    wide.write_text(text.replace("width = 0.036", "width = 0.042"), encoding="utf-8")
+    args = ["eval", "--stage", "locate", "--robot", str(wide), "--pipes", "d=45,angle=90"]
+    with pytest.raises(SystemExit) as left:
+        main([*args, "--out", str(tmp_path / "out")])
+    assert left.value.code == 1
+    assert "which is 42 mm wide and needs 46 mm at rest" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_failed_stage_names_itself() -> None:
+    found = EvaluationRun(None, ["d=110,angle=175"], 2, 0, "locate", variant="thesis").run()
+    assert set(found.pipes[0].failures) <= {f"locate {verdict.label}" for verdict in Verdict}
+    assert found.policy == "locate:thesis"
