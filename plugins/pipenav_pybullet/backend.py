@@ -49,7 +49,7 @@ class PybulletBackend(backend.Backend):
                 f"{backend.CONTROL_PERIOD:g} s: choose for example 0.0025 or 0.001."
             )
         setting = Setting(options.timestep, options.solver_iterations, options.contact_erp)
-        self._crew = Crew(robot, n, wall_segments, setting, options.processes)
+        self._crew = Crew(robot, n, setting, options.processes)
         joints = len(robot.joints)
         self._q, self._qd = np.zeros((n, joints)), np.zeros((n, joints))
         self._distances = np.full((n, robot.laser.beams), np.inf)

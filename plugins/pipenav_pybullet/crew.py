@@ -15,24 +15,22 @@ import numpy as np
 
 from pipenav.errors import PipenavError
 from pipenav.robot import RobotSpec
-from pipenav_pybullet.world import Setting
-
-ROBOTS_PER_PROCESS = 4
-"""Fewer robots than this are not worth a process of their own, which takes half a second to start."""
+from pipenav_pybullet.world import WORLD_SIZE, Setting
 
 
 class Crew:
     """Processes that share n robots, each the next few of them. See `worker` for what they do."""
 
-    def __init__(self, robot: RobotSpec, n: int, slots: int, setting: Setting, processes: int) -> None:
-        cores = processes or len(os.sched_getaffinity(0))
-        workers = min(cores, -(-n // ROBOTS_PER_PROCESS))
-        self.bounds: list[int] = np.linspace(0, n, workers + 1).round().astype(int).tolist()
+    def __init__(self, robot: RobotSpec, n: int, setting: Setting, processes: int) -> None:
+        worlds = -(-n // WORLD_SIZE)
+        workers = min(processes or len(os.sched_getaffinity(0)), worlds)
+        shared = np.linspace(0, worlds, workers + 1).round().astype(int)  # whole worlds: results, to the last bit,
+        self.bounds: list[int] = np.minimum(shared * WORLD_SIZE, n).tolist()  # depend on who shares one
         self._processes: list[subprocess.Popen[bytes]] = []
         self._ends: list[Connection[Any, Any]] = []
         for _ in range(workers):
             self._start()
-        self.ask("open", [(robot, last - first, slots, setting) for first, last in pairwise(self.bounds)])
+        self.ask("open", [(robot, last - first, setting) for first, last in pairwise(self.bounds)])
 
     def _start(self) -> None:
         ours, theirs = pipe_ends()

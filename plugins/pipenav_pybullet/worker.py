@@ -17,21 +17,17 @@ from numpy.typing import NDArray
 from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
 from pipenav.state import Control
-from pipenav_pybullet.world import Motion, Setting, World, shares
+from pipenav_pybullet.world import WORLD_SIZE, Motion, Setting, World, shares
 
 Array = NDArray[np.float64]
-
-WORLD_SIZE = 16
-"""Robots in one Bullet world. Measured on one core, control steps/s: 1,400 with 1 robot in each world, 2,050 with 16,
-1,600 with 64, 1,300 with 128."""
 
 
 class Share:
     """A process's robots, numbered from its first, in worlds of WORLD_SIZE or fewer."""
 
-    def open(self, robot: RobotSpec, count: int, slots: int, setting: Setting) -> None:
+    def open(self, robot: RobotSpec, count: int, setting: Setting) -> None:
         self._bounds = [*range(0, count, WORLD_SIZE), count]
-        self._worlds = [World(robot, last - first, slots, setting) for first, last in pairwise(self._bounds)]
+        self._worlds = [World(robot, last - first, setting) for first, last in pairwise(self._bounds)]
 
     def reset(self, robots: NDArray[np.intp], pipes: list[Pipe], q: Array, base: Array) -> Array:
         """As `World.reset`."""

@@ -16,7 +16,7 @@ from pipenav.backend import CONTROL_PERIOD
 from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
 from pipenav.state import Control
-from pipenav.wall_boxes import wall_boxes
+from pipenav.wall_boxes import WALL_HALF_HEIGHT, wall_boxes
 from pipenav_pybullet.quiet import silenced_stderr
 from pipenav_pybullet.urdf import robot_urdf
 
@@ -32,8 +32,19 @@ STOREY = 0.5
 """Height between two robots [m]: walls end WALL_HALF_HEIGHT above and below. A power of two, so that every storey
 computes with the same digits; in the plane of motion all robots have the same coordinates anyway."""
 
+MEZZANINE = STOREY / 2
+"""Height above its robot at which the faces of a pipe's walls stand, and beams are cast [m].
+
+Bullet's rays stop up to a centimetre before a box, but exactly on a triangle. Faces of triangles must be out of the
+robot's way: it would collide with them, and keep a margin.
+"""
+
 CONTACT_THRESHOLD = 0.004
 """Gap from which on Bullet foresees a contact [m]: twice what the tip travels in a physics step at full speed."""
+
+
+WORLD_SIZE = 16
+"""Robots in one Bullet world: the fastest of those measured (benchmarks/pybullet_worlds.py)."""
 
 
 class Setting(NamedTuple):
@@ -71,8 +82,8 @@ def shares(robots: NDArray[np.intp], bounds: Sequence[int]) -> list[NDArray[np.i
 class World:
     """k robots in one Bullet client."""
 
-    def __init__(self, robot: RobotSpec, k: int, slots: int, setting: Setting) -> None:
-        self._robot, self._k, self._slots = robot, k, slots
+    def __init__(self, robot: RobotSpec, k: int, setting: Setting) -> None:
+        self._robot, self._k = robot, k
         self._substeps = round(CONTROL_PERIOD / setting.timestep)
         self._joints = list(range(len(robot.joints)))
         self._client = pybullet.connect(pybullet.DIRECT)
@@ -87,7 +98,8 @@ class World:
         )
         self._arms = self._load_arms()
         self._storey = {arm: i for i, arm in enumerate(self._arms)}
-        self._walls: list[tuple[int, int] | None] = [None] * k
+        self._around: list[list[int]] = [[] for _ in range(k)]
+        self._shapes: dict[Pipe, tuple[int, int]] = {}
         efforts = [(a.effort_limit, a.position_gain) for a in robot.joint_actuators]
         self._effort, self._stiffness = (np.tile(column, (k, 1)) for column in zip(*efforts, strict=True))
         self._damping = np.array([a.damping for a in robot.joint_actuators])
@@ -130,36 +142,57 @@ class World:
 
     def reset(self, arms: Sequence[int], pipes: Sequence[Pipe], q: Array, base: Array) -> Array:
         """As `Backend.reset`; distances along the beams of those robots, (len(arms), beams)."""
-        boxes = wall_boxes(pipes, self._slots, base)
         for row, i in enumerate(arms):
-            self._remove_walls(i)
-            count = len(pipes[row].segments)
-            self._walls[i] = self._build_walls(i, *(part[row, :count] for part in boxes))
+            self._surround(i, pipes[row], base[row])
             for joint, position in enumerate(q[row]):
                 pybullet.resetJointState(self._arms[i], joint, position, 0.0, physicsClientId=self._client)
             self._q[i], self._qd[i] = q[row], 0.0
         return self._distances(list(arms))
 
-    def _build_walls(self, i: int, position: Array, quaternion: Array, half_size: Array) -> tuple[int, int]:
-        """One body of all walls of robot i, and its shape. Bullet writes the scalar part of a quaternion last."""
-        shape = pybullet.createCollisionShapeArray(
+    def _surround(self, i: int, pipe: Pipe, base: float) -> None:
+        """Put a pipe around robot i. With the bodies that stood there go the contacts that Bullet remembers."""
+        for body in self._around[i]:
+            pybullet.removeBody(body, physicsClientId=self._client)
+        if pipe not in self._shapes:  # never removed: Bullet keeps shapes for ever
+            self._shapes[pipe] = (self._box_shape(pipe), self._face_shape(pipe))
+        boxes, faces = self._shapes[pipe]
+        walls, seen = self._place(boxes, base, i * STOREY), self._place(faces, base, i * STOREY + MEZZANINE)
+        pybullet.setCollisionFilterGroupMask(walls, -1, WALL, ROBOT, physicsClientId=self._client)
+        pybullet.changeDynamics(walls, -1, lateralFriction=1.0, restitution=0.0, physicsClientId=self._client)
+        self._around[i] = [walls, seen]
+
+    def _place(self, shape: int, base: float, height: float) -> int:
+        """A fixed body. As a multibody, which is Bullet's default, it would leave two kilobytes behind when removed."""
+        body: int = pybullet.createMultiBody(
+            0.0, shape, -1, [-base, 0.0, height], useMaximalCoordinates=True, physicsClientId=self._client
+        )
+        return body
+
+    def _box_shape(self, pipe: Pipe) -> int:
+        """The walls of a pipe as boxes. Bullet writes the scalar part of a quaternion last."""
+        position, quaternion, half_size = (part[0] for part in wall_boxes([pipe], len(pipe.segments), np.zeros(1)))
+        shape: int = pybullet.createCollisionShapeArray(
             shapeTypes=[pybullet.GEOM_BOX] * len(position),
             halfExtents=half_size.tolist(),
             collisionFramePositions=position.tolist(),
             collisionFrameOrientations=np.roll(quaternion, -1, axis=1).tolist(),
             physicsClientId=self._client,
         )
-        body = pybullet.createMultiBody(0.0, shape, -1, [0.0, 0.0, i * STOREY], physicsClientId=self._client)
-        pybullet.setCollisionFilterGroupMask(body, -1, WALL, ROBOT, physicsClientId=self._client)
-        pybullet.changeDynamics(body, -1, lateralFriction=1.0, restitution=0.0, physicsClientId=self._client)
-        return body, shape
+        return shape
 
-    def _remove_walls(self, i: int) -> None:
-        """Contacts that Bullet remembers go with the body."""
-        walls = self._walls[i]
-        if walls is not None:
-            pybullet.removeBody(walls[0], physicsClientId=self._client)
-            pybullet.removeCollisionShape(walls[1], physicsClientId=self._client)
+    def _face_shape(self, pipe: Pipe) -> int:
+        """The faces of a pipe's walls, two triangles each."""
+        low, high = (np.insert(pipe.segments, 2, z, axis=2) for z in (-WALL_HALF_HEIGHT, 2 * WALL_HALF_HEIGHT))
+        corners = np.concatenate([low, high], axis=1)  # (s, 4, 3)
+        triangles = 4 * np.arange(len(pipe.segments))[:, None] + [0, 1, 3, 0, 3, 2]
+        shape: int = pybullet.createCollisionShape(
+            pybullet.GEOM_MESH,
+            vertices=corners.reshape(-1, 3).tolist(),
+            indices=triangles.ravel().tolist(),
+            flags=pybullet.GEOM_FORCE_CONCAVE_TRIMESH,
+            physicsClientId=self._client,
+        )
+        return shape
 
     def step(self, control: Control, values: Array) -> Motion:
         """One control period under commands as `Command` has them."""
@@ -205,12 +238,12 @@ class World:
         laser = self._robot.laser
         pose = kinematics.forward(self._robot, self._q[list(arms)])
         headings = pose.headings[:, -1:] + laser.angles  # (len(arms), beams)
-        height = np.repeat(np.array(arms) * STOREY, laser.beams)
+        height = np.repeat(np.array(arms) * STOREY + MEZZANINE, laser.beams)
         start = np.repeat(pose.tip, laser.beams, axis=0)
         ways = np.stack([np.cos(headings), np.sin(headings)], axis=-1).reshape(-1, 2)
         reach = laser.range_max + laser.resolution
         rays = [np.column_stack([xy, height]).tolist() for xy in (start, start + reach * ways)]
-        hits = pybullet.rayTestBatch(*rays, numThreads=1, collisionFilterMask=WALL, physicsClientId=self._client)
+        hits = pybullet.rayTestBatch(*rays, numThreads=1, physicsClientId=self._client)
         fractions = np.array([hit[2] if hit[0] >= 0 else np.inf for hit in hits])
         return np.asarray(reach * fractions.reshape(headings.shape))
 
