@@ -109,7 +109,7 @@ def test_friction_takes_its_share_of_the_push() -> None:
     x = body.length * np.cos(q) - body.width / 2 * np.sin(q)
     y = body.length * np.sin(q) + body.width / 2 * np.cos(q)
     across = (torque - pull * y) / x  # moments about the hinge; the wall pushes down, and forwards against the pull
-    assert backend.truth().contact_force[0] == pytest.approx(np.hypot(pull, across), rel=1e-3)
+    assert backend.truth().link_forces[0] == pytest.approx(np.array([[0.0, 0.0], [pull, -across]]), rel=1e-3, abs=1e-6)
     backend.close()
 
 

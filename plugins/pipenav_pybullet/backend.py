@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from pipenav import backend, kinematics, laser
-from pipenav.contact_force import windowed
+from pipenav.contact_force import Windows, strongest
 from pipenav.errors import PipenavError
 from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
@@ -41,7 +41,7 @@ class PybulletBackend(backend.Backend):
 
     def __init__(self, robot: RobotSpec, n: int, options: backend.BackendOptions, wall_segments: int = 4) -> None:
         assert isinstance(options, PybulletOptions)
-        self._robot, self._n, self._slots, self._timestep = robot, n, wall_segments, options.timestep
+        self._robot, self._n, self._slots = robot, n, wall_segments
         substeps = round(backend.CONTROL_PERIOD / options.timestep)
         if abs(substeps * options.timestep - backend.CONTROL_PERIOD) > 1e-9:
             raise PipenavError(
@@ -49,14 +49,16 @@ class PybulletBackend(backend.Backend):
                 f"{backend.CONTROL_PERIOD:g} s: choose for example 0.0025 or 0.001."
             )
         setting = Setting(options.timestep, options.solver_iterations, options.contact_erp)
+        self._windows = Windows(substeps, options.timestep)
         self._crew = Crew(robot, n, setting, options.processes)
         joints = len(robot.joints)
         self._q, self._qd = np.zeros((n, joints)), np.zeros((n, joints))
         self._distances = np.full((n, robot.laser.beams), np.inf)
         self._base, self._time = np.zeros(n), np.zeros(n)
-        self._peak_force, self._depth, self._contact_share = np.zeros(n), np.zeros(n), np.zeros(n)
+        self._depth, self._contact_share = np.zeros(n), np.zeros(n)
+        self._link_forces = np.zeros((n, len(robot.links), 2))
 
-    def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> None:
+    def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> Reading:
         for pipe in pipes:
             if len(pipe.segments) > self._slots:
                 raise PipenavError(
@@ -72,7 +74,8 @@ class PybulletBackend(backend.Backend):
         self._distances[robots] = np.concatenate([*answers, np.empty((0, self._robot.laser.beams))])
         self._q[robots], self._qd[robots] = q, 0.0
         self._base[robots], self._time[robots] = base, 0.0
-        self._peak_force[robots], self._depth[robots], self._contact_share[robots] = 0.0, 0.0, 0.0
+        self._depth[robots], self._contact_share[robots], self._link_forces[robots] = 0.0, 0.0, 0.0
+        return self.read().part(robots)
 
     def step(self, command: Command) -> None:
         orders = [(command.control, command.values[first:last]) for first, last in pairwise(self._crew.bounds)]
@@ -80,7 +83,8 @@ class PybulletBackend(backend.Backend):
         self._q, self._qd, self._distances, forces, self._depth, self._contact_share = (
             np.concatenate(column) for column in zip(*motions, strict=True)
         )
-        self._peak_force = np.linalg.norm(windowed(forces, self._timestep), axis=3).max(axis=(1, 2))
+        means = self._windows.means(forces.reshape(*forces.shape[:2], -1))
+        self._link_forces = strongest(means.reshape(self._n, -1, *forces.shape[2:]))
         self._time = self._time + backend.CONTROL_PERIOD
 
     def read(self) -> Reading:
@@ -91,7 +95,8 @@ class PybulletBackend(backend.Backend):
         pose = kinematics.forward(self._robot, self._q)
         tip = np.concatenate([pose.tip, pose.headings[:, -1:]], axis=1)
         tip[:, 0] += self._base
-        return Truth(tip, self._peak_force.copy(), self._depth.copy(), self._contact_share.copy())
+        force = np.sqrt((self._link_forces**2).sum(axis=2)).max(axis=1)
+        return Truth(tip, force, self._depth.copy(), self._contact_share.copy(), self._link_forces.copy())
 
     def close(self) -> None:
         self._crew.close()

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
 from xml.etree import ElementTree
 
-import numpy as np
-from numpy.typing import NDArray
+from pipenav.robot import Actuator, BoxPart, Link, RobotSpec
 
-from pipenav.robot import Link, RobotSpec
-
-Array = NDArray[np.float64]
 ROTOR_SHARE = 0.75
 """Share of a hinge's rotor that its link carries [1].
 
@@ -20,18 +17,26 @@ within 0.03 rad of an exact model's.
 """
 
 
+class Body(NamedTuple):
+    """A rigid body in its link's frame: mass [kg], centre of mass [m], moment of inertia about it and z [kg m^2]."""
+
+    mass: float
+    x: float
+    y: float
+    inertia: float
+
+
 def robot_urdf(robot: RobotSpec) -> str:
     """The robot on a fixed mount; links and joints in order, each link's frame at its joint.
 
-    Bullet knows neither a rotor's inertia nor a motor's torque-speed line: the one is added to the links
-    (`link_masses`, `link_inertias`), the other is applied by the world as efforts.
+    Bullet knows neither a rotor's inertia nor a motor's torque-speed line: the one is added to the links (`body`), the
+    other is applied by the world as efforts.
     """
     root = ElementTree.Element("robot", name=robot.name)
-    _add_inertia(ElementTree.SubElement(root, "link", name="mount"), "0 0 0", 1.0, 1.0)  # fixed: any will do
-    masses, inertias = link_masses(robot), link_inertias(robot)
+    _add_inertial(ElementTree.SubElement(root, "link", name="mount"), Body(1.0, 0.0, 0.0, 1.0))  # fixed: any will do
     parent, offset = "mount", 0.0
-    for i, (link, actuator) in enumerate(zip(robot.links, robot.joint_actuators, strict=True)):
-        _add_link(root, link, masses[i], inertias[i])
+    for link, actuator in zip(robot.links, robot.joint_actuators, strict=True):
+        _add_link(root, link, body(link, actuator))
         hinge = link.joint.type == "hinge"
         kind = "revolute" if hinge else "prismatic"
         joint = ElementTree.SubElement(root, "joint", name=link.joint.name, type=kind)
@@ -39,7 +44,7 @@ def robot_urdf(robot: RobotSpec) -> str:
         ElementTree.SubElement(joint, "child", link=link.name)
         ElementTree.SubElement(joint, "origin", xyz=f"{offset!r} 0 0")
         ElementTree.SubElement(joint, "axis", xyz="0 0 1" if hinge else "1 0 0")
-        ElementTree.SubElement(joint, "dynamics", damping="0", friction="0")  # the world applies the motor's
+        ElementTree.SubElement(joint, "dynamics", damping="0", friction="0")
         limits = {"lower": link.joint.lower, "upper": link.joint.upper}
         bounds = limits | {"effort": actuator.effort_limit, "velocity": actuator.speed_limit}
         ElementTree.SubElement(joint, "limit", {key: repr(value) for key, value in bounds.items()})
@@ -47,34 +52,40 @@ def robot_urdf(robot: RobotSpec) -> str:
     return ElementTree.tostring(root, encoding="unicode")
 
 
-def _add_link(root: ElementTree.Element, link: Link, mass: float, inertia: float) -> None:
+def body(link: Link, actuator: Actuator) -> Body:
+    """A link, its parts of one density, with the rotor of its joint: of a slide as mass, of a hinge as inertia."""
+    parts = link.parts
+    volume = sum(part.volume for part in parts)
+    masses = [link.mass * part.volume / volume for part in parts]
+    x = sum(mass * part.x for mass, part in zip(masses, parts, strict=True)) / link.mass
+    y = sum(mass * part.y for mass, part in zip(masses, parts, strict=True)) / link.mass
+    inertia = 0.0
+    for mass, part in zip(masses, parts, strict=True):
+        own = (part.length**2 + part.width**2) / 12 if isinstance(part, BoxPart) else part.diameter**2 / 8
+        inertia += mass * (own + (part.x - x) ** 2 + (part.y - y) ** 2)
+    if link.joint.type == "slide":
+        return Body(link.mass + actuator.armature, x, y, inertia)
+    return Body(link.mass, x, y, inertia + ROTOR_SHARE * actuator.armature)
+
+
+def _add_link(root: ElementTree.Element, link: Link, itself: Body) -> None:
+    """The link's parts. A disc meets upright walls as the ball of its diameter does, which is exact and fast."""
     element = ElementTree.SubElement(root, "link", name=link.name)
-    centre = f"{link.length / 2!r} 0 0"
-    _add_inertia(element, centre, mass, inertia)
-    collision = ElementTree.SubElement(element, "collision")
-    ElementTree.SubElement(collision, "origin", xyz=centre)
-    geometry = ElementTree.SubElement(collision, "geometry")
-    ElementTree.SubElement(geometry, "box", size=f"{link.length!r} {link.width!r} {link.height!r}")
+    _add_inertial(element, itself)
+    for part in link.parts:
+        collision = ElementTree.SubElement(element, "collision")
+        ElementTree.SubElement(collision, "origin", xyz=f"{part.x!r} {part.y!r} 0")
+        geometry = ElementTree.SubElement(collision, "geometry")
+        if isinstance(part, BoxPart):
+            ElementTree.SubElement(geometry, "box", size=f"{part.length!r} {part.width!r} {part.height!r}")
+        else:
+            ElementTree.SubElement(geometry, "sphere", radius=repr(part.diameter / 2))
 
 
-def _add_inertia(element: ElementTree.Element, centre: str, mass: float, inertia: float) -> None:
+def _add_inertial(element: ElementTree.Element, itself: Body) -> None:
     inertial = ElementTree.SubElement(element, "inertial")
-    ElementTree.SubElement(inertial, "origin", xyz=centre)
-    ElementTree.SubElement(inertial, "mass", value=repr(float(mass)))
-    moment = repr(float(inertia))  # the robot moves in a plane, so that only the one about z is ever felt
+    ElementTree.SubElement(inertial, "origin", xyz=f"{itself.x!r} {itself.y!r} 0")
+    ElementTree.SubElement(inertial, "mass", value=repr(itself.mass))
+    moment = repr(itself.inertia)  # the robot moves in a plane, so that only the one about z is ever felt
     zero = dict.fromkeys(("ixy", "ixz", "iyz"), "0")
     ElementTree.SubElement(inertial, "inertia", {"ixx": moment, "iyy": moment, "izz": moment} | zero)
-
-
-def link_masses(robot: RobotSpec) -> Array:
-    """Mass of each link with the rotor of its slide, (links,) [kg]."""
-    actuators = zip(robot.links, robot.joint_actuators, strict=True)
-    return np.array([link.mass + (a.armature if link.joint.type == "slide" else 0.0) for link, a in actuators])
-
-
-def link_inertias(robot: RobotSpec) -> Array:
-    """Moment of inertia of each link about its centre and z, with its share of the rotor, (links,) [kg m^2]."""
-    hinged = np.array([link.joint.type == "hinge" for link in robot.links])
-    own = np.array([link.mass * (link.length**2 + link.width**2) / 12 for link in robot.links])
-    rotors = np.array([actuator.armature for actuator in robot.joint_actuators])
-    return np.asarray(own + ROTOR_SHARE * np.where(hinged, rotors, 0.0))

@@ -170,7 +170,7 @@ class World:
 
     def _box_shape(self, pipe: Pipe) -> int:
         """The walls of a pipe as boxes. Bullet writes the scalar part of a quaternion last."""
-        position, quaternion, half_size = (part[0] for part in wall_boxes([pipe], len(pipe.segments), np.zeros(1)))
+        position, quaternion, half_size, _ = (part[0] for part in wall_boxes([pipe], len(pipe.segments), np.zeros(1)))
         shape: int = pybullet.createCollisionShapeArray(
             shapeTypes=[pybullet.GEOM_BOX] * len(position),
             halfExtents=half_size.tolist(),
