@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from pipenav.robot import Actuator, BoxPart, Link, RobotSpec
+from pipenav.robot import Actuator, BoxPart, DiscPart, Link, RobotSpec
 
 ROTOR_SHARE = 0.75
 """Share of a hinge's rotor that its link carries [1].
@@ -15,6 +15,9 @@ the joints before it as well. All of it would make the first hinge too slow; wit
 motors, which Bullet is given as explicit efforts, become unstable at a physics step of 2.5 ms. Free motion then stays
 within 0.03 rad of an exact model's.
 """
+
+DISCS = "_discs"
+"""What the name of a link has behind it where it carries another link's discs."""
 
 
 class Body(NamedTuple):
@@ -27,7 +30,7 @@ class Body(NamedTuple):
 
 
 def robot_urdf(robot: RobotSpec) -> str:
-    """The robot on a fixed mount; links and joints in order, each link's frame at its joint.
+    """The robot on a fixed mount, each link's frame at its joint; the discs of a link on a further link, fixed to it.
 
     Bullet knows neither a rotor's inertia nor a motor's torque-speed line: the one is added to the links (`body`), the
     other is applied by the world as efforts.
@@ -68,18 +71,34 @@ def body(link: Link, actuator: Actuator) -> Body:
     return Body(link.mass, x, y, inertia + ROTOR_SHARE * actuator.armature)
 
 
+def discs(link: Link) -> list[DiscPart]:
+    """The round parts of a link."""
+    return [part for part in link.parts if isinstance(part, DiscPart)]
+
+
 def _add_link(root: ElementTree.Element, link: Link, itself: Body) -> None:
-    """The link's parts. A disc meets upright walls as the ball of its diameter does, which is exact and fast."""
+    """The link with its boxes, and its discs on a massless link of their own, for walls of another kind."""
     element = ElementTree.SubElement(root, "link", name=link.name)
     _add_inertial(element, itself)
     for part in link.parts:
-        collision = ElementTree.SubElement(element, "collision")
-        ElementTree.SubElement(collision, "origin", xyz=f"{part.x!r} {part.y!r} 0")
-        geometry = ElementTree.SubElement(collision, "geometry")
         if isinstance(part, BoxPart):
-            ElementTree.SubElement(geometry, "box", size=f"{part.length!r} {part.width!r} {part.height!r}")
-        else:
-            ElementTree.SubElement(geometry, "sphere", radius=repr(part.diameter / 2))
+            _add_collision(element, part, "box", size=f"{part.length!r} {part.width!r} {part.height!r}")
+    if not discs(link):
+        return
+    name = link.name + DISCS
+    element = ElementTree.SubElement(root, "link", name=name)
+    _add_inertial(element, Body(0.0, 0.0, 0.0, 0.0))
+    for disc in discs(link):  # it meets upright walls as the ball of its diameter does
+        _add_collision(element, disc, "sphere", radius=repr(disc.diameter / 2))
+    joint = ElementTree.SubElement(root, "joint", name=name, type="fixed")
+    ElementTree.SubElement(joint, "parent", link=link.name)
+    ElementTree.SubElement(joint, "child", link=name)
+
+
+def _add_collision(element: ElementTree.Element, part: BoxPart | DiscPart, shape: str, **size: str) -> None:
+    collision = ElementTree.SubElement(element, "collision")
+    ElementTree.SubElement(collision, "origin", xyz=f"{part.x!r} {part.y!r} 0")
+    ElementTree.SubElement(ElementTree.SubElement(collision, "geometry"), shape, size)
 
 
 def _add_inertial(element: ElementTree.Element, itself: Body) -> None:

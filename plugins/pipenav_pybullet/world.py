@@ -18,15 +18,20 @@ from pipenav.robot import RobotSpec
 from pipenav.state import Control
 from pipenav.wall_boxes import WALL_HALF_HEIGHT, wall_boxes
 from pipenav_pybullet.quiet import silenced_stderr
-from pipenav_pybullet.urdf import robot_urdf
+from pipenav_pybullet.urdf import DISCS as DISC_LINK
+from pipenav_pybullet.urdf import discs, robot_urdf
 
 with silenced_stderr():  # it tells when it was built
     import pybullet
 
 Array = NDArray[np.float64]
 
-ROBOT, WALL = 1, 2
-"""Collision groups: links meet walls only, never each other."""
+BOXES, WALLS, DISCS, FACES = 1, 2, 4, 8
+"""Collision groups: boxes meet walls of boxes, discs meet walls of triangles, and links never meet each other.
+
+Each in its own way Bullet is exact only there: two boxes by their separating axes, a ball and a triangle in closed
+form. For other pairs it iterates, and errs by some tenths of a millimetre.
+"""
 
 STOREY = 0.5
 """Height between two robots [m]: walls end WALL_HALF_HEIGHT above and below. A power of two, so that every storey
@@ -35,8 +40,7 @@ computes with the same digits; in the plane of motion all robots have the same c
 MEZZANINE = STOREY / 2
 """Height above its robot at which the faces of a pipe's walls stand, and beams are cast [m].
 
-Bullet's rays stop up to a centimetre before a box, but exactly on a triangle. Faces of triangles must be out of the
-robot's way: it would collide with them, and keep a margin.
+Bullet's rays stop up to a centimetre before a box, but exactly on a triangle; here they meet nothing else.
 """
 
 CONTACT_THRESHOLD = 0.004
@@ -85,7 +89,6 @@ class World:
     def __init__(self, robot: RobotSpec, k: int, setting: Setting) -> None:
         self._robot, self._k = robot, k
         self._substeps = round(CONTROL_PERIOD / setting.timestep)
-        self._joints = list(range(len(robot.joints)))
         self._client = pybullet.connect(pybullet.DIRECT)
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=setting.timestep,
@@ -97,6 +100,9 @@ class World:
             physicsClientId=self._client,
         )
         self._arms = self._load_arms()
+        self._joints, self._link_of = self._find_joints()
+        for arm in self._arms:
+            self._prepare(arm)
         self._storey = {arm: i for i, arm in enumerate(self._arms)}
         self._around: list[list[int]] = [[] for _ in range(k)]
         self._shapes: dict[Pipe, tuple[int, int]] = {}
@@ -119,17 +125,26 @@ class World:
                     physicsClientId=self._client,
                 )
                 arms.append(arm)
-                self._free(arm)
         return arms
 
-    def _free(self, arm: int) -> None:
+    def _find_joints(self) -> tuple[list[int], list[int]]:
+        """Bullet's index of each of the robot's joints, and the robot's link to which each of Bullet's belongs."""
+        count = pybullet.getNumJoints(self._arms[0], physicsClientId=self._client)
+        names = [
+            pybullet.getJointInfo(self._arms[0], i, physicsClientId=self._client)[12].decode() for i in range(count)
+        ]
+        links = [link.name for link in self._robot.links]
+        return [names.index(name) for name in links], [links.index(name.removesuffix(DISC_LINK)) for name in names]
+
+    def _prepare(self, arm: int) -> None:
         """Without the motors and the losses that Bullet gives every joint and link unasked."""
         free = [0.0] * len(self._joints)
         pybullet.setJointMotorControlArray(
             arm, self._joints, pybullet.VELOCITY_CONTROL, forces=free, physicsClientId=self._client
         )
-        for link in self._joints:
-            pybullet.setCollisionFilterGroupMask(arm, link, ROBOT, WALL, physicsClientId=self._client)
+        for link in range(len(self._link_of)):
+            groups = (BOXES, WALLS) if link in self._joints else (DISCS, FACES)
+            pybullet.setCollisionFilterGroupMask(arm, link, *groups, physicsClientId=self._client)
             pybullet.changeDynamics(
                 arm,
                 link,
@@ -144,7 +159,7 @@ class World:
         """As `Backend.reset`; distances along the beams of those robots, (len(arms), beams)."""
         for row, i in enumerate(arms):
             self._surround(i, pipes[row], base[row])
-            for joint, position in enumerate(q[row]):
+            for joint, position in zip(self._joints, q[row], strict=True):
                 pybullet.resetJointState(self._arms[i], joint, position, 0.0, physicsClientId=self._client)
             self._q[i], self._qd[i] = q[row], 0.0
         return self._distances(list(arms))
@@ -156,16 +171,22 @@ class World:
         if pipe not in self._shapes:  # never removed: Bullet keeps shapes for ever
             self._shapes[pipe] = (self._box_shape(pipe), self._face_shape(pipe))
         boxes, faces = self._shapes[pipe]
-        walls, seen = self._place(boxes, base, i * STOREY), self._place(faces, base, i * STOREY + MEZZANINE)
-        pybullet.setCollisionFilterGroupMask(walls, -1, WALL, ROBOT, physicsClientId=self._client)
-        pybullet.changeDynamics(walls, -1, lateralFriction=1.0, restitution=0.0, physicsClientId=self._client)
-        self._around[i] = [walls, seen]
+        height = i * STOREY
+        self._around[i] = [
+            self._place(boxes, base, height, (WALLS, BOXES)),
+            self._place(faces, base, height + MEZZANINE),
+        ]
+        if any(discs(link) for link in self._robot.links):
+            self._around[i].append(self._place(faces, base, height, (FACES, DISCS)))
 
-    def _place(self, shape: int, base: float, height: float) -> int:
+    def _place(self, shape: int, base: float, height: float, groups: tuple[int, int] | None = None) -> int:
         """A fixed body. As a multibody, which is Bullet's default, it would leave two kilobytes behind when removed."""
         body: int = pybullet.createMultiBody(
             0.0, shape, -1, [-base, 0.0, height], useMaximalCoordinates=True, physicsClientId=self._client
         )
+        pybullet.changeDynamics(body, -1, lateralFriction=1.0, restitution=0.0, physicsClientId=self._client)
+        if groups:
+            pybullet.setCollisionFilterGroupMask(body, -1, *groups, physicsClientId=self._client)
         return body
 
     def _box_shape(self, pipe: Pipe) -> int:
@@ -226,7 +247,7 @@ class World:
             arm, link, sign = (body_a, link_a, 1.0) if body_a in self._storey else (body_b, link_b, -1.0)
             if push <= 0.0 and distance >= 0.0:
                 continue  # foreseen, and not come to pass
-            i = self._storey[arm]
+            i, link = self._storey[arm], self._link_of[link]
             for axis in (0, 1):  # Bullet gives what acts on its body A
                 force = push * normal[axis] + drag1 * way1[axis] + drag2 * way2[axis]
                 forces[i, link, axis] += sign * force
