@@ -17,7 +17,19 @@ PLUGINS = sorted(path.name for path in (ROOT / "plugins").iterdir() if (path / "
 
 LAYERS = [
     {"errors", "units", "assets", "files", "source_imports"},
-    {"pipe", "pipe_shapes", "pipe_export", "pipe_drawing", "pipe_set", "robot", "kinematics", "laser", "state"},
+    {
+        "pipe",
+        "pipe_shapes",
+        "pipe_export",
+        "pipe_drawing",
+        "pipe_set",
+        "robot",
+        "kinematics",
+        "laser",
+        "state",
+        "wall_boxes",
+        "contact_force",
+    },
     {"backend", "task"},
     {"registry"},
     set[str](),  # all other modules: environments, policies, training, evaluation, ...

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from pipenav_mujoco.backend import MujocoBackend, MujocoOptions
-from pipenav_mujoco.model import INNER_THICKNESS, Contact, static_spec
+from pipenav_mujoco.model import Contact, static_spec
 
 from pipenav import kinematics, laser
 from pipenav.errors import PipenavError
@@ -19,6 +19,7 @@ from pipenav.robot import load_robot
 from pipenav.state import Command
 from pipenav.task import episode
 from pipenav.task.config import TaskConfig
+from pipenav.wall_boxes import INNER_THICKNESS
 
 Array = NDArray[np.float64]
 

@@ -42,6 +42,10 @@ COMMANDS = {
         "Train and evaluate the thesis's experiments (a)-(f), and report them beside its tables.",
     ),
     "backends": ("pipenav.cli.backends:backends", "List the installed backends, or the settings of one."),
+    "compare-backends": (
+        "pipenav.cli.compare_backends:compare_backends",
+        "Show how far two simulators agree: free motion, laser, passages and contact, as a table and pictures.",
+    ),
     "robots": ("pipenav.cli.robots:robots", "List the robots that can be trained and driven."),
     "presets": ("pipenav.cli.presets:presets", "List the training presets, one line each."),
 }

@@ -12,21 +12,16 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from pipenav import backend, kinematics, laser
+from pipenav.contact_force import Windows, strongest
 from pipenav.errors import PipenavError
 from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
 from pipenav.state import Command, Control, Reading, Truth
-from pipenav_mujoco.model import Contact, build_spec, wall_boxes
+from pipenav.wall_boxes import wall_boxes
+from pipenav_mujoco.model import Contact, build_spec
 from pipenav_mujoco.viewer import MujocoViewer
 
 Array = NDArray[np.float64]
-
-FORCE_WINDOW = 0.01
-"""Contact forces are means over this time, one window after the other [s].
-
-The force of a single physics step during an impact depends on the step and on the contact's stiffness, its impulse
-does not; ten milliseconds is also what a force gauge resolves.
-"""
 
 
 class MujocoOptions(backend.BackendOptions):
@@ -77,9 +72,7 @@ class MujocoBackend(backend.Backend):
         self._record = {"sensordata": np.zeros((n, self._substeps, model.nsensordata))}
         self._depth, self._contact_share = np.zeros(n), np.zeros(n)
         self._link_forces = np.zeros((n, len(self._robot.links), 2))
-        width = max(1, round(FORCE_WINDOW / model.opt.timestep))
-        self._windows = np.arange(0, self._substeps, width)
-        self._window_share = (1 / np.diff(self._windows, append=self._substeps))[:, None]
+        self._windows = Windows(self._substeps, model.opt.timestep)
 
     def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> Reading:
         for pipe in pipes:
@@ -107,11 +100,8 @@ class MujocoBackend(backend.Backend):
         sensors = self._record["sensordata"]  # (n, substeps, 3 per link + found + dist)
         self._depth = np.maximum(-sensors[:, :, -1].min(axis=1), 0.0)
         self._contact_share = np.count_nonzero(sensors[:, :, -2], axis=1) / self._substeps
-        means = np.add.reduceat(sensors, self._windows, axis=1)[..., :-2] * self._window_share  # (n, windows, 3 links)
-        means = means.reshape(*means.shape[:2], -1, 3)[..., :2]
-        peak = (means[..., 0] ** 2 + means[..., 1] ** 2).argmax(axis=1)  # (n, links)
-        # The sensors give what the link does to the wall.
-        self._link_forces = -np.take_along_axis(means, peak[:, None, :, None], axis=1)[:, 0]
+        means = self._windows.means(sensors)[..., :-2].reshape(len(sensors), -1, len(self._robot.links), 3)
+        self._link_forces = -strongest(means[..., :2])  # the sensors give what the link does to the wall
 
     def _set_control(self, control: Control) -> None:
         """Make the actuators position servos or plain drives; both share the motor's torque-speed line."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 import mujoco
@@ -12,6 +10,7 @@ from numpy.typing import NDArray
 
 from pipenav.pipe import Pipe
 from pipenav.robot import BoxPart, Link, RobotSpec
+from pipenav.wall_boxes import OUTER_THICKNESS, PARKED, WALL_HALF_HEIGHT, wall_boxes
 
 Array = NDArray[np.float64]
 
@@ -21,78 +20,8 @@ ROBOT, WALL = 1, 2
 HIDDEN_GROUP = 3
 """Geom group that MuJoCo's viewers do not draw unless asked."""
 
-WALL_HALF_HEIGHT = 0.05
-"""Half height of a wall box [m]: taller than any robot, so that contacts are those of the plane."""
-
-OUTER_THICKNESS = 0.02
-"""Thickness of a wall box behind its face [m]: nothing can be pushed out at its back."""
-
-INNER_THICKNESS = 1e-4
-"""Thickness of the boxes next to a convex edge [m].
-
-At an acute corner the square end of a box sticks out through the other leg's wall by thickness x cos(angle); a tenth
-of a millimetre keeps that below the tolerance of the geometry. A link is pushed out on the side of its centre, so a
-thin wall stops it as a thick one does until half the link is through.
-"""
-
-PARKED = 100.0
-"""Where wall boxes that a pipe does not need stand [m]."""
-
 MAX_HALF_LENGTH = 10.5
 """Half length that bounding volumes are computed for [m]; the longest leg is 20 m."""
-
-
-class WallBoxes(NamedTuple):
-    """Walls of k robots in the robots' frames.
-
-    Attributes:
-        position, quaternion, half_size: of the boxes, (k, slots, 3), (k, slots, 4), (k, slots, 3) [m].
-        segments: their faces, a pipe's last one repeated in the slots that are left over, (k, slots, 2, 2) [m].
-    """
-
-    position: Array
-    quaternion: Array
-    half_size: Array
-    segments: Array
-
-
-def wall_boxes(pipes: Sequence[Pipe], slots: int, base: Array) -> WallBoxes:
-    """The wall segments of each robot's pipe as boxes behind their faces; slots that are left over are parked far away.
-
-    The robot never moves its mount: the walls come to it, so `base` (k,), where the robot's frame starts on the first
-    leg's axis, is subtracted.
-    """
-    walls = WallBoxes(*(np.array(parts) for parts in zip(*(_boxes(pipe, slots) for pipe in pipes), strict=True)))
-    walls.position[..., 0] -= base[:, None]
-    walls.segments[..., 0] -= base[:, None, None]
-    return walls
-
-
-@lru_cache(maxsize=4096)  # every pipe of the largest shipped training set
-def _boxes(pipe: Pipe, slots: int) -> WallBoxes:
-    """The boxes of one pipe in its own frame.
-
-    Where the free space is convex (the outer wall's vertices) a box runs on past the vertex by its thickness, so that
-    no gap opens between neighbours; at the inner wall's edges boxes end at the vertex and are thin.
-    """
-    used = np.arange(slots) < len(pipe.segments)
-    outer = np.arange(slots) < len(pipe.walls.outer) - 1
-    segments = np.tile(pipe.segments[-1], (slots, 1, 1))
-    segments[used] = pipe.segments
-    start, end = segments[:, 0], segments[:, 1]  # (slots, 2)
-    length = np.linalg.norm(end - start, axis=1)
-    along = (end - start) / length[:, None]
-    behind = np.stack([along[:, 1], -along[:, 0]], axis=1)  # the free space lies to the left
-    thickness, overlap = np.where(outer, OUTER_THICKNESS, INNER_THICKNESS), np.where(outer, OUTER_THICKNESS, 0.0)
-    centre = (start + end) / 2 + behind * thickness[:, None] / 2
-    yaw = np.arctan2(along[:, 1], along[:, 0])
-    zero = np.zeros(slots)
-    return WallBoxes(
-        np.column_stack([centre, np.where(used, 0.0, PARKED)]),
-        np.stack([np.cos(yaw / 2), zero, zero, np.sin(yaw / 2)], axis=1),
-        np.stack([length / 2 + overlap, thickness / 2, zero + WALL_HALF_HEIGHT], axis=1),
-        segments,
-    )
 
 
 class Contact(NamedTuple):

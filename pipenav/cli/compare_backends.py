@@ -1,0 +1,72 @@
+"""`pipenav compare-backends`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from pipenav.cli import table_console
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from pipenav.agreement import Check
+
+
+def compare_backends(
+    reference: Annotated[str, typer.Option(help="Simulator to compare with; see `pipenav backends`.")] = "mujoco",
+    other: Annotated[str, typer.Option(help="Simulator that is compared.")] = "pybullet",
+    robot: Annotated[str, typer.Option(help="Robot; see `pipenav robots`.")] = "basic",
+    out: Annotated[
+        Path | None, typer.Option(help="Folder of the pictures; default runs/compare-OTHER-ROBOT.", show_default=False)
+    ] = None,
+) -> None:
+    """Show how far two simulators agree: free motion, laser, passages and contact, as a table and pictures.
+
+    Exit code 1 where a difference is larger than allowed. docs/transfer.md tells what is compared.
+
+    Examples:
+
+        pipenav compare-backends
+
+        pipenav compare-backends --robot high-fidelity --out compared
+    """
+    from rich.console import Console
+
+    from pipenav.agreement import checks, compare
+    from pipenav.agreement_figures import free_motion_figure, passages_figure, walls_figure
+    from pipenav.files import atomic_write_all, prepare_folder
+    from pipenav.report_figures import png
+    from pipenav.robot import load_robot
+
+    spec, names = load_robot(robot), (reference, other)
+    folder = prepare_folder(out or Path("runs") / f"compare-{other}-{spec.name}")
+    with Console(stderr=True).status(f"running {spec.name} in {reference} and in {other}"):
+        agreement = compare(spec, names)
+        figures = {"free-motion": free_motion_figure, "passages": passages_figure, "walls": walls_figure}
+        pictures = {folder / f"{name}.png": png(draw(spec, agreement, names)) for name, draw in figures.items()}
+    atomic_write_all(pictures)
+    found = checks(spec, agreement)
+    console = table_console()
+    console.print(_table(found, spec.name, names))
+    console.print("pictures", *(str(path) for path in pictures))
+    if not all(check.holds for check in found):
+        raise typer.Exit(1)
+
+
+def _table(found: list[Check], robot: str, names: tuple[str, str]) -> Table:
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table("difference", box=None, pad_edge=False, title_justify="left", title_style="bold")
+    table.title = f"{robot}: {names[1]} against {names[0]}, largest differences"
+    for heading in ("found", "allowed"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for heading in ("", "why that much is allowed"):
+        table.add_column(heading)
+    for check in found:
+        verdict = Text("holds", "green") if check.holds else Text("too large", "red")
+        table.add_row(check.what, f"{check.found:.2f}", f"{check.allowed:g} {check.unit}", verdict, check.reason)
+    return table

@@ -1,0 +1,5 @@
+"""The PyBullet backend: many robots in a few worlds, shared out to one process per core."""
+
+from pipenav_pybullet.backend import PybulletBackend
+
+__all__ = ["PybulletBackend"]

@@ -1,0 +1,102 @@
+"""n robots on PyBullet: the seam's side of it, which only hands out work and keeps what comes back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from pipenav import backend, kinematics, laser
+from pipenav.contact_force import Windows, strongest
+from pipenav.errors import PipenavError
+from pipenav.pipe import Pipe
+from pipenav.robot import RobotSpec
+from pipenav.state import Command, Reading, Truth
+from pipenav_pybullet.crew import Crew
+from pipenav_pybullet.world import Setting, shares
+
+Array = NDArray[np.float64]
+
+
+class PybulletOptions(backend.BackendOptions):
+    """Settings of the PyBullet backend."""
+
+    timestep: float = Field(
+        0.0025, gt=0, le=0.0025, description="physics step [s]; must divide the control period; motors need it short"
+    )
+    processes: int = Field(0, ge=0, le=1024, description="processes that share the robots; 0 uses every core")
+    solver_iterations: int = Field(
+        50, ge=1, le=1000, description="iterations of the constraint solver in a physics step"
+    )
+    contact_erp: float = Field(0.2, ge=0, le=1, description="share of an overlap that a physics step undoes")
+
+
+class PybulletBackend(backend.Backend):
+    """See `pipenav.backend.Backend`."""
+
+    Options = PybulletOptions
+
+    def __init__(self, robot: RobotSpec, n: int, options: backend.BackendOptions, wall_segments: int = 4) -> None:
+        assert isinstance(options, PybulletOptions)
+        self._robot, self._n, self._slots = robot, n, wall_segments
+        substeps = round(backend.CONTROL_PERIOD / options.timestep)
+        if abs(substeps * options.timestep - backend.CONTROL_PERIOD) > 1e-9:
+            raise PipenavError(
+                f"a timestep of {options.timestep:g} s does not divide the control period of "
+                f"{backend.CONTROL_PERIOD:g} s: choose for example 0.0025 or 0.001."
+            )
+        setting = Setting(options.timestep, options.solver_iterations, options.contact_erp)
+        self._windows = Windows(substeps, options.timestep)
+        self._crew = Crew(robot, n, setting, options.processes)
+        joints = len(robot.joints)
+        self._q, self._qd = np.zeros((n, joints)), np.zeros((n, joints))
+        self._distances = np.full((n, robot.laser.beams), np.inf)
+        self._base, self._time = np.zeros(n), np.zeros(n)
+        self._depth, self._contact_share = np.zeros(n), np.zeros(n)
+        self._link_forces = np.zeros((n, len(robot.links), 2))
+
+    def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> Reading:
+        for pipe in pipes:
+            if len(pipe.segments) > self._slots:
+                raise PipenavError(
+                    f"pipe {pipe.name} has {len(pipe.segments)} wall segments, "
+                    f"this backend was opened for {self._slots}."
+                )
+        bounds = self._crew.bounds
+        orders = [
+            (robots[rows] - first, [pipes[row] for row in rows], q[rows], base[rows]) if len(rows) else None
+            for first, rows in zip(bounds, shares(robots, bounds), strict=False)
+        ]
+        answers = self._crew.ask("reset", orders)
+        self._distances[robots] = np.concatenate([*answers, np.empty((0, self._robot.laser.beams))])
+        self._q[robots], self._qd[robots] = q, 0.0
+        self._base[robots], self._time[robots] = base, 0.0
+        self._depth[robots], self._contact_share[robots], self._link_forces[robots] = 0.0, 0.0, 0.0
+        return self.read().part(robots)
+
+    def step(self, command: Command) -> None:
+        orders = [(command.control, command.values[first:last]) for first, last in pairwise(self._crew.bounds)]
+        motions = self._crew.ask("step", orders)
+        self._q, self._qd, self._distances, forces, self._depth, self._contact_share = (
+            np.concatenate(column) for column in zip(*motions, strict=True)
+        )
+        means = self._windows.means(forces.reshape(*forces.shape[:2], -1))
+        self._link_forces = strongest(means.reshape(self._n, -1, *forces.shape[2:]))
+        self._time = self._time + backend.CONTROL_PERIOD
+
+    def read(self) -> Reading:
+        ranges = laser.measure(self._robot.laser, self._distances)
+        return Reading(self._q.copy(), self._qd.copy(), ranges, self._time.copy())
+
+    def truth(self) -> Truth:
+        pose = kinematics.forward(self._robot, self._q)
+        tip = np.concatenate([pose.tip, pose.headings[:, -1:]], axis=1)
+        tip[:, 0] += self._base
+        force = np.sqrt((self._link_forces**2).sum(axis=2)).max(axis=1)
+        return Truth(tip, force, self._depth.copy(), self._contact_share.copy(), self._link_forces.copy())
+
+    def close(self) -> None:
+        self._crew.close()

@@ -1,0 +1,65 @@
+"""One process of a `Crew`, started as `python -m pipenav_pybullet.worker FD`, FD being its end of a pipe.
+
+It does what arrives there and leaves when the other end closes, however that happened.
+"""
+
+from __future__ import annotations
+
+import signal
+import sys
+from itertools import pairwise
+from multiprocessing.connection import Connection
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.pipe import Pipe
+from pipenav.robot import RobotSpec
+from pipenav.state import Control
+from pipenav_pybullet.world import WORLD_SIZE, Motion, Setting, World, shares
+
+Array = NDArray[np.float64]
+
+
+class Share:
+    """A process's robots, numbered from its first, in worlds of WORLD_SIZE or fewer."""
+
+    def open(self, robot: RobotSpec, count: int, setting: Setting) -> None:
+        self._bounds = [*range(0, count, WORLD_SIZE), count]
+        self._worlds = [World(robot, last - first, setting) for first, last in pairwise(self._bounds)]
+
+    def reset(self, robots: NDArray[np.intp], pipes: list[Pipe], q: Array, base: Array) -> Array:
+        """As `World.reset`."""
+        distances = []
+        for world, first, rows in zip(self._worlds, self._bounds, shares(robots, self._bounds), strict=False):
+            if len(rows):
+                mine = [pipes[row] for row in rows]
+                distances.append(world.reset((robots[rows] - first).tolist(), mine, q[rows], base[rows]))
+        return np.concatenate(distances)
+
+    def step(self, control: Control, values: Array) -> Motion:
+        """As `World.step`."""
+        parts = zip(self._worlds, pairwise(self._bounds), strict=True)
+        motions = [world.step(control, values[first:last]) for world, (first, last) in parts]
+        return Motion(*(np.concatenate(column) for column in zip(*motions, strict=True)))
+
+
+def serve(end: Connection[Any, Any]) -> None:
+    """Answer until the other end closes."""
+    share = Share()
+    while True:
+        try:
+            what, order = end.recv()
+        except EOFError:
+            return
+        try:
+            answer = getattr(share, what)(*order)
+        except Exception as error:  # for the parent to raise: here nobody would see it
+            answer = error
+        end.send(answer)
+
+
+if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which may want to save first
+    serve(Connection(int(sys.argv[1])))

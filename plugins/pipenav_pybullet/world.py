@@ -1,0 +1,272 @@
+"""A few robots in one Bullet world, one above the other, each between walls of its own."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav import kinematics
+from pipenav.backend import CONTROL_PERIOD
+from pipenav.pipe import Pipe
+from pipenav.robot import RobotSpec
+from pipenav.state import Control
+from pipenav.wall_boxes import WALL_HALF_HEIGHT, wall_boxes
+from pipenav_pybullet.quiet import silenced_stderr
+from pipenav_pybullet.urdf import DISCS as DISC_LINK
+from pipenav_pybullet.urdf import discs, robot_urdf
+
+with silenced_stderr():  # it tells when it was built
+    import pybullet
+
+Array = NDArray[np.float64]
+
+BOXES, WALLS, DISCS, FACES = 1, 2, 4, 8
+"""Collision groups: boxes meet walls of boxes, discs meet walls of triangles, and links never meet each other.
+
+Each in its own way Bullet is exact only there: two boxes by their separating axes, a ball and a triangle in closed
+form. For other pairs it iterates, and errs by some tenths of a millimetre.
+"""
+
+STOREY = 0.5
+"""Height between two robots [m]: walls end WALL_HALF_HEIGHT above and below. A power of two, so that every storey
+computes with the same digits; in the plane of motion all robots have the same coordinates anyway."""
+
+MEZZANINE = STOREY / 2
+"""Height above its robot at which the faces of a pipe's walls stand, and beams are cast [m].
+
+Bullet's rays stop up to a centimetre before a box, but exactly on a triangle; here they meet nothing else.
+"""
+
+CONTACT_THRESHOLD = 0.004
+"""Gap from which on Bullet foresees a contact [m]: twice what the tip travels in a physics step at full speed."""
+
+
+WORLD_SIZE = 16
+"""Robots in one Bullet world: the fastest of those measured (benchmarks/pybullet_worlds.py)."""
+
+
+class Setting(NamedTuple):
+    """What a world is made with: physics step [s], constraint solver iterations, share of an overlap undone a step."""
+
+    timestep: float
+    solver_iterations: int
+    contact_erp: float
+
+
+class Motion(NamedTuple):
+    """State of k robots after a control period, and what happened in it.
+
+    Attributes:
+        q, qd: joint positions and speeds, (k, joints) [rad or m].
+        distances: along the beams to the nearest wall, inf where there is none, (k, beams) [m].
+        forces: net force of the walls on each link in each physics step, in the plane, (k, substeps, links, 2) [N].
+        depth: deepest overlap of the period, (k,) [m].
+        contact_share: share of the physics steps with contact, (k,).
+    """
+
+    q: Array
+    qd: Array
+    distances: Array
+    forces: Array
+    depth: Array
+    contact_share: Array
+
+
+def shares(robots: NDArray[np.intp], bounds: Sequence[int]) -> list[NDArray[np.intp]]:
+    """Which entries of `robots` (k,) lie between each two of the ascending bounds, the upper one excluded."""
+    return [np.flatnonzero((robots >= first) & (robots < last)) for first, last in pairwise(bounds)]
+
+
+class World:
+    """k robots in one Bullet client."""
+
+    def __init__(self, robot: RobotSpec, k: int, setting: Setting) -> None:
+        self._robot, self._k = robot, k
+        self._substeps = round(CONTROL_PERIOD / setting.timestep)
+        self._client = pybullet.connect(pybullet.DIRECT)
+        pybullet.setPhysicsEngineParameter(
+            fixedTimeStep=setting.timestep,
+            numSolverIterations=setting.solver_iterations,
+            contactERP=setting.contact_erp,
+            contactBreakingThreshold=CONTACT_THRESHOLD,
+            deterministicOverlappingPairs=1,  # the order of contacts must not depend on what was there before
+            minimumSolverIslandSize=1,  # robots solved together would share the solver's number of iterations
+            physicsClientId=self._client,
+        )
+        self._arms = self._load_arms()
+        self._joints, self._link_of = self._find_joints()
+        for arm in self._arms:
+            self._prepare(arm)
+        self._storey = {arm: i for i, arm in enumerate(self._arms)}
+        self._around: list[list[int]] = [[] for _ in range(k)]
+        self._shapes: dict[Pipe, tuple[int, int]] = {}
+        efforts = [(a.effort_limit, a.position_gain) for a in robot.joint_actuators]
+        self._effort, self._stiffness = (np.tile(column, (k, 1)) for column in zip(*efforts, strict=True))
+        self._damping = np.array([a.damping for a in robot.joint_actuators])
+        self._q, self._qd = np.zeros((k, len(self._joints))), np.zeros((k, len(self._joints)))
+
+    def _load_arms(self) -> list[int]:
+        arms = []
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "robot.urdf")
+            path.write_text(robot_urdf(self._robot), encoding="utf-8")
+            for i in range(self._k):
+                arm = pybullet.loadURDF(
+                    str(path),
+                    basePosition=[0.0, 0.0, i * STOREY],
+                    useFixedBase=True,
+                    flags=pybullet.URDF_USE_INERTIA_FROM_FILE,
+                    physicsClientId=self._client,
+                )
+                arms.append(arm)
+        return arms
+
+    def _find_joints(self) -> tuple[list[int], list[int]]:
+        """Bullet's index of each of the robot's joints, and the robot's link to which each of Bullet's belongs."""
+        count = pybullet.getNumJoints(self._arms[0], physicsClientId=self._client)
+        names = [
+            pybullet.getJointInfo(self._arms[0], i, physicsClientId=self._client)[12].decode() for i in range(count)
+        ]
+        links = [link.name for link in self._robot.links]
+        return [names.index(name) for name in links], [links.index(name.removesuffix(DISC_LINK)) for name in names]
+
+    def _prepare(self, arm: int) -> None:
+        """Without the motors and the losses that Bullet gives every joint and link unasked."""
+        free = [0.0] * len(self._joints)
+        pybullet.setJointMotorControlArray(
+            arm, self._joints, pybullet.VELOCITY_CONTROL, forces=free, physicsClientId=self._client
+        )
+        for link in range(len(self._link_of)):
+            groups = (BOXES, WALLS) if link in self._joints else (DISCS, FACES)
+            pybullet.setCollisionFilterGroupMask(arm, link, *groups, physicsClientId=self._client)
+            pybullet.changeDynamics(
+                arm,
+                link,
+                lateralFriction=self._robot.friction,  # Bullet multiplies it by the wall's
+                restitution=0.0,
+                linearDamping=0.0,
+                angularDamping=0.0,
+                physicsClientId=self._client,
+            )
+
+    def reset(self, arms: Sequence[int], pipes: Sequence[Pipe], q: Array, base: Array) -> Array:
+        """As `Backend.reset`; distances along the beams of those robots, (len(arms), beams)."""
+        for row, i in enumerate(arms):
+            self._surround(i, pipes[row], base[row])
+            for joint, position in zip(self._joints, q[row], strict=True):
+                pybullet.resetJointState(self._arms[i], joint, position, 0.0, physicsClientId=self._client)
+            self._q[i], self._qd[i] = q[row], 0.0
+        return self._distances(list(arms))
+
+    def _surround(self, i: int, pipe: Pipe, base: float) -> None:
+        """Put a pipe around robot i. With the bodies that stood there go the contacts that Bullet remembers."""
+        for body in self._around[i]:
+            pybullet.removeBody(body, physicsClientId=self._client)
+        if pipe not in self._shapes:  # never removed: Bullet keeps shapes for ever
+            self._shapes[pipe] = (self._box_shape(pipe), self._face_shape(pipe))
+        boxes, faces = self._shapes[pipe]
+        height = i * STOREY
+        self._around[i] = [
+            self._place(boxes, base, height, (WALLS, BOXES)),
+            self._place(faces, base, height + MEZZANINE),
+        ]
+        if any(discs(link) for link in self._robot.links):
+            self._around[i].append(self._place(faces, base, height, (FACES, DISCS)))
+
+    def _place(self, shape: int, base: float, height: float, groups: tuple[int, int] | None = None) -> int:
+        """A fixed body. As a multibody, which is Bullet's default, it would leave two kilobytes behind when removed."""
+        body: int = pybullet.createMultiBody(
+            0.0, shape, -1, [-base, 0.0, height], useMaximalCoordinates=True, physicsClientId=self._client
+        )
+        pybullet.changeDynamics(body, -1, lateralFriction=1.0, restitution=0.0, physicsClientId=self._client)
+        if groups:
+            pybullet.setCollisionFilterGroupMask(body, -1, *groups, physicsClientId=self._client)
+        return body
+
+    def _box_shape(self, pipe: Pipe) -> int:
+        """The walls of a pipe as boxes. Bullet writes the scalar part of a quaternion last."""
+        position, quaternion, half_size, _ = (part[0] for part in wall_boxes([pipe], len(pipe.segments), np.zeros(1)))
+        shape: int = pybullet.createCollisionShapeArray(
+            shapeTypes=[pybullet.GEOM_BOX] * len(position),
+            halfExtents=half_size.tolist(),
+            collisionFramePositions=position.tolist(),
+            collisionFrameOrientations=np.roll(quaternion, -1, axis=1).tolist(),
+            physicsClientId=self._client,
+        )
+        return shape
+
+    def _face_shape(self, pipe: Pipe) -> int:
+        """The faces of a pipe's walls, two triangles each."""
+        low, high = (np.insert(pipe.segments, 2, z, axis=2) for z in (-WALL_HALF_HEIGHT, 2 * WALL_HALF_HEIGHT))
+        corners = np.concatenate([low, high], axis=1)  # (s, 4, 3)
+        triangles = 4 * np.arange(len(pipe.segments))[:, None] + [0, 1, 3, 0, 3, 2]
+        shape: int = pybullet.createCollisionShape(
+            pybullet.GEOM_MESH,
+            vertices=corners.reshape(-1, 3).tolist(),
+            indices=triangles.ravel().tolist(),
+            flags=pybullet.GEOM_FORCE_CONCAVE_TRIMESH,
+            physicsClientId=self._client,
+        )
+        return shape
+
+    def step(self, control: Control, values: Array) -> Motion:
+        """One control period under commands as `Command` has them."""
+        forces = np.zeros((self._k, self._substeps, len(self._joints), 2))
+        depth, touching = np.zeros(self._k), np.zeros((self._k, self._substeps))
+        drives = self._effort * np.clip(values, -1.0, 1.0)
+        for substep in range(self._substeps):
+            if control == "position":
+                drives = np.clip(self._stiffness * (values - self._q), -self._effort, self._effort)
+            efforts = drives - self._damping * self._qd
+            for arm, effort in zip(self._arms, efforts.tolist(), strict=True):
+                pybullet.setJointMotorControlArray(
+                    arm, self._joints, pybullet.TORQUE_CONTROL, forces=effort, physicsClientId=self._client
+                )
+            pybullet.stepSimulation(physicsClientId=self._client)
+            self._read_joints()
+            self._collect_contacts(forces[:, substep], depth, touching[:, substep])
+        return Motion(
+            self._q.copy(), self._qd.copy(), self._distances(range(self._k)), forces, depth, touching.mean(axis=1)
+        )
+
+    def _read_joints(self) -> None:
+        for i, arm in enumerate(self._arms):
+            states = pybullet.getJointStates(arm, self._joints, physicsClientId=self._client)
+            self._q[i], self._qd[i] = [state[0] for state in states], [state[1] for state in states]
+
+    def _collect_contacts(self, forces: Array, depth: Array, touching: Array) -> None:
+        """Add the last physics step's contacts: forces (k, links, 2), depth (k,), touching (k,)."""
+        for contact in pybullet.getContactPoints(physicsClientId=self._client):
+            _, body_a, body_b, link_a, link_b, _, _, normal, distance, push, drag1, way1, drag2, way2 = contact
+            arm, link, sign = (body_a, link_a, 1.0) if body_a in self._storey else (body_b, link_b, -1.0)
+            if push <= 0.0 and distance >= 0.0:
+                continue  # foreseen, and not come to pass
+            i, link = self._storey[arm], self._link_of[link]
+            for axis in (0, 1):  # Bullet gives what acts on its body A
+                force = push * normal[axis] + drag1 * way1[axis] + drag2 * way2[axis]
+                forces[i, link, axis] += sign * force
+            depth[i] = max(depth[i], -distance)
+            touching[i] = 1.0
+
+    def _distances(self, arms: Sequence[int]) -> Array:
+        """Distances along the beams of some robots by Bullet's batch ray test; inf beyond the laser's range."""
+        laser = self._robot.laser
+        pose = kinematics.forward(self._robot, self._q[list(arms)])
+        headings = pose.headings[:, -1:] + laser.angles  # (len(arms), beams)
+        height = np.repeat(np.array(arms) * STOREY + MEZZANINE, laser.beams)
+        start = np.repeat(pose.tip, laser.beams, axis=0)
+        ways = np.stack([np.cos(headings), np.sin(headings)], axis=-1).reshape(-1, 2)
+        reach = laser.range_max + laser.resolution
+        rays = [np.column_stack([xy, height]).tolist() for xy in (start, start + reach * ways)]
+        hits = pybullet.rayTestBatch(*rays, numThreads=1, physicsClientId=self._client)
+        fractions = np.array([hit[2] if hit[0] >= 0 else np.inf for hit in hits])
+        return np.asarray(reach * fractions.reshape(headings.shape))
+
+    def close(self) -> None:
+        pybullet.disconnect(physicsClientId=self._client)
