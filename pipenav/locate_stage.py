@@ -35,6 +35,7 @@ class LocateStage(Stage):
         target: found targets in the canonical frame, where a front passage's `Episodes.goal` lives, (n, 2) [m]; NaN
             before one is found.
         beam: the beam on or nearest to which it lies, from right to left from 0, (n,); -1 before.
+        reading: what the robots' sensors gave last; the next step decides on it.
 
     Raises:
         PipenavError: a robot of other joints.
@@ -61,7 +62,7 @@ class LocateStage(Stage):
         self._base, self._side = np.zeros(n), np.ones(n)
         self.target, self.beam = np.full((n, 2), np.nan), np.full(n, -1)
         q, qd = np.zeros((2, n, len(robot.joints)))
-        self._reading = Reading(q, qd, np.zeros((n, robot.laser.beams)), np.zeros(n))
+        self.reading = Reading(q, qd, np.zeros((n, robot.laser.beams)), np.zeros(n))
 
     @property
     def steps(self) -> NDArray[np.intp]:
@@ -74,26 +75,26 @@ class LocateStage(Stage):
             self._pipes[i] = pipe
         self._steps[robots], self._base[robots], self._side[robots] = 0, episodes.base, episodes.side
         self.target[robots], self.beam[robots] = np.nan, -1
-        for column, rows in zip(self._reading, reading, strict=True):
+        for column, rows in zip(self.reading, reading, strict=True):
             column[robots] = rows
         self._locator.start(robots, reading, episodes.side)
 
     def step(self) -> StageStep:
-        decision = self._locator.act(self._reading)
+        decision = self._locator.act(self.reading)
         self.target = decision.target * np.stack([np.ones(self.n), self._side], axis=1)
         self.beam = decision.beam
         self._backend.step(Command("position", decision.goal))
         self._steps += 1
-        self._reading, truth = self._backend.read(), self._backend.truth()
+        self.reading, truth = self._backend.read(), self._backend.truth()
         if truth is None:
             raise TypeError("this stage needs a simulator: this backend knows no truth")
         verdict = np.full(self.n, Verdict.RUNNING, np.int8)
         verdict[self._steps >= self._task.max_steps] = Verdict.TIMEOUT
         for i in map(int, np.flatnonzero(decision.done)):
             verdict[i] = Verdict.REACHED if self._well_placed(i, decision.target[i]) else Verdict.MISPLACED
-        verdict[at_limit(self.robot, self._task, self._reading.q)] = Verdict.LIMIT
+        verdict[at_limit(self.robot, self._task, self.reading.q)] = Verdict.LIMIT
         verdict[truth.penetration > self._task.max_penetration] = Verdict.PENETRATION
-        return StageStep(verdict, self._reading.ranges.min(axis=1), truth, self._reading.q)
+        return StageStep(verdict, self.reading.ranges.min(axis=1), truth, self.reading.q)
 
     def close(self) -> None:
         self._backend.close()

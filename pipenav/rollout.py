@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from contextlib import closing
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,10 +15,14 @@ from pipenav.backend import Backend
 from pipenav.batch import CornerBatch
 from pipenav.controller import Controller
 from pipenav.episode_runner import random_start
+from pipenav.locate import LocateConfig, Variant, robot_for
+from pipenav.locate_stage import LocateStage
 from pipenav.mirror import RearStage
 from pipenav.pipe import Pipe
 from pipenav.registry import open_backend
+from pipenav.robot import RobotSpec
 from pipenav.stage import FrontStage, Stage
+from pipenav.task.config import TaskConfig
 from pipenav.task.episode import Verdict
 from pipenav.trajectory import Trajectory, TrajectoryHeader
 
@@ -32,6 +37,22 @@ class Simulator(NamedTuple):
     backend: str = "mujoco"
     options: Mapping[str, Any] = {}
     watch: Watch | None = None
+
+
+class Located(NamedTuple):
+    """A recorded search for a target (approach I).
+
+    Attributes:
+        trajectory: of stage `locate`; its goal is the target that was found.
+        ranges: the laser's scan of each of its rows, (rows, beams) [m].
+        found: the row whose scan gave the target, which is also the control steps before it; None where none did.
+        beam: on or nearest to which the target lies, from right to left from 0; None likewise.
+    """
+
+    trajectory: Trajectory
+    ranges: Array
+    found: int | None
+    beam: int | None
 
 
 class Tracking(NamedTuple):
@@ -106,6 +127,53 @@ def record_front(
     backend = open_backend(simulator.backend, robot, 1, simulator.options, len(pipe.segments))
     stage = FrontStage(CornerBatch(robot, task, backend, 1, lambda _: one), controller)
     return record(stage, backend, header, one.q[0], simulator.watch)
+
+
+def record_locate(
+    robot: RobotSpec, variant: Variant, pipe: Pipe, seed: int, episode: int, simulator: Simulator
+) -> Located:
+    """Approach I: the same episode that an evaluation with this seed runs as its number `episode` in this pipe.
+
+    Args:
+        robot: a slide followed by hinges.
+        variant: how the target is located.
+        pipe: where.
+        seed: of starts.
+        episode: counted from 0.
+        simulator: on what.
+
+    Raises:
+        PipenavError: a pipe that is too narrow, or a robot of other joints.
+    """
+    task, seeing = TaskConfig(), robot_for(robot, variant)
+    one = random_start(seeing, task, [pipe], episode + 1, seed)(episode)
+    header = TrajectoryHeader(
+        robot=robot.name,
+        pipe=pipe,
+        base_m=float(one.base[0]),
+        stage="locate",
+        backend=simulator.backend,
+        controller=f"locate:{variant}",
+        options=dict(simulator.options),
+        seed=seed,
+    )
+    backend = open_backend(simulator.backend, seeing, 1, simulator.options, len(pipe.segments))
+    stage = LocateStage(seeing, LocateConfig(), variant, task, backend, 1, lambda _: one)
+    ranges, beams = [], []
+
+    def look(backend: Backend) -> None:
+        ranges.append(stage.reading.ranges[0].copy())
+        beams.append(int(stage.beam[0]))
+        if simulator.watch is not None:
+            simulator.watch(backend)
+
+    trajectory = record(stage, backend, header, one.q[0], look)
+    if beams[-1] < 0:
+        return Located(trajectory, np.array(ranges), None, None)
+    x, y = stage.target[0] * [1.0, one.side[0]] + [one.base[0], 0.0]
+    header = trajectory.header.model_copy(update={"goal_m": (float(x), float(y))})
+    found = int(np.argmax(np.array(beams) >= 0)) - 1  # a step decides on the scan before it
+    return Located(replace(trajectory, header=header), np.array(ranges), found, beams[-1])
 
 
 def record_rear(plan: Trajectory, simulator: Simulator) -> Trajectory:

@@ -241,7 +241,8 @@ def _header(path: Path, text: str) -> TrajectoryHeader:
         raise TrajectoryFileError(path, f"line 1: {key}: {message[0].lower()}{message[1:]}{given}") from error
     except PipenavError as error:  # of the pipe's own checks
         raise TrajectoryFileError(path, f"line 1: pipe: {str(error).rstrip('.')}") from error
-    if header.goal_m is not None and not header.pipe.contains(np.array(header.goal_m)):
+    wrong = header.outcome == Verdict.MISPLACED.label  # a target that was located in a wrong place may be anywhere
+    if header.goal_m is not None and not wrong and not header.pipe.contains(np.array(header.goal_m)):
         x, y = header.goal_m
         raise TrajectoryFileError(path, f"line 1: the target goal_m ({x:g}, {y:g}) lies outside the pipe")
     return header

@@ -31,7 +31,11 @@ COMMANDS = {
     ),
     "view": (
         "pipenav.cli.view:view",
-        "Draw what a policy, a baseline or a trajectory file does, from above: links, beams, target, contact forces.",
+        "Draw what a policy, a behaviour or a trajectory file does, from above: links, beams, target, contact forces.",
+    ),
+    "locate-target": (
+        "pipenav.cli.locate_target:locate_target",
+        "Let the robot find a target around the corner by itself (approach I), knowing only the turn's side.",
     ),
     "mirror-rear": (
         "pipenav.cli.mirror_rear:mirror_rear",

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal, cast
 
 import typer
 
@@ -15,8 +15,12 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from pipenav.film import Progress
+    from pipenav.locate import Variant
+    from pipenav.pipe import Pipe
     from pipenav.rollout import Simulator
     from pipenav.trajectory import Trajectory
+
+    Recorder = Callable[[Pipe, int, Simulator], Trajectory]
 
 TABLE = ".csv"
 DEFAULT_PIPE = "d=90,angle=60"
@@ -25,6 +29,10 @@ DEFAULT_PIPE = "d=90,angle=60"
 def view(
     policy: Annotated[
         str | None, typer.Option(help="best.zip, a shipped policy's name, baseline:random or baseline:centreline.")
+    ] = None,
+    behaviour: Annotated[
+        Literal["locate:map", "locate:thesis"] | None,
+        typer.Option(help="Draw how the robot finds a target itself, instead of a policy; see `locate-target`."),
     ] = None,
     trajectory: Annotated[
         list[Path] | None, typer.Option(help="Draw this recorded trajectory instead; repeatable: one after another.")
@@ -35,7 +43,8 @@ def view(
     ] = None,
     backend: Annotated[str, typer.Option(help="Simulator backend; see `pipenav backends`.")] = "mujoco",
     robot: Annotated[
-        str | None, typer.Option(help="Robot of a baseline, or of a trajectory whose robot is not shipped.")
+        str | None,
+        typer.Option(help="Robot of a baseline or behaviour (basic), or of a trajectory whose robot is not shipped."),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of start and target, as in `pipenav eval`.")] = 0,
     episode: Annotated[
@@ -48,7 +57,7 @@ def view(
     ] = None,
     live: Annotated[bool, typer.Option("--live", help="Open the simulator's own viewer and run in real time.")] = False,
 ) -> None:
-    """Draw what a policy, a baseline or a trajectory file does, from above: links, beams, target, contact forces.
+    """Draw what a policy, a behaviour or a trajectory file does, from above: links, beams, target, contact forces.
 
     Examples:
 
@@ -58,19 +67,24 @@ def view(
 
         pipenav view --trajectory front.csv --trajectory rear.csv --out passage.gif
 
+        pipenav view --behaviour locate:map --robot high-fidelity --pipes d=70,angle=120
+
         pipenav view --policy baseline:centreline --live
     """
     from rich.console import Console
 
-    if (policy is None) == (not trajectory):
-        raise PipenavError("nothing to draw, or two things at once: give either --policy or --trajectory.")
+    if [policy is None, behaviour is None, not trajectory].count(False) != 1:
+        raise PipenavError(
+            "nothing to draw, or several things at once: give one of --policy, --behaviour and --trajectory."
+        )
     paths = _checked_outputs(out, live, trajectory, pipes)
     console = Console()
     with _simulator(backend, option or [], live) as simulator:
-        if policy is not None:
-            shown = _record(policy, pipes or [DEFAULT_PIPE], robot, seed, episode, simulator)
+        if trajectory:
+            shown = _read(trajectory, robot, simulator if live else None)
         else:
-            shown = _read(trajectory or [], robot, simulator if live else None)
+            recorder = _policy(policy, robot, seed) if policy else _locating(behaviour or "", robot, seed)
+            shown = [recorder(pipe, episode, simulator) for pipe in _few_pipes(pipes or [DEFAULT_PIPE])]
         for one in shown:
             console.print(_sentence(one), highlight=False)
     for path in paths or ([] if live else [Path(f"view-{shown[0].header.pipe.name}.png")]):
@@ -88,11 +102,13 @@ def _checked_outputs(
         if path.suffix.lower() != TABLE:
             check_suffix(path, [*SUFFIXES, TABLE])
         elif trajectory:
-            raise PipenavError(f"{path}: a trajectory is recorded from a --policy; --trajectory only draws one.")
+            raise PipenavError(
+                f"{path}: a trajectory is recorded from a --policy or --behaviour; --trajectory only draws one."
+            )
         if not path.parent.is_dir():
             raise PipenavError(f"there is no folder {path.parent} for {path.name}: make it first.")
     if trajectory and pipes:
-        raise PipenavError("--pipes goes with --policy: a trajectory brings its own pipe.")
+        raise PipenavError("--pipes goes with --policy and --behaviour: a trajectory brings its own pipe.")
     if live and trajectory and out:
         raise PipenavError("--live shows a trajectory and writes nothing: give it without --out, or --out without it.")
     return out or []
@@ -114,19 +130,30 @@ def _simulator(backend: str, options: list[str], live: bool) -> Iterator[Simulat
         yield Simulator(backend, parsed, window)
 
 
-def _record(
-    policy: str, pipes: list[str], robot: str | None, seed: int, episode: int, simulator: Simulator
-) -> list[Trajectory]:
-    from pipenav.controller import open_controller
+def _few_pipes(given: list[str]) -> list[Pipe]:
     from pipenav.film import MAX_ROWS
     from pipenav.pipe_set import parse_pipes
+
+    pipes = parse_pipes(given)
+    if len(pipes) > MAX_ROWS:
+        raise PipenavError(f"{len(pipes)} pipes are too many to look at: name at most {MAX_ROWS}.")
+    return pipes
+
+
+def _policy(name: str, robot: str | None, seed: int) -> Recorder:
+    from pipenav.controller import open_controller
     from pipenav.rollout import record_front
 
-    parsed = parse_pipes(pipes)
-    if len(parsed) > MAX_ROWS:
-        raise PipenavError(f"{len(parsed)} pipes are too many to look at: name at most {MAX_ROWS}.")
-    controller = open_controller(policy, robot, seed)
-    return [record_front(controller, policy, pipe, seed, episode, simulator) for pipe in parsed]
+    controller = open_controller(name, robot, seed)
+    return lambda pipe, episode, simulator: record_front(controller, name, pipe, seed, episode, simulator)
+
+
+def _locating(behaviour: str, robot: str | None, seed: int) -> Recorder:
+    from pipenav.robot import load_robot
+    from pipenav.rollout import record_locate
+
+    spec, variant = load_robot(robot or "basic"), cast("Variant", behaviour.removeprefix("locate:"))
+    return lambda pipe, episode, simulator: record_locate(spec, variant, pipe, seed, episode, simulator).trajectory
 
 
 def _read(paths: list[Path], robot: str | None, simulator: Simulator | None) -> list[Trajectory]:

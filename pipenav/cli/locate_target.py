@@ -1,0 +1,168 @@
+"""`pipenav locate-target`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from pipenav.cli import table_console
+from pipenav.errors import PipenavError
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from pipenav.pipe import Pipe
+    from pipenav.rollout import Located
+
+VARIANT_HELP = "map: the beams' ends are fitted to a corner; thesis: the method exactly as printed, eq 3.16 to 3.19."
+PIPES_HELP = "Instead: shipped set, FILE.toml or d=90,angle=60[,turn=right]; repeatable."
+OUT_HELP = "Folder for each pipe's trajectory (.csv) and picture of what the laser saw (.png)."
+
+
+def locate_target(
+    d: Annotated[float | None, typer.Option("--d", metavar="MM", help="Inner diameter of the pipe in mm.")] = None,
+    angle: Annotated[
+        float | None, typer.Option(metavar="DEG", help="Interior angle between its legs in deg; small is sharp.")
+    ] = None,
+    turn: Annotated[
+        str | None, typer.Option(metavar="SIDE", help="Side that it turns to: left, the default, or right.")
+    ] = None,
+    pipes: Annotated[list[str] | None, typer.Option(help=PIPES_HELP)] = None,
+    robot: Annotated[str, typer.Option(help="Robot; see `pipenav robots`.")] = "basic",
+    backend: Annotated[str, typer.Option(help="Simulator backend; see `pipenav backends`.")] = "mujoco",
+    # The names of pipenav.locate.Variant, whose import would slow down --help.
+    variant: Annotated[Literal["map", "thesis"], typer.Option(help=VARIANT_HELP)] = "map",
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the start, as in `pipenav eval`.")] = 0,
+    option: Annotated[list[str] | None, typer.Option(help="Backend setting, key=value; repeatable.")] = None,
+    out: Annotated[Path | None, typer.Option(metavar="FOLDER", help=OUT_HELP)] = None,
+) -> None:
+    """Let the robot find a target around the corner by itself (approach I), knowing only the turn's side.
+
+    Exit code 1 where no target was found, or one outside the second leg. docs/locate-target.md tells how it works;
+    `pipenav eval --stage locate` measures it over many starts.
+
+    Examples:
+
+        pipenav locate-target --d 90 --angle 60
+
+        pipenav locate-target --d 110 --angle 75 --turn right --robot high-fidelity --out located
+
+        pipenav locate-target --pipes thesis --robot real-setup
+
+        pipenav locate-target --d 120 --angle 90 --variant thesis
+    """
+    from rich.progress import track
+
+    from pipenav.cli.eval import parse_options
+    from pipenav.files import prepare_folder
+    from pipenav.registry import check_options, load_backend
+    from pipenav.robot import load_robot
+    from pipenav.rollout import Simulator, record_locate
+    from pipenav.task.episode import check_fits
+
+    wanted = _pipes(d, angle, turn, pipes or [])
+    spec, options = load_robot(robot), parse_options(option or [])
+    check_options(backend, load_backend(backend), options)
+    check_fits(spec, wanted)
+    folder = None if out is None else prepare_folder(out)
+    console = table_console()
+    found = []
+    for pipe in track(wanted, "locating", console=console, transient=True, disable=not console.is_terminal):
+        found.append(record_locate(spec, variant, pipe, seed, 0, Simulator(backend, options)))
+        if folder is not None:
+            _write(folder, found[-1])
+    console.print(_facts(found[0]) if len(found) == 1 else _table(found))
+    if folder is not None:
+        console.print(f"written: {folder}, a trajectory and a picture of each pipe", highlight=False)
+    if not all(located.trajectory.succeeded for located in found):
+        raise typer.Exit(1)
+
+
+def _pipes(d: float | None, angle: float | None, turn: str | None, sets: list[str]) -> list[Pipe]:
+    from pipenav.pipe import Pipe
+    from pipenav.pipe_set import parse_pipes
+
+    if sets and (d, angle, turn) != (None, None, None):
+        raise PipenavError("one pipe or a set, not both: give --d and --angle (and --turn), or --pipes.")
+    if sets:
+        return parse_pipes(sets)
+    if d is None or angle is None:
+        raise PipenavError("no pipe is named: give both --d and --angle, or --pipes, for example --d 90 --angle 60.")
+    return [Pipe.of(d, angle, turn or "left")]
+
+
+def _write(folder: Path, located: Located) -> None:
+    from pipenav.files import atomic_write
+    from pipenav.locate_figure import locate_figure
+    from pipenav.report_figures import png
+    from pipenav.trajectory import write_trajectory
+
+    name = f"locate-{located.trajectory.header.pipe.name}"
+    write_trajectory(folder / f"{name}.csv", located.trajectory)
+    atomic_write(folder / f"{name}.png", png(locate_figure(located)))
+
+
+HEADINGS = ("target x [mm]", "target y [mm]", "beam", "found at step", "inside second leg", "peak force [N]", "outcome")
+
+
+def _cells(located: Located) -> list[str]:
+    """What came of one pipe, a cell for each of `HEADINGS`."""
+    import numpy as np
+
+    from pipenav.locate_stage import inside_second_leg
+    from pipenav.units import m_to_mm
+
+    trajectory = located.trajectory
+    header, beams = trajectory.header, trajectory.robot.laser.beams
+    force = 0.0 if trajectory.contact_force is None else float(trajectory.contact_force.max())
+    x = y = beam = step = inside = "-"
+    if header.goal_m is not None and located.beam is not None:
+        x, y = (f"{m_to_mm(value):.1f}" for value in header.goal_m)
+        beam, step = f"{located.beam + 1} of {beams}", str(located.found)
+        inside = "yes" if inside_second_leg(header.pipe, np.array(header.goal_m)) else "no"
+    return [x, y, beam, step, inside, f"{force:.1f}", header.outcome or "-"]
+
+
+NOTES = (
+    "mm, in the pipe's frame: from the corner, the first leg along -x",
+    "mm, to the left",
+    "from the right, on or nearest to which the target lies",
+    "control steps before it was known, 0.1 s each",
+    "",
+    "N, of the pipe on any one link",
+    "",
+)
+
+
+def _facts(located: Located) -> Table:
+    from rich.table import Table
+    from rich.text import Text
+
+    trajectory = located.trajectory
+    header = trajectory.header
+    facts = Table.grid(padding=(0, 2))
+    facts.title = f"{header.pipe.label}: {header.robot}, {header.controller}, {header.backend}"
+    facts.title_justify, facts.title_style = "left", "bold"
+    names = [heading.split(" [")[0] for heading in HEADINGS]
+    notes = [*NOTES[:-1], f"after {trajectory.time[-1]:.1f} s"]
+    for name, value, note in zip(names, _cells(located), notes, strict=True):
+        facts.add_row("", name, Text(value, style="bold", justify="right"), note)
+    return facts
+
+
+def _table(found: list[Located]) -> Table:
+    from rich.table import Table
+
+    header = found[0].trajectory.header
+    table = Table("pipe", box=None, pad_edge=False, title_justify="left", title_style="bold")
+    table.title = f"{header.robot}, {header.controller}, {header.backend}"
+    for heading in HEADINGS:
+        table.add_column(heading, justify="right", no_wrap=True)
+    for located in found:
+        style = None if located.trajectory.succeeded else "red"
+        table.add_row(located.trajectory.header.pipe.label, *_cells(located), style=style)
+    good = sum(located.trajectory.succeeded for located in found)
+    table.caption, table.caption_justify = f"found inside the second leg: {good} of {len(found)} pipes", "left"
+    return table
