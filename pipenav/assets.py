@@ -27,3 +27,7 @@ def policies_dir() -> Path:
 
 def presets_dir() -> Path:
     return _PACKAGE / "presets"
+
+
+def disturbances_dir() -> Path:
+    return _PACKAGE / "disturbances"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Protocol, runtime_checkable
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,6 +67,43 @@ class Backend(ABC):
     @abstractmethod
     def close(self) -> None:
         """Release everything; closing twice is harmless."""
+
+
+class Variation(NamedTuple):
+    """How far k robots differ from their description: factors, 1 where they do not.
+
+    Attributes:
+        friction: on the friction coefficient, (k,).
+        mass: on the mass and the inertia of each link, (k, links).
+        strength: on what each actuator makes of a drive, as a higher supply voltage gives a motor: the effort limit and
+            the speed limit change alike, (k, joints).
+        gain: on the drive that each on-board position controller asks for at an error, (k, joints).
+    """
+
+    friction: Array
+    mass: Array
+    strength: Array
+    gain: Array
+
+    def part(self, rows: NDArray[np.intp]) -> Variation:
+        """That of some of the robots, by their rows."""
+        return Variation(*(column[rows] for column in self))
+
+
+@runtime_checkable
+class Variable(Protocol):
+    """What a simulator may offer besides, for randomised training and `pipenav eval --disturb`."""
+
+    def vary(self, robots: NDArray[np.intp], variation: Variation) -> None:
+        """Make some robots differ from their description until they are varied again; the others are untouched.
+
+        To be called right before a reset of the same robots.
+
+        Args:
+            robots: which robots, sorted and unique, (k,).
+            variation: of these.
+        """
+        ...
 
 
 class Viewer(Protocol):

@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from pipenav.controller import open_controller
+from pipenav.disturbance import UNDISTURBED, load_disturbance
 from pipenav.errors import PipenavError
 from pipenav.locate import Variant
 from pipenav.passage import Part, Passages, Progress
@@ -37,6 +38,7 @@ class EvaluationRun:
         variant: of approach I.
         backend: name of a simulator backend.
         options: the backend's own settings.
+        disturb: as `pipenav.disturbance.load_disturbance` takes it; None for nothing.
 
     Raises:
         PipenavError: something is unknown, the robot does not fit into a pipe, or there is no policy where one is
@@ -54,6 +56,7 @@ class EvaluationRun:
         variant: Variant = "map",
         backend: str = "mujoco",
         options: dict[str, Any] | None = None,
+        disturb: str | None = None,
     ) -> None:
         if (policy is None) != (stage == "locate"):
             raise PipenavError(
@@ -70,11 +73,22 @@ class EvaluationRun:
         self._backend, self._options = backend, dict(options or {})
         check_options(backend, load_backend(backend), self._options)
         check_fits(self._robot, self._pipes)
+        self._disturb, self._disturbance = disturb, UNDISTURBED if disturb is None else load_disturbance(disturb)
 
     def run(self, progress: Progress = lambda _part, _total, _done, _successes: None) -> Evaluation:
         """Every stage over all episodes, one after the other."""
         pipes, episodes, controller = self._pipes, self._episodes, self._controller
-        runs = Passages(self._robot, self._task, pipes, episodes, self._seed, self._backend, self._options, progress)
+        runs = Passages(
+            self._robot,
+            self._task,
+            pipes,
+            episodes,
+            self._seed,
+            self._backend,
+            self._options,
+            progress,
+            self._disturbance,
+        )
         parts: dict[str, Part] = {}
         if self._stage in ("locate", "passage"):
             parts["locate"] = runs.locate(self._variant)
@@ -95,6 +109,7 @@ class EvaluationRun:
             episodes_per_pipe=episodes,
             penetration_p99_m=float(np.percentile(deepest, 99)),
             options=self._options,
+            disturb=self._disturb,
             thesis={} if controller is None else thesis_best(controller.task.control, self._robot.name),
         )
 

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from pipenav.backend import Backend
 from pipenav.batch import CornerBatch
 from pipenav.controller import Controller
+from pipenav.disturbance import UNDISTURBED, Disturbance
+from pipenav.disturbed import disturbed
 from pipenav.episode_runner import EpisodeQueue, EpisodeResults, joined, random_start, run_stage
 from pipenav.locate import LocateConfig, Variant, robot_for
 from pipenav.locate_stage import LocateStage
@@ -103,6 +105,7 @@ class Passages:
         backend: name of a simulator backend.
         options: the backend's own settings.
         progress: see `Progress`.
+        disturbance: what goes wrong, drawn anew in every stage.
     """
 
     def __init__(
@@ -115,10 +118,11 @@ class Passages:
         backend: str = "mujoco",
         options: dict[str, Any] | None = None,
         progress: Progress = lambda _part, _total, _done, _successes: None,
+        disturbance: Disturbance = UNDISTURBED,
     ) -> None:
-        self._robot, self._task = robot, task
+        self._robot, self._task, self._seed, self._disturbance = robot, task, seed, disturbance
         self._pipes = [pipe for pipe in pipes for _ in range(episodes)]
-        self._given = random_start(robot, task, pipes, episodes, seed)
+        self._given = random_start(robot, disturbance.starts(task), pipes, episodes, seed)
         self._backend, self._options, self._progress = backend, dict(options or {}), progress
 
     def locate(self, variant: Variant = "map") -> Part:
@@ -162,7 +166,8 @@ class Passages:
             motions[job] = rear_motion(self._robot, whole)
 
         def make(simulator: Backend, queue: EpisodeQueue[Motion]) -> Stage:
-            return RearStage(self._robot, simulator, len(queue.running), queue.take, self._task)
+            n = len(queue.running)
+            return RearStage(self._robot, self._disturbed(simulator, n), n, queue.take, self._task)
 
         if not len(jobs):
             return _nothing(self._robot)
@@ -176,6 +181,9 @@ class Passages:
             lambda done, successes: self._progress("rear", len(jobs), done, successes),
         )
         return Part(jobs, results, [], np.full((len(jobs), 2), np.nan))
+
+    def _disturbed(self, simulator: Backend, n: int) -> Backend:
+        return disturbed(simulator, self._robot, n, self._disturbance, self._seed)
 
     def _run(
         self,
@@ -193,7 +201,8 @@ class Passages:
             return start(int(jobs[i]))
 
         def make_recorded(simulator: Backend, queue: EpisodeQueue[Episodes]) -> Stage:
-            recorded.append(_Recorded(make(simulator, queue), queue, begin, self._task.max_steps + 1))
+            stage = make(self._disturbed(simulator, len(queue.running)), queue)
+            recorded.append(_Recorded(stage, queue, begin, self._task.max_steps + 1))
             return recorded[0]
 
         pipes = [self._pipes[job] for job in jobs]
@@ -227,8 +236,9 @@ def run_fronts(
     seed: int,
     backend: str = "mujoco",
     options: dict[str, Any] | None = None,
+    disturbance: Disturbance = UNDISTURBED,
 ) -> EpisodeResults:
     """Front passages alone, to given targets: see `Passages`."""
-    return (
-        Passages(controller.robot, controller.task, pipes, episodes, seed, backend, options).front(controller).results
-    )
+    robot, task = controller.robot, controller.task
+    runs = Passages(robot, task, pipes, episodes, seed, backend, options, disturbance=disturbance)
+    return runs.front(controller).results

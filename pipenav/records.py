@@ -209,6 +209,7 @@ class Evaluation(_Record):
         success_low, success_high: its 95 % interval.
         penetration_p99_m: 99th percentile over the episodes of the deepest overlap [m].
         options: the backend's settings.
+        disturb: name or file of what went wrong on purpose; None for nothing.
         pipes: one record for each pipe, in the order they were given.
         diameters: one record for each diameter, widest first.
     """
@@ -225,6 +226,7 @@ class Evaluation(_Record):
     success_high: Share
     penetration_p99_m: float | None = None
     options: dict[str, JsonValue] = Field(default_factory=dict)
+    disturb: str | None = None
     pipes: tuple[PipeRecord, ...] = Field(min_length=1)
     diameters: tuple[DiameterRecord, ...] = Field(min_length=1)
 
@@ -241,6 +243,7 @@ class Evaluation(_Record):
         episodes_per_pipe: int,
         penetration_p99_m: float | None = None,
         options: Mapping[str, JsonValue] | None = None,
+        disturb: str | None = None,
         thesis: Mapping[float, float] | None = None,
     ) -> Self:
         """An evaluation of at least one pipe; `thesis` holds figures [percent] to compare with, by diameter [mm]."""
@@ -259,6 +262,7 @@ class Evaluation(_Record):
             success_high=high,
             penetration_p99_m=penetration_p99_m,
             options=dict(options or {}),
+            disturb=disturb,
             pipes=tuple(pipes),
             diameters=tuple(diameters),
         )

@@ -12,6 +12,7 @@ from stable_baselines3.common.logger import configure
 
 from pipenav import resume
 from pipenav.batch import CornerBatch, random_episodes
+from pipenav.disturbed import disturbed
 from pipenav.pipe_set import parse_pipes
 from pipenav.registry import open_backend
 from pipenav.robot import load_robot
@@ -52,8 +53,10 @@ def train(
     n = config.learner.robots
     segments = max(len(pipe.segments) for pipes in sets for pipe in pipes)
     rng = np.random.default_rng(config.seed)
-    backend = open_backend(config.backend, robot, n, config.options, segments)
-    batch = CornerBatch(robot, config.task, backend, n, random_episodes(robot, config.task, sets, rng))
+    simulator = open_backend(config.backend, robot, n, config.options, segments)
+    backend = disturbed(simulator, robot, n, config.randomise, config.seed)
+    source = random_episodes(robot, config.randomise.starts(config.task), sets, rng)
+    batch = CornerBatch(robot, config.task, backend, n, source)
     env = CornerVecEnv(batch)
     try:
         model = new_model(config, env)

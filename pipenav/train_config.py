@@ -11,7 +11,9 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from pydantic_core import PydanticCustomError
 
 from pipenav import assets
-from pipenav.errors import ConfigError, FileProblem, PipenavError, UnknownName
+from pipenav.disturbance import UNDISTURBED, Disturbance
+from pipenav.errors import ConfigError, PipenavError, UnknownName
+from pipenav.files import read_toml
 from pipenav.task.config import TaskConfig
 
 DEFAULT_PRESET = "arm"
@@ -80,6 +82,7 @@ class TrainConfig(_Table):
     network: NetworkConfig = NetworkConfig()
     learner: LearnerConfig = LearnerConfig()
     check: CheckConfig = CheckConfig()
+    randomise: Disturbance = UNDISTURBED
 
 
 def preset_names() -> list[str]:
@@ -131,16 +134,6 @@ def validate_config(table: Mapping[str, Any], where: str) -> TrainConfig:
         return TrainConfig.model_validate(table)
     except ValidationError as error:
         raise ConfigError.from_validation(where, error, _keys(TrainConfig)) from error
-
-
-def read_toml(path: Path) -> dict[str, Any]:
-    """A TOML file as a table."""
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise FileProblem(path, "read", error) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{path} is not valid TOML: {error}.") from error
 
 
 def _keys(model: type[BaseModel], prefix: str = "") -> list[str]:

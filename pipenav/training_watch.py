@@ -194,7 +194,8 @@ class Watch(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3 is importe
         each = math.ceil(check.episodes / len(chosen))
         seed = self._config.seed + CHECK_SEED
         controller = PolicyController(load_policy(self._folder.last))
-        results = run_fronts(controller, chosen, each, seed, self._config.backend, self._config.options)
+        config = self._config
+        results = run_fronts(controller, chosen, each, seed, config.backend, config.options, config.randomise)
         return float((results.verdict == Verdict.REACHED).mean())
 
     def _header(self) -> PolicyHeader:

@@ -45,20 +45,31 @@ class WallBoxes(NamedTuple):
     segments: Array
 
 
-def wall_boxes(pipes: Sequence[Pipe], slots: int, base: Array) -> WallBoxes:
+class Edge(NamedTuple):
+    """How boxes end at a convex edge: their thickness there, and by how much they end before it [m]."""
+
+    thickness: float = INNER_THICKNESS
+    gap: float = 0.0
+
+
+SHARP = Edge()
+"""Boxes that meet at the edge itself."""
+
+
+def wall_boxes(pipes: Sequence[Pipe], slots: int, base: Array, edge: Edge = SHARP) -> WallBoxes:
     """The wall segments of each robot's pipe as boxes behind their faces; slots that are left over are parked far away.
 
     The robot never moves its mount: the walls come to it, so `base` (k,), where the robot's frame starts on the first
     leg's axis, is subtracted.
     """
-    walls = WallBoxes(*(np.array(parts) for parts in zip(*(_boxes(pipe, slots) for pipe in pipes), strict=True)))
+    walls = WallBoxes(*(np.array(parts) for parts in zip(*(_boxes(pipe, slots, edge) for pipe in pipes), strict=True)))
     walls.position[..., 0] -= base[:, None]
     walls.segments[..., 0] -= base[:, None, None]
     return walls
 
 
 @lru_cache(maxsize=4096)  # every pipe of the largest shipped training set
-def _boxes(pipe: Pipe, slots: int) -> WallBoxes:
+def _boxes(pipe: Pipe, slots: int, edge: Edge) -> WallBoxes:
     """The boxes of one pipe in its own frame.
 
     Where the free space is convex (the outer wall's vertices) a box runs on past the vertex by its thickness, so that
@@ -72,7 +83,7 @@ def _boxes(pipe: Pipe, slots: int) -> WallBoxes:
     length = np.linalg.norm(end - start, axis=1)
     along = (end - start) / length[:, None]
     behind = np.stack([along[:, 1], -along[:, 0]], axis=1)  # the free space lies to the left
-    thickness, overlap = np.where(outer, OUTER_THICKNESS, INNER_THICKNESS), np.where(outer, OUTER_THICKNESS, 0.0)
+    thickness, overlap = np.where(outer, OUTER_THICKNESS, edge.thickness), np.where(outer, OUTER_THICKNESS, -edge.gap)
     centre = (start + end) / 2 + behind * thickness[:, None] / 2
     yaw = np.arctan2(along[:, 1], along[:, 0])
     zero = np.zeros(slots)

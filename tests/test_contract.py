@@ -12,7 +12,7 @@ from pipenav.backend import Array, Backend
 from pipenav.pipe import Pipe
 from pipenav.registry import availability, find_backends
 from pipenav.state import Command, Reading, Truth
-from pipenav.testing import CONTRACT, Bench, KinematicBackend
+from pipenav.testing import CONTRACT, VARIATION_LAWS, Bench, KinematicBackend
 
 NEEDS_A_MACHINE = {"hardware"}
 """Backends that cannot be opened without their machine: their own tests run them over a fake wire."""
@@ -36,7 +36,7 @@ def test_our_backends_are_installed() -> None:
     )
 
 
-@pytest.mark.parametrize("check", CONTRACT, ids=lambda check: check.__name__.removeprefix("check_"))
+@pytest.mark.parametrize("check", [*CONTRACT, *VARIATION_LAWS], ids=lambda check: check.__name__[len("check_") :])
 @pytest.mark.parametrize("backend", _subjects())
 def test_contract(backend: str | type[Backend], check: Callable[[Bench], None]) -> None:
     check(Bench(backend))

@@ -94,6 +94,19 @@ def test_a_hinge_presses_by_the_law_of_the_lever(drive: float) -> None:
     backend.close()
 
 
+@pytest.mark.parametrize("angle", [55, 65, 90, 125])
+def test_a_link_that_slides_slowly_along_the_inner_wall_is_not_stopped_at_its_edge(angle: float) -> None:
+    robot, pipe = ROBOT.model_copy(update={"links": ROBOT.links[:2]}), Pipe.of(70, angle)
+    backend = alone(robot, pipe, -pipe.inner_edge - 0.05 - robot.length)
+    for _ in range(5):
+        backend.step(Command("torque", np.array([[0.0, 0.3]])))
+    assert backend.truth().contact_share[0] == 1.0
+    for _ in range(20):
+        backend.step(Command("torque", np.array([[0.2, 0.3]])))
+    assert backend.truth().tip[0, 0] > -pipe.inner_edge + robot.width / 2
+    backend.close()
+
+
 def test_friction_takes_its_share_of_the_push() -> None:
     # The two-link arm presses sideways on the wall with its hinge while its slide pulls along the pipe: at rest, the
     # wall's force on the tip, friction included, has the pull as its component along the pipe.
@@ -133,7 +146,7 @@ def test_walls_hold_the_arm_and_penetration_is_the_overlap_of_the_shapes() -> No
         backend.step(drives(rng, n))
         truth, q = backend.truth(), backend.read().q
         depths.append(truth.penetration)
-        assert np.all(truth.penetration > overlap - 2e-5)  # it begins with what the period before ended with
+        assert np.all(truth.penetration > overlap - 6e-5)  # as the period before ended; walls end 5e-5 before edges
         overlap = np.array([-clearance(ROBOT, *where) for where in zip(pipes, q, base, strict=True)])
         none = truth.contact_share == 0
         assert np.all(truth.contact_force[none] == 0)

@@ -36,6 +36,9 @@ def evaluate(
     ] = None,
     variant: Annotated[Literal["map", "thesis"], typer.Option(help=VARIANT_HELP)] = "map",
     option: Annotated[list[str] | None, typer.Option(help="Backend setting, key=value; repeatable.")] = None,
+    disturb: Annotated[
+        str | None, typer.Option(help="What goes wrong, by name (docs/disturbances.md) or as FILE.toml.")
+    ] = None,
     out: Annotated[Path | None, typer.Option(help="Evaluation folder; default beside the policy.")] = None,
 ) -> None:
     """Measure in which pipes a policy passes: success with 95 % intervals, failures, clearance, contact, pictures.
@@ -55,14 +58,17 @@ def evaluate(
         pipenav eval --policy baseline:centreline --pipes d=90,angle=60 --pipes d=90,angle=60,turn=right
 
         pipenav eval --policy arm --option timestep=0.001
+
+        pipenav eval --policy arm --disturb real-world
     """
     from pipenav.evaluate import EvaluationRun
     from pipenav.files import prepare_folder
     from pipenav.report import evaluation_table, write_evaluation
 
     names = pipes or ["working-range"]
-    run = EvaluationRun(policy, names, episodes, seed, stage, robot, variant, backend, parse_options(option or []))
-    folder = out or _default_folder(policy, stage, robot or "basic", variant, names)
+    options = parse_options(option or [])
+    run = EvaluationRun(policy, names, episodes, seed, stage, robot, variant, backend, options, disturb)
+    folder = out or _default_folder(policy, stage, robot or "basic", variant, [*names, *([disturb] if disturb else [])])
     prepare_folder(folder)
     console = Console()
     columns = (

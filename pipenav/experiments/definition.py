@@ -10,8 +10,9 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError,
 
 from pipenav.errors import ConfigError, UnknownName
 from pipenav.evaluate import StageName
+from pipenav.files import read_toml
 from pipenav.locate import Variant
-from pipenav.train_config import TrainConfig, load_config, read_toml
+from pipenav.train_config import TrainConfig, load_config
 
 FOLDER = Path(__file__).parent
 ALL = "all"

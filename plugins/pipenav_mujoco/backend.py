@@ -57,7 +57,8 @@ class MujocoBackend(backend.Backend):
         self._base = np.zeros(n)
         self._control: Control | None = None
         self._pose: kinematics.ChainPose | None = None
-        self._stiffness = np.array([actuator.position_gain for actuator in robot.joint_actuators])
+        self._stiffness = np.tile([actuator.position_gain for actuator in robot.joint_actuators], (n, 1))
+        self._effort = np.tile(robot.effort_limits, (n, 1))
         self._bind(n)
 
     def _bind(self, n: int) -> None:
@@ -67,6 +68,7 @@ class MujocoBackend(backend.Backend):
         self._ctrl, self._warm = batch.bind("ctrl"), batch.bind("qacc_warmstart")
         self._wall_position, self._wall_quaternion = batch.bind("mocap_pos"), batch.bind("mocap_quat")
         first = model.geom("wall0").id
+        self._longest_walls = model.geom_size[first : first + self._slots].copy()
         self._wall_half_size = batch.expand("geom_size")[:, first : first + self._slots]
         self._gain, self._bias = batch.expand("actuator_gainprm"), batch.expand("actuator_biasprm")
         self._record = {"sensordata": np.zeros((n, self._substeps, model.nsensordata))}
@@ -93,7 +95,8 @@ class MujocoBackend(backend.Backend):
 
     def step(self, command: Command) -> None:
         if command.control != self._control:
-            self._set_control(command.control)
+            self._control = command.control
+            self._set_gains(slice(None))
         self._ctrl[:] = command.values
         self._batch.rollout(self._substeps, record=("sensordata",), out=self._record)
         self._pose = None
@@ -103,12 +106,34 @@ class MujocoBackend(backend.Backend):
         means = self._windows.means(sensors)[..., :-2].reshape(len(sensors), -1, len(self._robot.links), 3)
         self._link_forces = -strongest(means[..., :2])  # the sensors give what the link does to the wall
 
-    def _set_control(self, control: Control) -> None:
+    def _set_gains(self, robots: slice | NDArray[np.intp]) -> None:
         """Make the actuators position servos or plain drives; both share the motor's torque-speed line."""
-        position = control == "position"
-        self._gain[:, :, 0] = self._stiffness if position else self._robot.effort_limits
-        self._bias[:, :, 1] = -self._stiffness if position else 0.0
-        self._control = control
+        position = self._control == "position"
+        self._gain[robots, :, 0] = self._stiffness[robots] if position else self._effort[robots]
+        self._bias[robots, :, 1] = -self._stiffness[robots] if position else 0.0
+
+    def vary(self, robots: NDArray[np.intp], variation: backend.Variation) -> None:
+        """See `pipenav.backend.Variable`. Fields become the robots' own when this is first called."""
+        batch, model = self._batch, self._model
+        links = [model.body(link.name).id for link in self._robot.links]
+        rows = np.ix_(robots, links)
+        batch.expand("body_mass")[rows] = model.body_mass[links] * variation.mass
+        batch.expand("body_inertia")[rows] = model.body_inertia[links] * variation.mass[..., None]
+        batch.expand("geom_friction")[robots, :, 0] = model.geom_friction[:, 0] * variation.friction[:, None]
+        self._derive_constants(robots)
+        self._effort[robots] = self._robot.effort_limits * variation.strength
+        stiffness = [actuator.position_gain for actuator in self._robot.joint_actuators]
+        self._stiffness[robots] = stiffness * variation.strength * variation.gain
+        batch.expand("actuator_forcerange")[robots] = np.stack([-self._effort[robots], self._effort[robots]], axis=-1)
+        self._set_gains(robots)
+
+    def _derive_constants(self, robots: NDArray[np.intp]) -> None:
+        """What MuJoCo computes from masses. Bounding volumes must stay those of the longest walls: a reset changes
+        walls without computing them anew."""
+        walls = self._wall_half_size[robots]
+        self._wall_half_size[robots] = self._longest_walls
+        self._batch.set_const(robots)
+        self._wall_half_size[robots] = walls
 
     def read(self) -> Reading:
         return Reading(

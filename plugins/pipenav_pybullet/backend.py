@@ -77,6 +77,15 @@ class PybulletBackend(backend.Backend):
         self._depth[robots], self._contact_share[robots], self._link_forces[robots] = 0.0, 0.0, 0.0
         return self.read().part(robots)
 
+    def vary(self, robots: NDArray[np.intp], variation: backend.Variation) -> None:
+        """See `pipenav.backend.Variable`."""
+        bounds = self._crew.bounds
+        orders = [
+            (robots[rows] - first, variation.part(rows)) if len(rows) else None
+            for first, rows in zip(bounds, shares(robots, bounds), strict=False)
+        ]
+        self._crew.ask("vary", orders)
+
     def step(self, command: Command) -> None:
         orders = [(command.control, command.values[first:last]) for first, last in pairwise(self._crew.bounds)]
         motions = self._crew.ask("step", orders)

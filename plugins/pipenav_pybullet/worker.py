@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pipenav.backend import Variation
 from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
 from pipenav.state import Control
@@ -37,6 +38,11 @@ class Share:
                 mine = [pipes[row] for row in rows]
                 distances.append(world.reset((robots[rows] - first).tolist(), mine, q[rows], base[rows]))
         return np.concatenate(distances)
+
+    def vary(self, robots: NDArray[np.intp], variation: Variation) -> None:
+        """As `World.vary`."""
+        for world, first, rows in zip(self._worlds, self._bounds, shares(robots, self._bounds), strict=False):
+            world.vary((robots[rows] - first).tolist(), variation.part(rows))
 
     def step(self, control: Control, values: Array) -> Motion:
         """As `World.step`."""

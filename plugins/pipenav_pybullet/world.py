@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipenav import kinematics
-from pipenav.backend import CONTROL_PERIOD
+from pipenav.backend import CONTROL_PERIOD, Variation
 from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
 from pipenav.state import Control
-from pipenav.wall_boxes import WALL_HALF_HEIGHT, wall_boxes
+from pipenav.wall_boxes import WALL_HALF_HEIGHT, Edge, wall_boxes
 from pipenav_pybullet.quiet import silenced_stderr
 from pipenav_pybullet.urdf import DISCS as DISC_LINK
-from pipenav_pybullet.urdf import discs, robot_urdf
+from pipenav_pybullet.urdf import body, discs, robot_urdf
 
 with silenced_stderr():  # it tells when it was built
     import pybullet
@@ -41,6 +41,13 @@ MEZZANINE = STOREY / 2
 """Height above its robot at which the faces of a pipe's walls stand, and beams are cast [m].
 
 Bullet's rays stop up to a centimetre before a box, but exactly on a triangle; here they meet nothing else.
+"""
+
+INNER_EDGE = Edge(thickness=1e-5, gap=5e-5)
+"""Boxes at the inner wall's edges are thinner and end before them [m].
+
+A link that slides along one of them sinks in by a hundredth of a millimetre. The end of the next one, where it stood
+out by that much, would stop it like a doorstep: one passage in ten of the narrow, sharp corners got stuck there.
 """
 
 CONTACT_THRESHOLD = 0.004
@@ -107,7 +114,8 @@ class World:
         self._around: list[list[int]] = [[] for _ in range(k)]
         self._shapes: dict[Pipe, tuple[int, int]] = {}
         efforts = [(a.effort_limit, a.position_gain) for a in robot.joint_actuators]
-        self._effort, self._stiffness = (np.tile(column, (k, 1)) for column in zip(*efforts, strict=True))
+        self._motors = np.array(efforts).T[:, None]  # (2, 1, joints)
+        self._effort, self._stiffness = np.repeat(self._motors, k, axis=1)
         self._damping = np.array([a.damping for a in robot.joint_actuators])
         self._q, self._qd = np.zeros((k, len(self._joints))), np.zeros((k, len(self._joints)))
 
@@ -155,6 +163,23 @@ class World:
                 physicsClientId=self._client,
             )
 
+    def vary(self, arms: Sequence[int], variation: Variation) -> None:
+        """As `pipenav.backend.Variable`."""
+        effort, stiffness = self._motors
+        for row, i in enumerate(arms):
+            self._effort[i] = effort * variation.strength[row]
+            self._stiffness[i] = stiffness * variation.strength[row] * variation.gain[row]
+            friction = self._robot.friction * variation.friction[row]
+            for link in range(len(self._link_of)):
+                changes = {"lateralFriction": friction}
+                if link in self._joints:
+                    j = self._joints.index(link)
+                    description = self._robot.links[j]
+                    heavier = description.model_copy(update={"mass": description.mass * variation.mass[row, j]})
+                    itself = body(heavier, self._robot.joint_actuators[j])
+                    changes |= {"mass": itself.mass, "localInertiaDiagonal": [itself.inertia] * 3}
+                pybullet.changeDynamics(self._arms[i], link, physicsClientId=self._client, **changes)
+
     def reset(self, arms: Sequence[int], pipes: Sequence[Pipe], q: Array, base: Array) -> Array:
         """As `Backend.reset`; distances along the beams of those robots, (len(arms), beams)."""
         for row, i in enumerate(arms):
@@ -166,8 +191,8 @@ class World:
 
     def _surround(self, i: int, pipe: Pipe, base: float) -> None:
         """Put a pipe around robot i. With the bodies that stood there go the contacts that Bullet remembers."""
-        for body in self._around[i]:
-            pybullet.removeBody(body, physicsClientId=self._client)
+        for wall in self._around[i]:
+            pybullet.removeBody(wall, physicsClientId=self._client)
         if pipe not in self._shapes:  # never removed: Bullet keeps shapes for ever
             self._shapes[pipe] = (self._box_shape(pipe), self._face_shape(pipe))
         boxes, faces = self._shapes[pipe]
@@ -191,7 +216,9 @@ class World:
 
     def _box_shape(self, pipe: Pipe) -> int:
         """The walls of a pipe as boxes. Bullet writes the scalar part of a quaternion last."""
-        position, quaternion, half_size, _ = (part[0] for part in wall_boxes([pipe], len(pipe.segments), np.zeros(1)))
+        position, quaternion, half_size, _ = (
+            part[0] for part in wall_boxes([pipe], len(pipe.segments), np.zeros(1), INNER_EDGE)
+        )
         shape: int = pybullet.createCollisionShapeArray(
             shapeTypes=[pybullet.GEOM_BOX] * len(position),
             halfExtents=half_size.tolist(),

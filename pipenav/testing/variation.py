@@ -1,0 +1,155 @@
+"""The laws of a backend whose robots can differ from their description (`pipenav.backend.Variable`).
+
+They hold trivially for a backend that does not offer it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.backend import Backend, Variable, Variation
+from pipenav.pipe import Pipe
+from pipenav.state import Command
+from pipenav.testing.bench import Bench, starts
+
+Array = NDArray[np.float64]
+
+WEAKER = 0.8
+"""A factor that nobody could miss."""
+
+
+def check_variation_of_one_changes_nothing(bench: Bench) -> None:
+    """Factors of 1 leave every bit as it was, also after other factors."""
+    with bench.open() as varied, bench.open() as plain:
+        if not isinstance(varied, Variable):
+            return
+        robots = np.arange(bench.n)
+        varied.vary(robots, factors(bench, friction=2.0, mass=WEAKER, strength=WEAKER, gain=WEAKER))
+        start = starts(bench, seed=1)
+        small = [
+            Pipe.of(60, 150, leg_mm=150)
+        ] * bench.n  # what a simulator derived from its walls must not outlive them
+        varied.reset(robots, small, start.q, start.base - 0.5)
+        for command in bench.commands(3):
+            varied.step(command)
+        varied.vary(robots, factors(bench))
+        _require_same(_driven(bench, varied), _driven(bench, plain), robots)
+
+
+def check_variation_touches_only_named_robots(bench: Bench) -> None:
+    """The others go on exactly as if nothing had happened."""
+    with bench.open() as varied, bench.open() as plain:
+        if not isinstance(varied, Variable):
+            return
+        chosen, others = np.arange(1, bench.n, 2), np.arange(0, bench.n, 2)
+        changed = factors(bench, friction=0.0, mass=2.0, strength=WEAKER, gain=WEAKER)
+        varied.vary(chosen, changed.part(chosen))
+        _require_same(_driven(bench, varied), _driven(bench, plain), others)
+
+
+def check_weak_actuators_push_less(bench: Bench) -> None:
+    """A slide presses head-on on a wall with its effort limit times its strength."""
+    robot = bench.robot
+    with bench.open() as subject:
+        if not isinstance(subject, Variable) or robot.hinges[0]:
+            return
+        strength = np.linspace(WEAKER, 1.0 / WEAKER, bench.n)
+        changed = factors(bench)
+        changed.strength[:] = strength[:, None]
+        subject.vary(np.arange(bench.n), changed)
+        pipe, q = Pipe.of(120, 90), np.zeros((bench.n, len(robot.joints)))
+        base = np.full(bench.n, pipe.radius - 0.01 - robot.length)
+        subject.reset(np.arange(bench.n), [pipe] * bench.n, q, base)
+        drive = np.zeros_like(q)
+        drive[:, 0] = 1.0
+        for _ in range(30):
+            subject.step(Command("torque", drive))
+        truth = subject.truth()
+        if truth is not None:
+            pushed = truth.contact_force
+            np.testing.assert_allclose(pushed, strength * robot.effort_limits[0], rtol=0.02, err_msg="force of a slide")
+
+
+def check_each_factor_acts_the_right_way(bench: Bench) -> None:
+    """Against an unchanged robot: heavy or weak joints start slower, soft controllers lag behind."""
+    robot, n = bench.robot, bench.n
+    wide = Pipe.of(300, 180)
+    ahead = np.tile(0.2 * np.where(robot.hinges, robot.upper, 0.1), (n, 1))
+    trials: list[tuple[dict[str, float], Command]] = [
+        ({"mass": 2.0}, Command("torque", np.ones_like(ahead))),
+        ({"strength": WEAKER}, Command("torque", np.ones_like(ahead))),
+        ({"strength": WEAKER}, Command("position", ahead)),
+        ({"gain": 0.2}, Command("position", 0.1 * ahead)),
+    ]
+    for changed, command in trials:
+        way = []
+        for factor in (changed, {}):
+            with bench.open() as subject:
+                if not isinstance(subject, Variable):
+                    return
+                subject.vary(np.arange(n), factors(bench, **factor))
+                subject.reset(np.arange(n), [wide] * n, np.zeros_like(ahead), np.full(n, -robot.length))
+                subject.step(command)
+                way.append(subject.read().q[:, 0])
+        if not np.all(way[0] < way[1]):
+            raise AssertionError(f"a first joint with {changed} moves by {way[0]}, without by {way[1]}")
+
+
+def check_friction_holds_what_slides(bench: Bench) -> None:
+    """An arm that presses sideways on a wall is pulled along it more slowly the rougher it is."""
+    robot, n = bench.robot, bench.n
+    with bench.open() as subject:
+        if not isinstance(subject, Variable) or robot.hinges[0] or len(robot.joints) < 2:
+            return
+        changed = factors(bench)
+        changed.friction[:] = np.linspace(0.0, 3.0, n)
+        subject.vary(np.arange(n), changed)
+        pipe = Pipe.of(100, 180)
+        subject.reset(np.arange(n), [pipe] * n, np.zeros((n, len(robot.joints))), np.full(n, -robot.length))
+        drive = np.zeros((n, len(robot.joints)))
+        drive[:, 1] = 1.0
+        for _ in range(10):
+            subject.step(Command("torque", drive))
+        before = subject.read().q[:, 0]
+        drive[:, 0] = -0.2
+        for _ in range(3):
+            subject.step(Command("torque", drive))
+        way = before - subject.read().q[:, 0]
+    if not np.all(np.diff(way) < 0):
+        raise AssertionError(f"with friction of {0.0:g} to {3.0:g} times the robot's, arms slide by {way} m")
+
+
+VARIATION_LAWS: list[Callable[[Bench], None]] = [
+    check_variation_of_one_changes_nothing,
+    check_variation_touches_only_named_robots,
+    check_weak_actuators_push_less,
+    check_each_factor_acts_the_right_way,
+    check_friction_holds_what_slides,
+]
+"""Every law; each check raises AssertionError when a backend breaks it."""
+
+
+def factors(bench: Bench, **given: float) -> Variation:
+    """The same factors for all joints and robots; 1 where none is given."""
+    n, joints = bench.n, len(bench.robot.joints)
+    shapes = {"friction": (n,), "mass": (n, len(bench.robot.links)), "strength": (n, joints), "gain": (n, joints)}
+    return Variation(**{name: np.full(shape, given.get(name, 1.0)) for name, shape in shapes.items()})
+
+
+def _driven(bench: Bench, subject: Backend) -> list[Array]:
+    """All that a backend tells while it is driven in both ways from the start."""
+    subject.reset(*starts(bench))
+    told: list[Array] = []
+    for command in [*bench.commands(8), *bench.commands(4, "position")]:
+        subject.step(command)
+        truth = subject.truth()
+        told += [*subject.read(), *(truth if truth is not None else ())]
+    return told
+
+
+def _require_same(one: list[Array], other: list[Array], robots: NDArray[np.intp]) -> None:
+    for a, b in zip(one, other, strict=True):
+        np.testing.assert_array_equal(a[robots], b[robots], err_msg="robots that were not varied")
