@@ -14,7 +14,6 @@ from pipenav.experiments.findings import paragraph
 from pipenav.experiments.run import Plan, Settings, evaluation_jobs, open_plan, resolved_agent, training_jobs
 from pipenav.experiments.tables import PHASES, results
 from pipenav.records import Evaluation, PipeRecord
-from pipenav.report import write_evaluation
 from pipenav.thesis import ANGLES_DEG, thesis_rows
 
 
@@ -66,7 +65,8 @@ def thesis_plan(tmp_path: Path) -> Plan:
             for seed in plan.seeds:
                 folder = plan.evaluation_folder(row, resolved_agent(plan, row), seed)
                 if not (folder / "eval.json").exists():
-                    write_evaluation(folder, evaluation(row.stage, percent))
+                    folder.mkdir(parents=True)
+                    (folder / "eval.json").write_text(evaluation(row.stage, percent).to_json(), encoding="utf-8")
     return plan
 
 

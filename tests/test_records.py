@@ -84,7 +84,7 @@ def test_json_has_exactly_the_documented_keys() -> None:
     table = json.loads(evaluation([pipe()]).to_json())
     assert set(table) == {
         *("schema", "policy", "backend", "robot", "stage", "seed", "pipes", "diameters", "episodes_per_pipe"),
-        *("success", "success_low", "success_high", "penetration_p99_m", "options"),
+        *("success", "success_low", "success_high", "penetration_p99_m", "options", "disturb"),
     }
     assert table["schema"] == 1
     assert set(table["pipes"][0]) == PIPE_KEYS | {"front_success_low", "front_success_high"}
