@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -38,6 +38,20 @@ class Finding(NamedTuple):
     remedy: str = ""
 
 
+class Emulated(NamedTuple):
+    """An arm made of software.
+
+    Attributes:
+        options: open it.
+        base: where the robot's frame starts on the first leg's axis, x in the pipe's frame [m].
+        log: every byte on its bus, with its time.
+    """
+
+    options: BackendOptions
+    base: float
+    log: Path
+
+
 class Recoder(NamedTuple):
     """Repeats a recorded run's arithmetic without its machine.
 
@@ -48,6 +62,47 @@ class Recoder(NamedTuple):
 
     read: Callable[[Mapping[str, Any]], Reading | None]
     write: Callable[[Command], Sent]
+
+
+class Calibrator(ABC):
+    """Finds out how an arm is mounted, one joint at a time; asks and prints nothing itself.
+
+    Attributes:
+        joints: their names, in order.
+    """
+
+    joints: list[str]
+
+    @abstractmethod
+    def set_zero(self) -> None:
+        """The arm stands straight now, its carriage at the start: these are the joints' zeros."""
+
+    @abstractmethod
+    def nudge(self, joint: str) -> float:
+        """Move one joint's servo counter-clockwise a little and switch torque off again; by how much [rad]."""
+
+    @abstractmethod
+    def set_direction(self, joint: str, positive: bool, moved_mm: float | None) -> None:
+        """What the nudge did: whether it was the joint's positive direction, and of a slide how far it went."""
+
+    @abstractmethod
+    def text(self) -> str:
+        """The content of arm.toml."""
+
+    @abstractmethod
+    def write_servos(self) -> list[str]:
+        """Store the arm's limits in the servos' EEPROM; what was written, one line for each servo."""
+
+    @abstractmethod
+    def cut(self) -> None:
+        """Switch torque off at once: allowed inside a signal handler."""
+
+    @abstractmethod
+    def off(self) -> list[str]:
+        """Switch torque off and ask back; never raises."""
+
+    @abstractmethod
+    def close(self) -> None: ...
 
 
 class Machine(Backend):
@@ -105,10 +160,20 @@ class Machine(Backend):
 
     @classmethod
     @abstractmethod
+    def calibrator(cls, robot: RobotSpec, ports: Mapping[str, str]) -> Calibrator:
+        """A calibration of a new arm.
+
+        Args:
+            robot: what it shall be.
+            ports: devices of `servos`, `scanner` and, where there is one, `front`.
+        """
+
+    @classmethod
+    @abstractmethod
     def emulate(
         cls, robot: RobotSpec, pipe: Pipe, folder: Path, seed: int, faults: Sequence[Mapping[str, Any]]
-    ) -> AbstractContextManager[BackendOptions]:
-        """An arm made of software in a pipe, while the context lasts; the options that open it.
+    ) -> AbstractContextManager[Emulated]:
+        """An arm made of software in a pipe, while the context lasts.
 
         Args:
             robot: the robot.

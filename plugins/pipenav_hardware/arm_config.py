@@ -220,17 +220,16 @@ def default_arm(robot: RobotSpec, port: str, scanner: ScannerConfig, front: Fron
     for number, (actuator, joint) in enumerate(_driven(robot), start=1):
         servo = {"joint": joint.name, "id": number, "sign": 1, "torque_limit_percent": 100 * actuator.output_limit}
         if joint.type == "hinge":
-            reach = (COUNTS / 2 - STOP_MARGIN) * COUNT
-            lower, upper = max(joint.lower, -reach), min(joint.upper, reach)
+            lower, upper = reachable(joint.lower, joint.upper, 1, CENTRE, 1.0)
             limits = {"lower_deg": rad_to_deg(lower), "upper_deg": rad_to_deg(upper)}
             servos.append({**servo, "drive": "hinge", "zero_count": CENTRE, **limits})
             continue
         radius = actuator.full_drive_error / full_drive
         middle = (joint.lower + joint.upper) / 2
-        half = min((joint.upper - joint.lower) / 2, PINION_TRAVEL * radius / 2 * (1 - 1e-9))
-        limits = {"lower_mm": m_to_mm(middle - half), "upper_mm": m_to_mm(middle + half)}
-        pinion = {"pinion_radius_mm": m_to_mm(radius), "zero_count": CENTRE - middle / (radius * COUNT)}
-        servos.append({**servo, "drive": "pinion", **pinion, **limits})
+        zero = CENTRE - middle / (radius * COUNT)
+        lower, upper = reachable(joint.lower, joint.upper, 1, zero, radius)
+        pinion = {"pinion_radius_mm": m_to_mm(radius), "zero_count": zero}
+        servos.append({**servo, "drive": "pinion", **pinion, "lower_mm": m_to_mm(lower), "upper_mm": m_to_mm(upper)})
     front_table = None if front is None else front.model_dump()
     return ArmConfig.model_validate(
         {
@@ -242,6 +241,18 @@ def default_arm(robot: RobotSpec, port: str, scanner: ScannerConfig, front: Fron
             "front_sensor": front_table,
         }
     )
+
+
+def reachable(lower: float, upper: float, sign: int, zero_count: float, unit: float) -> tuple[float, float]:
+    """The part of a joint's travel that its servo reaches without coming near its ends.
+
+    Args:
+        lower, upper: the joint's own limits [rad or m].
+        sign, zero_count: how the servo is mounted.
+        unit: joint travel per servo angle [1, or m/rad].
+    """
+    ends = [sign * (counts - zero_count) * unit * COUNT for counts in (STOP_MARGIN, COUNTS - STOP_MARGIN)]
+    return max(lower, min(ends) + 1e-9), min(upper, max(ends) - 1e-9)
 
 
 def _driven(robot: RobotSpec) -> Any:

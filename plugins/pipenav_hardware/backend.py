@@ -16,18 +16,19 @@ from pydantic import Field
 
 from pipenav.backend import CONTROL_PERIOD, BackendOptions
 from pipenav.errors import PipenavError
-from pipenav.machine import Finding, Machine, Recoder, Sent
+from pipenav.machine import Calibrator, Emulated, Finding, Machine, Recoder, Sent
 from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
-from pipenav.safety import Deadlines
+from pipenav.safety import Deadlines, Stopped
 from pipenav.state import Command, Reading, Truth
 from pipenav_hardware import packets, table
 from pipenav_hardware.arm_config import ArmConfig, load_arm
+from pipenav_hardware.calibrate import Calibration
 from pipenav_hardware.check import findings
 from pipenav_hardware.codec import Codec, Encoded, Raw
 from pipenav_hardware.dynamixel import Bus
 from pipenav_hardware.front_sensor import FrontSensor
-from pipenav_hardware.ranging import BeamFilter, RangeScan, RangeSensor
+from pipenav_hardware.ranging import BeamFilter, RangeScan, RangeSensor, SensorLost
 from pipenav_hardware.scip2 import open_scanner
 from pipenav_hardware.servos import Servos, Told
 from pipenav_hardware.trips import STALL_ERROR, SensorRules, ServoRules
@@ -223,18 +224,23 @@ class HardwareBackend(Machine):
         return findings(load_arm(Path(options.arm)))
 
     @classmethod
+    def calibrator(cls, robot: RobotSpec, ports: Mapping[str, str]) -> Calibrator:
+        return Calibration(robot, ports)
+
+    @classmethod
     @contextlib.contextmanager
     def emulate(
         cls, robot: RobotSpec, pipe: Pipe, folder: Path, seed: int, faults: Sequence[Mapping[str, Any]]
-    ) -> Iterator[BackendOptions]:
+    ) -> Iterator[Emulated]:
         from pipenav.task import episode
         from pipenav.task.config import TaskConfig
         from pipenav_hardware.emulator.client import Emulator
 
         start = episode.sample(robot, TaskConfig(), [pipe], np.random.default_rng(seed))
-        place = {"q": start.q[0], "base": float(start.base[0])}
-        with Emulator(robot, pipe, folder=folder, seed=seed, faults=[dict(f) for f in faults], **place) as emulator:
-            yield HardwareOptions(arm=str(emulator.arm_path))
+        base = float(start.base[0])
+        settings: dict[str, Any] = {"seed": seed, "faults": [dict(fault) for fault in faults]}
+        with Emulator(robot, pipe, folder=folder, q=start.q[0], base=base, **settings) as emulator:
+            yield Emulated(HardwareOptions(arm=str(emulator.arm_path)), base, emulator.log_path)
 
     def close(self) -> None:
         self.off()
@@ -272,9 +278,12 @@ class HardwareBackend(Machine):
             scan = self._scanner.latest()
 
     def _listen(self, now: float) -> None:
-        self._scanner.pump(now)
-        if self._front is not None:
-            self._front.pump(now)
+        try:
+            self._scanner.pump(now)
+            if self._front is not None:
+                self._front.pump(now)
+        except SensorLost as lost:
+            raise Stopped("sensor-lost", str(lost).rstrip("."), "then start again") from lost
 
     def _judge(self, told: Told) -> Reading | None:
         """The reading in this tick's answers.

@@ -20,6 +20,7 @@ import serial
 from dynamixel_sdk import COMM_RX_TIMEOUT, COMM_SUCCESS, GroupSyncWrite, PortHandler, Protocol1PacketHandler
 
 from pipenav.errors import PipenavError
+from pipenav.safety import Stopped
 from pipenav_hardware import packets, table
 from pipenav_hardware.ports import holder_of, port_problem
 
@@ -40,11 +41,13 @@ LOST = (OSError, termios.error, serial.SerialException)
 """What a vanished adapter raises; termios.error is no OSError."""
 
 
-class BusLost(PipenavError):
+class BusLost(Stopped):
     """The adapter is gone or takes no bytes."""
 
     def __init__(self, port: str, why: object) -> None:
-        super().__init__(f"the servo bus on {port} is lost ({why}): check the USB cable, then start again.")
+        super().__init__(
+            "bus-lost", f"the servo bus on {port} is lost ({why})", "check the USB cable, then start again"
+        )
 
 
 class Mode(Enum):

@@ -94,15 +94,16 @@ class Servos:
 
     def verify(self, suspect: int | None = None) -> None:
         """Whether a servo still has the settings that it was given: a servo that lost power comes back without, and
-        answers as if nothing had happened. One servo a call, in turn, unless one is suspected.
+        answers as if nothing had happened. One servo every other call, in turn, unless one is suspected: four servos
+        are through in 0.8 s.
 
         Raises:
             Stopped: it has not.
         """
-        if not self._written:
+        self._turn += 1
+        if not self._written or (suspect is None and self._turn % 2):
             return
-        index = self._turn if suspect is None else suspect
-        self._turn = (self._turn + 1) % len(self._arm.servos)
+        index = self._turn // 2 % len(self._arm.servos) if suspect is None else suspect
         servo = self._arm.servos[index]
         data = self._bus.read(servo.id, table.SETTINGS_ADDRESS, table.SETTINGS_SIZE).data
         if data is None:

@@ -38,7 +38,7 @@ STALE = 0.25
 """Oldest scan or front reading [s]."""
 
 BAD_SCANS = 2
-"""Scans without a valid point, or the same as the one before, that are forgiven."""
+"""Scans without a valid point, or all the same, that are forgiven; the next one stops the arm."""
 
 HW_CHECK = "run pipenav hw-check"
 STATE_ALARMS = {
@@ -140,7 +140,7 @@ class SensorRules:
 
     def __init__(self, patience: float = 1.0) -> None:
         self._stale = STALE * patience
-        self._blind, self._frozen = Repeats(BAD_SCANS), Repeats(BAD_SCANS)
+        self._blind, self._frozen = Repeats(BAD_SCANS), Repeats(BAD_SCANS - 1)  # the first of them repeats nothing
         self._before: RangeScan | None = None
 
     def scanned(self, scan: RangeScan, blind: bool) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -37,10 +37,12 @@ class Goal(NamedTuple):
     last: int | None
 
 
-def records(log: Path) -> list[dict[str, Any]]:
+def records(log: Path) -> Iterator[dict[str, Any]]:
     """The log's lines; a last one that is cut short is left out."""
-    whole = log.read_text(encoding="ascii").rpartition("\n")[0]
-    return [json.loads(line) for line in whole.splitlines()]
+    with log.open(encoding="ascii") as file:
+        for line in file:
+            if line.endswith("\n"):
+                yield json.loads(line)
 
 
 def instructions(log: Path) -> list[Heard]:
@@ -53,13 +55,12 @@ def instructions(log: Path) -> list[Heard]:
     return heard
 
 
-def goals(log: Path) -> list[Goal]:
+def goals(log: Path) -> Iterator[Goal]:
     """Every goal, with what the host could know when it sent it."""
     asked, answers = Stream(), Stream()
     reading = 0
     present: dict[int, int] = {}
     last: dict[int, int] = {}
-    found = []
     for record in records(log):
         if record.get("port") != "bus":
             continue
@@ -76,9 +77,8 @@ def goals(log: Path) -> list[Goal]:
             for servo, chunk in _goal_writes(packet):
                 speed = table.word(chunk, 2) if len(chunk) >= 4 else None
                 goal = table.word(chunk, 0)
-                found.append(Goal(record["t"], servo, goal, speed, present.get(servo), last.get(servo)))
+                yield Goal(record["t"], servo, goal, speed, present.get(servo), last.get(servo))
                 last[servo] = goal
-    return found
 
 
 def _goal_writes(packet: Packet) -> list[tuple[int, bytes]]:

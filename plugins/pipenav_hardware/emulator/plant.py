@@ -25,6 +25,9 @@ NOLOAD_SPEED = 6.18
 SLOPE = 32
 """Position error at which the servo gives all it is allowed, in counts: the compliance slope's initial value."""
 
+STILL = 2e-3
+"""Joint motion in a period, and joint speed, that are none [rad or m, and per second]."""
+
 TURN = 2 * np.pi / COUNT
 """A whole turn in counts; the servo measures the first 1023 of them."""
 
@@ -142,8 +145,9 @@ class PipePlant(Plant):
         self._before = self._after = (q, np.zeros_like(q))
 
     def command(self, now: float, drives: Sequence[Drive]) -> None:
-        changed, self._drives = list(drives) != self._drives, list(drives)
-        self._waiting |= changed
+        self._advance(now)
+        self._waiting |= list(drives) != self._drives
+        self._drives = list(drives)
         self._advance(now)
 
     def shafts(self, now: float) -> list[Shaft]:
@@ -184,13 +188,19 @@ class PipePlant(Plant):
     def _advance(self, now: float) -> None:
         for _ in range(10):
             elapsed = now - self._start
-            if self._waiting and elapsed >= CONTROL_PERIOD - self.GRACE:
-                self._begin(now if elapsed < CONTROL_PERIOD + self.GRACE else self._start + CONTROL_PERIOD)
+            if self._waiting and (self._resting or elapsed >= CONTROL_PERIOD - self.GRACE):
+                self._begin(now)
             elif elapsed >= CONTROL_PERIOD + self.GRACE:
                 self._begin(self._start + CONTROL_PERIOD)
             else:
                 return
         self._start = now  # nobody has looked for more than a second: the arm has come to rest
+
+    @property
+    def _resting(self) -> bool:
+        """Whether nothing moves in this period, so that it can be left at any time."""
+        (before, _), (after, speed) = self._before, self._after
+        return bool(np.abs(after - before).max() < STILL and np.abs(speed).max() < STILL)
 
     def _begin(self, start: float) -> None:
         """Compute the period that starts now."""

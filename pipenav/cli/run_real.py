@@ -1,0 +1,208 @@
+"""`pipenav run-real`."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.console import Console
+
+from pipenav.errors import PipenavError
+
+if TYPE_CHECKING:
+    from pipenav.backend import BackendOptions
+    from pipenav.machine import Machine
+    from pipenav.pipe import Pipe
+    from pipenav.real_run import Ending, Plan
+
+DRY_RUN_TICKS = 100
+"""How long a dry run lasts where nobody says [ticks]: ten seconds."""
+
+THESIS_FAULTS: list[dict[str, Any]] = [
+    {"device": "scanner", "fault": "minimum", "probability": 0.3},
+    {"device": "scanner", "fault": "noise", "value": 0.01},
+]
+"""The scanner of the thesis (5.4.1): readings of its smallest range where the pipe is open, and noise."""
+
+
+def run_real(
+    policy: Annotated[str, typer.Option(help="best.zip, or a shipped policy's name.")],
+    arm: Annotated[Path, typer.Option(help="The arm's description, from pipenav calibrate.")] = Path("arm.toml"),
+    turn: Annotated[str, typer.Option(help="Side that the pipe turns to: left or right.")] = "left",
+    target: Annotated[
+        str | None, typer.Option(metavar="X,Y", help="Target in the robot's frame in mm, instead of looking for one.")
+    ] = None,
+    emulate: Annotated[bool, typer.Option("--emulate", help="An arm made of software, with --d and --angle.")] = False,
+    d: Annotated[float, typer.Option("--d", metavar="MM", help="Pipe diameter of --emulate.")] = 130.0,
+    angle: Annotated[float, typer.Option(metavar="DEG", help="Interior pipe angle of --emulate.")] = 90.0,
+    robot: Annotated[str | None, typer.Option(help="Refuse a policy for another robot than this.")] = None,
+    faults: Annotated[
+        str | None, typer.Option(help="Of --emulate: 'thesis' for the thesis's scanner, or a JSON file.")
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of --emulate: start pose, noise, faults.")] = 0,
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask before the arm moves.")] = False,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Read and compute, send nothing that moves.")] = False,
+    ticks: Annotated[int | None, typer.Option(min=1, help="End after so many ticks of 0.1 s.")] = None,
+    retreat: Annotated[
+        bool, typer.Option("--retreat", help="Back out along the recorded path after a failure.")
+    ] = False,
+    hold_on_stop: Annotated[
+        bool, typer.Option("--hold-on-stop", help="After a stop hold the arm until a key is pressed.")
+    ] = False,
+    allow_slow_bus: Annotated[bool, typer.Option("--allow-slow-bus", help="Accept a slow adapter.")] = False,
+    stop_file: Annotated[Path | None, typer.Option(help="Emergency stop when this file appears.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder of the run; default runs/real-N.")] = None,
+) -> None:
+    """Drive the arm by a policy: locate a target, reach it, back out; safe to stop at any moment.
+
+    Without hardware: pipenav run-real --policy arm --emulate --d 130 --angle 90
+
+    With the thesis's bad scanner: pipenav run-real --policy arm --emulate --faults thesis
+
+    The arm: pipenav run-real --policy runs/arm/best.zip --arm arm.toml --turn left
+
+    Look before you move: pipenav run-real --policy arm --arm arm.toml --dry-run
+    """
+    from pipenav.machine import load_machine
+    from pipenav.pipe import Pipe
+    from pipenav.policy import load_policy, resolve_policy
+    from pipenav.real_run import PASSED, Plan, execute, free_folder, require_drivable
+    from pipenav.registry import check_options, open_backend
+    from pipenav.robot import load_robot
+
+    loaded = load_policy(resolve_policy(policy))
+    if robot is not None:
+        loaded.require(load_robot(robot))
+    require_drivable(loaded)
+    pipe = Pipe.of(d, angle, turn)
+    goal = _target(target)
+    kind = load_machine()
+    folder = free_folder(out)
+    most = ticks or (DRY_RUN_TICKS if dry_run else None)
+    plan = Plan(loaded, pipe.turn, goal, retreat, folder, stop_file or folder / "STOP", most)
+    console = Console()
+    with contextlib.ExitStack() as opened:
+        extra = {"listen_only": dry_run, "allow_slow_bus": allow_slow_bus}
+        base = 0.0
+        options: BackendOptions
+        if emulate:
+            emulated = opened.enter_context(kind.emulate(loaded.header.robot, pipe, folder, seed, _faults(faults)))
+            options, base = emulated.options.model_copy(update=extra), emulated.base
+        else:
+            options = check_options("hardware", kind, {"arm": str(arm), **extra})
+        _check(console, kind, options)
+        machine = open_backend("hardware", loaded.header.robot, 1, options)
+        assert isinstance(machine, kind)
+        opened.callback(machine.close)
+        _announce(console, machine, plan, dry_run)
+        if not (yes or dry_run or emulate) and not typer.confirm("Move the arm?"):
+            raise PipenavError("not started: nothing has moved.")
+        ending = _with_view(console, machine, plan, hold_on_stop, execute)
+    _tell(console, plan, ending, pipe if emulate else None, base)
+    if ending.stopped is not None:
+        raise _exit_of(ending)
+    if ending.outcome != PASSED and not (most and ending.outcome == "ended"):
+        raise PipenavError(f"the run ended without success: {ending.outcome}; see {folder}.")
+
+
+def _target(text: str | None) -> Any:
+    import numpy as np
+
+    from pipenav.units import mm_to_m
+
+    if text is None:
+        return None
+    try:
+        x, y = (mm_to_m(float(part)) for part in text.split(","))
+    except ValueError:
+        raise PipenavError(f"target {text!r} is not X,Y: give two numbers in mm, for example 420,80.") from None
+    return np.array([x, y])
+
+
+def _faults(text: str | None) -> list[dict[str, Any]]:
+    if text is None:
+        return []
+    if text == "thesis":
+        return THESIS_FAULTS
+    try:
+        loaded = json.loads(Path(text).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise PipenavError(f"cannot read faults {text}: {error.strerror}; choose thesis or a JSON file.") from error
+    except ValueError as error:
+        raise PipenavError(f"{text} is not valid JSON: {error}.") from error
+    if not isinstance(loaded, list):
+        raise PipenavError(f"{text} is no list of faults: see docs/hardware.md, Faults.")
+    return loaded
+
+
+def _check(console: Console, kind: type[Machine], options: BackendOptions) -> None:
+    from pipenav.cli.hw_check import show_findings
+
+    problems = show_findings(console, kind.check(options))
+    if problems:
+        raise PipenavError(f"the arm has {problems} problem(s), see above: nothing has moved.")
+
+
+def _announce(console: Console, machine: Machine, plan: Plan, dry_run: bool) -> None:
+    where = "a target that it looks for" if plan.goal is None else "the given target"
+    what = "would move" if dry_run else "is going to move"
+    console.print(
+        f"The arm {what}: {where} around a {plan.turn} turn, policy {plan.policy.path}, then back out. "
+        f"Keep clear of it; space, Ctrl-C, SIGUSR1 or the file {plan.stop_file} stop it, a power switch surely does.",
+        highlight=False,
+    )
+    for warning in machine.warnings:
+        console.print(f"warning: {warning}", style="yellow", highlight=False)
+
+
+def _with_view(console: Console, machine: Machine, plan: Plan, hold_on_stop: bool, execute: Any) -> Ending:
+    from pipenav.cli.run_view import RunView
+
+    with RunView(console, plan.policy.header.robot) as view:
+        ending: Ending = execute(machine, plan, view, view.released if hold_on_stop else None)
+    return ending
+
+
+def _tell(console: Console, plan: Plan, ending: Ending, pipe: Pipe | None, base: float) -> None:
+    """The summary, and the picture."""
+    from pipenav.real_run import TELEMETRY, draw, pace
+    from pipenav.telemetry import read_telemetry
+
+    if not ending.last_ticks:
+        return
+    ticks = read_telemetry(plan.folder / TELEMETRY).ticks
+    kept = pace(ticks)
+    parts = ", ".join(f"{name} {seconds * 1e3:.1f}" for name, seconds in kept.parts.items())
+    if ending.stopped is not None:
+        _show_last(console, ending.last_ticks)
+    console.print(
+        f"{ending.outcome}: {kept.ticks} ticks at {kept.rate:.2f} Hz of 10, worst tick {kept.worst * 1e3:.1f} ms, "
+        f"{kept.late} late, {kept.clamped} limited; mean ms: {parts}",
+        highlight=False,
+    )
+    picture = draw(plan, ticks, ending.outcome, pipe, base)
+    console.print(f"run folder {plan.folder}: {TELEMETRY}, {picture.name}", highlight=False)
+
+
+def _show_last(console: Console, ticks: list[dict[str, Any]]) -> None:
+    """The last ticks before a stop, one line each."""
+    console.print(f"the last {len(ticks)} ticks: tick, stage, positions, sent, ms taken", highlight=False)
+    for tick in ticks:
+        numbers = [" ".join(f"{value:+.3f}" for value in tick.get(key) or []) for key in ("q", "sent")]
+        taken = 1e3 * tick.get("raw", {}).get("seconds", {}).get("taken", 0.0)
+        stage = tick.get("stage", tick.get("stopped", ""))
+        console.print(f"{tick['tick']:5d} {stage:8} {numbers[0]} | {numbers[1]} | {taken:.1f}", highlight=False)
+
+
+def _exit_of(ending: Ending) -> Exception:
+    from pipenav.deploy import Interrupted
+
+    stopped = ending.stopped
+    assert stopped is not None
+    if isinstance(stopped, Interrupted):
+        typer.echo(f"pipenav: {stopped}", err=True)
+        return typer.Exit(128 + stopped.number)
+    return stopped
