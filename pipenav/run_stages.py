@@ -78,7 +78,7 @@ class Reach:
         if self._steps >= self._task.max_steps:
             return "timeout"
         before = now if self._before is None else self._before
-        raw = observation.observe(self._robot, self._task, now, before, self._action, self._goal)
+        raw = observation.observe(self._task, now, before, self._action, self._goal)
         seen = raw / observation.scale_of(self._robot, self._task)
         self._action = self._policy.act(seen).astype(float)
         self._before, self._steps = now, self._steps + 1

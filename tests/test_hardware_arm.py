@@ -262,7 +262,7 @@ def test_a_beam_is_the_median_of_its_neighbourhood() -> None:
     errors = []
     for i in range(50):
         noisy = np.round(200 + rng.normal(0, 10, len(ANGLES))).astype(int)
-        noisy[rng.random(len(ANGLES)) < 0.3] = 20
+        noisy[rng.random(len(ANGLES)) < 0.2] = 20
         errors.append(np.abs(beam_filter().beams(RangeScan(tuple(noisy), 0.0, i), None) - 0.2).max())
     assert np.mean(errors) < 0.01
 

@@ -68,6 +68,7 @@ class _Servo(_Table):
         lower, upper = self.limits
         if not lower < 0 < upper:
             raise ValueError("the straight pose, 0, must lie strictly between the limits")
+        self._require_a_turn()
         low, high = self.count_limits
         if low < STOP_MARGIN or high > COUNTS - STOP_MARGIN:
             raise ValueError(
@@ -75,6 +76,9 @@ class _Servo(_Table):
                 f"{COUNTS - STOP_MARGIN}: narrow the limits, or mount the servo so that 0 lies elsewhere"
             )
         return self
+
+    def _require_a_turn(self) -> None:
+        """Raise a ValueError where the travel needs more than the servo's single turn, however it is mounted."""
 
 
 class HingeServo(_Servo):
@@ -109,8 +113,7 @@ class PinionServo(_Servo):
     def limits(self) -> tuple[float, float]:
         return mm_to_m(self.lower_mm), mm_to_m(self.upper_mm)
 
-    @model_validator(mode="after")
-    def _within_a_turn(self) -> Self:
+    def _require_a_turn(self) -> None:
         longest = PINION_TRAVEL * self.pinion_radius_mm
         if self.upper_mm - self.lower_mm > longest:
             raise ValueError(
@@ -118,7 +121,6 @@ class PinionServo(_Servo):
                 f"{self.pinion_radius_mm:g} mm radius moves the rack {longest:.0f} mm at most (300 deg, single turn): "
                 "narrow the limits or use a larger pinion"
             )
-        return self
 
 
 Servo = Annotated[HingeServo | PinionServo, Field(discriminator="drive")]

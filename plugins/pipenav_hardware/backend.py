@@ -91,7 +91,7 @@ class HardwareBackend(Machine):
         """Median answer time of the servo bus [s]."""
         return self._servos.latency
 
-    def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> None:  # noqa: ARG002
+    def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> Reading:  # noqa: ARG002
         """Switch torque on where the arm is.
 
         Raises:
@@ -110,6 +110,7 @@ class HardwareBackend(Machine):
             self._enabled = True
             self._start_goals = self._servos.enable(self._codec.speeds, self._watchdog.beat)
             self._codec.last = np.array(self._start_goals, float)
+        return reading
 
     def read(self) -> Reading:
         if math.isnan(self._due):

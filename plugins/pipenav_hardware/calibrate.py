@@ -53,7 +53,7 @@ class Calibration(Calibrator):
         self._arm = default_arm(robot, ports["servos"], scanner, front)
         self.joints = [servo.joint for servo in self._arm.servos]
         self._bus = Bus(self._arm.port, self._arm.baud)
-        self._torque = False
+        self._torque, self._turned = False, NUDGE * table.COUNT
         try:
             for servo in self._arm.servos:
                 self._refuse_unfit(servo.id, servo.joint)
@@ -89,13 +89,14 @@ class Calibration(Calibrator):
                 time.sleep(0.05)
         finally:
             self.off()
-        return (self._position(index) - start) * table.COUNT
+        self._turned = (self._position(index) - start) * table.COUNT
+        return self._turned
 
     def set_direction(self, joint: str, positive: bool, moved_mm: float | None) -> None:
         index = self.joints.index(joint)
         changes: dict[str, float | int] = {"sign": 1 if positive else -1}
         if moved_mm is not None:
-            changes["pinion_radius_mm"] = abs(moved_mm) / (NUDGE * table.COUNT)
+            changes["pinion_radius_mm"] = abs(moved_mm / self._turned)
         self._change(index, **changes)
 
     def text(self) -> str:

@@ -24,6 +24,9 @@ from pipenav.safety import Stopped
 from pipenav_hardware import packets, table
 from pipenav_hardware.ports import holder_of, port_problem
 
+FIRST_ALLOWANCE = 0.034
+"""How long a servo may stay silent until the adapter's latency is known [s]: as long as the SDK waits."""
+
 REPLY_ALLOWANCE = 0.012
 """How long a servo may stay silent before it counts as silent [s]: the bytes' own time is added.
 
@@ -73,6 +76,7 @@ class Port(PortHandler):  # type: ignore[misc]  # the SDK has no types
         super().__init__(name)
         self.baudrate, self.is_open = baud, False
         self.mode = Mode.LISTEN
+        self.allowance = FIRST_ALLOWANCE
         self.sent: Callable[[bytes], None] | None = None
 
     def setupPort(self, cflag_baud: int) -> bool:  # noqa: ARG002  # the SDK's name and argument
@@ -96,7 +100,7 @@ class Port(PortHandler):  # type: ignore[misc]  # the SDK has no types
 
     def setPacketTimeout(self, packet_length: int) -> None:
         self.packet_start_time = self.getCurrentTime()
-        self.packet_timeout = self.tx_time_per_byte * packet_length + 1e3 * REPLY_ALLOWANCE
+        self.packet_timeout = self.tx_time_per_byte * packet_length + 1e3 * self.allowance
 
     def getCurrentTime(self) -> float:
         return time.monotonic() * 1e3
@@ -158,6 +162,10 @@ class Bus:
     def mode(self, mode: Mode) -> None:
         self._port.mode = mode
 
+    def expect(self, latency: float) -> None:
+        """Wait for answers as long as an adapter of this latency [s] needs, no longer."""
+        self._port.allowance = REPLY_ALLOWANCE + latency
+
     @property
     def descriptor(self) -> int:
         return int(self._port.ser.fileno())
@@ -172,7 +180,7 @@ class Bus:
         with self._edge():
             self._port.clearPort()
             self._port.writePort(request)
-            deadline, heard = time.monotonic() + REPLY_ALLOWANCE, b""
+            deadline, heard = time.monotonic() + self._port.allowance, b""
             while time.monotonic() < deadline and len(heard) < len(request):
                 heard += self._port.readPort(len(request))
         return heard[: len(request)] == request
@@ -271,7 +279,7 @@ class Bus:
         return Answer(None, problem="no answer" if result == COMM_RX_TIMEOUT else "a damaged answer")
 
     def _drain(self) -> None:
-        deadline = time.monotonic() + REPLY_ALLOWANCE
+        deadline = time.monotonic() + self._port.allowance
         while time.monotonic() < deadline:
             self._port.readPort(256)
 

@@ -104,7 +104,11 @@ class SerialLine:
         with self._edge():
             if wait:
                 select.select([self.fileno()], [], [], wait)
-            self._buffer += os.read(self.fileno(), 65536) if self._readable() else b""
+            if self._readable():
+                arrived = os.read(self.fileno(), 65536)
+                if not arrived:
+                    raise OSError("unplugged")
+                self._buffer += arrived
         *whole, self._buffer = self._buffer.split(b"\n")
         yield from (line.rstrip(b"\r").decode("latin-1") for line in whole)
 
@@ -153,7 +157,7 @@ class BeamFilter:
                 "check mounting_deg in arm.toml, or use a scanner with a wider fan."
             )
         self._windows = [np.flatnonzero(row) for row in near]
-        self._before = np.full(len(self._windows), fan.range_max)
+        self._before = np.full(len(self._windows), -np.inf)  # nothing is known yet: the first scan is believed
         self._doubted = np.zeros(len(self._windows), int)
         self.all_invalid = False
 

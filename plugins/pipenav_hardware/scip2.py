@@ -139,9 +139,9 @@ class Scip2Scanner(RangeSensor):
         if scan is None or len(scan.distances) != len(self.angles):
             self.rejected += bool(reply) and len(reply) > 2
             return
-        if scan.stamp != self._stamp:  # the same measurement once more is not a new one
-            self._sequence += 1
-        self._stamp = scan.stamp
+        if scan.stamp == self._stamp:
+            return  # the same measurement once more is not a new one: it grows old
+        self._sequence, self._stamp = self._sequence + 1, scan.stamp
         self._latest = RangeScan(tuple(scan.distances), now, self._sequence)
 
     def _command(self, text: str, required: bool = True) -> list[str]:

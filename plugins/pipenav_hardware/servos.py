@@ -164,13 +164,15 @@ class Servos:
 
     def _measure(self, allow_slow: bool) -> float:
         """Median time of a PING."""
-        times = []
+        times, bus = [], self._bus
         for i in range(PINGS):
             start = time.monotonic()
-            answered = self._bus.ping(self._arm.ids[i % len(self._arm.ids)]).data is not None
+            answered = bus.ping(self._arm.ids[i % len(self._arm.ids)]).data is not None
             if answered:
                 times.append(time.monotonic() - start)
         latency = statistics.median(times) if times else float("inf")
+        if times:
+            bus.expect(max(0.0, latency - SLOW))
         if latency > TOO_SLOW and not allow_slow:
             raise PipenavError(
                 f"servos answer after {latency * 1e3:.1f} ms, which is too slow: {LATENCY_REMEDY}, or --allow-slow-bus."

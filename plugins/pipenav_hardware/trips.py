@@ -149,7 +149,8 @@ class SensorRules:
         Raises:
             Stopped: the third in a row that saw nothing, or that is the same as the one before.
         """
-        frozen = self._before is not None and scan.distances == self._before.distances
+        same = self._before is not None and scan.distances == self._before.distances
+        frozen = same and min(scan.distances) < max(scan.distances)  # all alike: too near to measure, which may last
         self._before = scan
         if self._blind.broken(blind):
             raise Stopped(

@@ -37,7 +37,8 @@ SERVO_FAULTS = {
 }
 SENSOR_FAULTS = {
     "drop": "a scan or reading is not sent",
-    "freeze": "the same scan or reading is sent again and again",
+    "freeze": "the same distances are sent again and again, as new ones",
+    "stuck": "the same message is sent again and again",
     "late": "a scan comes `value` seconds late",
     "corrupt": "one bit of a scan or reading is wrong",
     "truncate": "a scan ends early",

@@ -46,7 +46,7 @@ class Scip2Device:
         self._most = round(laser.range_max * 1e3)
         self._input, self._echo, self._next = b"", "", math.inf
         self._first = self._last = FRONT_STEP
-        self._frozen: list[str] | None = None
+        self._distances, self._lines = list[int](), list[str]()
         half = min(math.ceil(math.radians(laser.fan_deg) / 2 / (2 * math.pi) * TURN_STEPS) + 8, 340)
         self._limits = FRONT_STEP - half, FRONT_STEP + half
 
@@ -90,13 +90,13 @@ class Scip2Device:
         faults = self._faults
         if faults.active("drop", "scanner"):
             return
-        if faults.active("freeze", "scanner") and self._frozen:
-            lines = self._frozen
-        else:
-            text = "".join(scip2.encode(value, 3) for value in self.measure(now))
+        if not (faults.active("freeze", "scanner") and self._distances):
+            self._distances = self.measure(now)
+        if not (faults.active("stuck", "scanner") and self._lines):
+            text = "".join(scip2.encode(value, 3) for value in self._distances)
             stamp = scip2.with_sum(scip2.encode(round(now * 1e3) & 0xFFFFFF, 4))
-            lines = [self._echo, scip2.with_sum("99"), stamp, *scip2.data_lines(text), "", ""]
-        self._frozen = lines
+            self._lines = [self._echo, scip2.with_sum("99"), stamp, *scip2.data_lines(text), "", ""]
+        lines = self._lines
         data = "\n".join(lines).encode("latin-1")
         if faults.active("corrupt", "scanner"):
             at = 25 + faults.number(len(data) - 30)
@@ -153,8 +153,10 @@ class FrontDevice:
             self._greeted = True
         if faults.active("drop", "front"):
             return
-        if not faults.active("freeze", "front"):
+        stuck = faults.active("stuck", "front")
+        if not stuck:
             self._sequence = (self._sequence + 1) % 65536
+        if not (stuck or faults.active("freeze", "front")):
             millimetres = self._plant.distances(now, np.zeros(1))[0] * 1e3
             inside = RANGE_MM[0] <= millimetres <= RANGE_MM[1] and not faults.active("blind", "front")
             self._reading = round(millimetres) if inside else 0
