@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,19 +16,26 @@ from pipenav import deploy
 from pipenav.backend import CONTROL_PERIOD
 from pipenav.errors import PipenavError
 from pipenav.files import atomic_write, prepare_folder
+from pipenav.locate import LocateConfig
 from pipenav.machine import Machine
 from pipenav.pipe import Pipe, Turn
-from pipenav.policy import Policy
+from pipenav.policy import Policy, load_policy, policy_names, resolve_policy
 from pipenav.policy_header import RATE_HZ, installed_versions
 from pipenav.replay import POLICY_COPY, run_of
+from pipenav.robot import RobotSpec, load_robot
+from pipenav.run_parts import Place, parts, place_of
 from pipenav.run_picture import run_picture
 from pipenav.safety import Stopped
 from pipenav.telemetry import Telemetry
+from pipenav.trajectory import write_trajectory
 
 Array = NDArray[np.float64]
 
 TELEMETRY, PICTURE = "telemetry.jsonl", "run.png"
 PASSED = "passed"
+
+DEFAULT_ROBOT = "real-setup"
+"""The physical arm."""
 
 
 class Plan(NamedTuple):
@@ -79,12 +86,38 @@ def free_folder(given: Path | None) -> Path:
     return prepare_folder(folder)
 
 
-def require_drivable(policy: Policy) -> None:
-    """Check that a policy can drive servos at this program's rate.
+def policy_for(name: str | None, robot: str | None) -> Policy:
+    """The policy for an arm.
+
+    Args:
+        name: a policy file or a shipped policy's name; None for the shipped one that drives the robot.
+        robot: the robot's name; None for the policy's own, or where no policy is named for `DEFAULT_ROBOT`.
 
     Raises:
-        PipenavError: it commands torques, or was trained at another rate.
+        UnknownName, PolicyFileError: there is no such policy or robot, or the file cannot be used.
+        PipenavError: no shipped policy drives the robot; the policy is for another one, commands torques, or was
+            trained at another rate.
     """
+    if name is None:
+        return _shipped_policy(load_robot(robot or DEFAULT_ROBOT))
+    policy = load_policy(resolve_policy(name))
+    if robot is not None:
+        policy.require(load_robot(robot))
+    _require_drivable(policy)
+    return policy
+
+
+def _shipped_policy(robot: RobotSpec) -> Policy:
+    for name in policy_names():
+        policy = load_policy(resolve_policy(name))
+        if policy.header.robot == robot and policy.header.task.control == "position":
+            return policy
+    raise PipenavError(
+        f"no shipped policy drives robot {robot.name!r}: train one (pipenav presets lists recipes) and give --policy."
+    )
+
+
+def _require_drivable(policy: Policy) -> None:
     header = policy.header
     if header.task.control != "position":
         raise PipenavError(
@@ -109,9 +142,13 @@ def execute(
         show: called with every tick's record.
         released: with `--hold-on-stop`: whether someone holds the arm now; None to switch off at once.
     """
-    side = 1.0 if plan.turn == "left" else -1.0
-    goal = None if plan.goal is None else [float(plan.goal[0]), side * float(plan.goal[1])]
-    settings = {"side": side, "period_s": CONTROL_PERIOD, "goal_m": goal, "retreat": plan.retreat}
+    settings = {
+        "side": 1.0 if plan.turn == "left" else -1.0,
+        "period_s": CONTROL_PERIOD,
+        "goal_m": None if plan.goal is None else [float(x) for x in plan.goal],
+        "locate": LocateConfig().model_dump(),
+        "retreat": plan.retreat,
+    }
     run = run_of(plan.policy, settings)
     content = plan.policy.path.read_bytes()
     atomic_write(plan.folder / POLICY_COPY, content)
@@ -186,19 +223,32 @@ def pace(ticks: Sequence[dict[str, Any]]) -> Pace:
     )
 
 
-def draw(plan: Plan, ticks: Sequence[dict[str, Any]], outcome: str, pipe: Pipe | None, base: float) -> Path:
-    """Write the run's picture; its path.
+def located_place(plan: Plan, ticks: Sequence[dict[str, Any]], pipe: Pipe) -> Place | None:
+    """Where the arm stood in a pipe that is known; None where it located no target."""
+    target = next((tick["target"] for tick in reversed(ticks) if tick.get("target")), None)
+    if plan.goal is not None or target is None:
+        return None
+    return place_of(pipe, np.array(target), LocateConfig().depth)
+
+
+def write_motions(plan: Plan, ticks: Sequence[dict[str, Any]], outcome: str, place: Place | None) -> Iterator[Path]:
+    """Write the run's picture, and where its place is known its motions as trajectory files.
 
     Args:
         plan: the run.
         ticks: its records.
         outcome: how it ended.
-        pipe: where the pipe is known.
-        base: the robot's frame in that pipe, x on the first leg's axis [m].
+        place: where the arm stood.
     """
-    walls = [] if pipe is None else [line - np.array([base, 0.0]) for line in pipe.walls]
-    where = "" if pipe is None else f" in {pipe.label}"
-    title = f"{plan.policy.header.robot.name}{where}: {outcome}, {len(ticks)} ticks"
-    path = plan.folder / PICTURE
-    atomic_write(path, run_picture(plan.policy.header.robot, ticks, walls, title))
-    return path
+    robot = plan.policy.header.robot
+    where = "" if place is None else f" in {place.pipe.label}"
+    title = f"{robot.name}{where}: {outcome}, {len(ticks)} ticks"
+    picture = plan.folder / PICTURE
+    pipe, base = (None, 0.0) if place is None else place
+    atomic_write(picture, run_picture(robot, ticks, title, pipe, base))
+    yield picture
+    if place is not None:
+        for name, trajectory in parts(plan.policy, ticks, place):
+            path = plan.folder / f"{name}.csv"
+            write_trajectory(path, trajectory)
+            yield path

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipenav.deploy import RETREATABLE, seen
+from pipenav.locate import LocateConfig
 from pipenav.machine import Recoder, load_machine
 from pipenav.policy import Policy, load_policy
 from pipenav.run_stages import Run
@@ -54,7 +55,8 @@ def replay(path: Path) -> tuple[Replay, Recording]:
 def run_of(policy: Policy, settings: dict[str, Any]) -> Run:
     """The run that a header's `run` describes."""
     goal = None if settings["goal_m"] is None else np.array(settings["goal_m"], float)
-    return Run(policy, settings["side"], settings["period_s"], None, goal, settings["retreat"])
+    locate = LocateConfig.model_validate(settings["locate"])
+    return Run(policy, settings["side"], settings["period_s"], goal, locate, settings["retreat"])
 
 
 def _compare(recording: Recording, recoder: Recoder, run: Run) -> Replay:

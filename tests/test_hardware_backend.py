@@ -338,7 +338,7 @@ def test_a_calibration_finds_how_the_arm_is_mounted(tmp_path: Path) -> None:
             assert [s.sign for s in machine.arm.servos] == [1, -1, 1, 1]
             assert machine.arm.servos[0].unit == pytest.approx(0.075, rel=0.05)
             assert machine.read().q == pytest.approx(np.zeros((1, 4)), abs=0.01)
-    assert not any(on for on, _ in judge.torque(emulator.log_path, (1, 2, 3, 4)).values())
+        assert not any(on for on, _ in judge.torque(emulator.log_path, (1, 2, 3, 4)).values())
 
 
 def test_one_arm_only(emulator: Emulator) -> None:

@@ -18,7 +18,7 @@ def calibrate(
     port: Annotated[str, typer.Option(help="Device of the servo bus, for example /dev/ttyUSB0.")],
     scanner_port: Annotated[str, typer.Option(help="Device of the scanner.")] = "/dev/ttyACM0",
     front_port: Annotated[str | None, typer.Option(help="Device of the front sensor, if there is one.")] = None,
-    robot: Annotated[str, typer.Option(help="Which robot it is; see `pipenav robots`.")] = "basic",
+    robot: Annotated[str, typer.Option(help="Which robot it is; see `pipenav robots`.")] = "real-setup",
     arm: Annotated[Path, typer.Option(help="File to write.")] = Path("arm.toml"),
     write_servos: Annotated[
         bool, typer.Option("--write-servos", help="Store limits and torque in the servos' EEPROM too.")
@@ -28,7 +28,7 @@ def calibrate(
 
     Examples:
 
-        pipenav calibrate --port /dev/ttyUSB0 --scanner-port /dev/ttyACM0 --robot basic
+        pipenav calibrate --port /dev/ttyUSB0 --scanner-port /dev/ttyACM0 --front-port /dev/ttyACM1
 
         pipenav calibrate --port /dev/ttyUSB0 --write-servos
     """

@@ -15,8 +15,9 @@ from pipenav.errors import PipenavError
 if TYPE_CHECKING:
     from pipenav.backend import BackendOptions
     from pipenav.machine import Machine
-    from pipenav.pipe import Pipe
+    from pipenav.pipe import Pipe, Turn
     from pipenav.real_run import Ending, Plan
+    from pipenav.run_parts import Place
 
 DRY_RUN_TICKS = 100
 """How long a dry run lasts where nobody says [ticks]: ten seconds."""
@@ -29,16 +30,24 @@ THESIS_FAULTS: list[dict[str, Any]] = [
 
 
 def run_real(
-    policy: Annotated[str, typer.Option(help="best.zip, or a shipped policy's name.")],
+    policy: Annotated[
+        str | None, typer.Option(help="best.zip, or a shipped policy's name; default the shipped one for the robot.")
+    ] = None,
     arm: Annotated[Path, typer.Option(help="The arm's description, from pipenav calibrate.")] = Path("arm.toml"),
     turn: Annotated[str, typer.Option(help="Side that the pipe turns to: left or right.")] = "left",
     target: Annotated[
         str | None, typer.Option(metavar="X,Y", help="Target in the robot's frame in mm, instead of looking for one.")
     ] = None,
     emulate: Annotated[bool, typer.Option("--emulate", help="An arm made of software, with --d and --angle.")] = False,
-    d: Annotated[float, typer.Option("--d", metavar="MM", help="Pipe diameter of --emulate.")] = 130.0,
-    angle: Annotated[float, typer.Option(metavar="DEG", help="Interior pipe angle of --emulate.")] = 90.0,
-    robot: Annotated[str | None, typer.Option(help="Refuse a policy for another robot than this.")] = None,
+    d: Annotated[
+        float | None, typer.Option("--d", metavar="MM", help="Pipe diameter, if known; of --emulate 130 by default.")
+    ] = None,
+    angle: Annotated[
+        float | None, typer.Option(metavar="DEG", help="Interior pipe angle, if known; of --emulate 90 by default.")
+    ] = None,
+    robot: Annotated[
+        str | None, typer.Option(help="The arm's robot: a policy for another is refused; default real-setup.")
+    ] = None,
     faults: Annotated[
         str | None, typer.Option(help="Of --emulate: 'thesis' for the thesis's scanner, or a JSON file.")
     ] = None,
@@ -58,39 +67,36 @@ def run_real(
 ) -> None:
     """Drive the arm by a policy: locate a target, reach it, back out; safe to stop at any moment.
 
-    Without hardware: pipenav run-real --policy arm --emulate --d 130 --angle 90
+    Without hardware: pipenav run-real --emulate --d 130 --angle 90
 
-    With the thesis's bad scanner: pipenav run-real --policy arm --emulate --faults thesis
+    With the thesis's bad scanner: pipenav run-real --emulate --faults thesis
 
-    The arm: pipenav run-real --policy runs/arm/best.zip --arm arm.toml --turn left
+    The arm: pipenav run-real --policy best.zip --arm arm.toml --turn left
 
-    Look before you move: pipenav run-real --policy arm --arm arm.toml --dry-run
+    Look before you move: pipenav run-real --policy best.zip --dry-run
     """
     from pipenav.machine import load_machine
-    from pipenav.pipe import Pipe
-    from pipenav.policy import load_policy, resolve_policy
-    from pipenav.real_run import PASSED, Plan, execute, free_folder, require_drivable
+    from pipenav.real_run import PASSED, Plan, execute, free_folder, policy_for
     from pipenav.registry import check_options, open_backend
-    from pipenav.robot import load_robot
+    from pipenav.run_parts import Place
 
-    loaded = load_policy(resolve_policy(policy))
-    if robot is not None:
-        loaded.require(load_robot(robot))
-    require_drivable(loaded)
-    pipe = Pipe.of(d, angle, turn)
-    goal = _target(target)
+    loaded = policy_for(policy, robot)
+    pipe = _pipe(d, angle, turn, emulate)
+    goal, side = _target(target), _turn(turn)
+    fault_list = _faults(faults, emulate)
     kind = load_machine()
     folder = free_folder(out)
     most = ticks or (DRY_RUN_TICKS if dry_run else None)
-    plan = Plan(loaded, pipe.turn, goal, retreat, folder, stop_file or folder / "STOP", most)
+    plan = Plan(loaded, side, goal, retreat, folder, stop_file or folder / "STOP", most)
     console = Console()
     with contextlib.ExitStack() as opened:
         extra = {"listen_only": dry_run, "allow_slow_bus": allow_slow_bus}
-        base = 0.0
+        place: Place | None = None
         options: BackendOptions
         if emulate:
-            emulated = opened.enter_context(kind.emulate(loaded.header.robot, pipe, folder, seed, _faults(faults)))
-            options, base = emulated.options.model_copy(update=extra), emulated.base
+            assert pipe is not None
+            emulated = opened.enter_context(kind.emulate(loaded.header.robot, pipe, folder, seed, fault_list))
+            options, place = emulated.options.model_copy(update=extra), Place(pipe, emulated.base)
         else:
             options = check_options("hardware", kind, {"arm": str(arm), **extra})
         _check(console, kind, options)
@@ -101,11 +107,29 @@ def run_real(
         if not (yes or dry_run or emulate) and not typer.confirm("Move the arm?"):
             raise PipenavError("not started: nothing has moved.")
         ending = _with_view(console, machine, plan, hold_on_stop, execute)
-    _tell(console, plan, ending, pipe if emulate else None, base)
+    _tell(console, plan, ending, pipe, place)
     if ending.stopped is not None:
         raise _exit_of(ending)
     if ending.outcome != PASSED and not (most and ending.outcome == "ended"):
         raise PipenavError(f"the run ended without success: {ending.outcome}; see {folder}.")
+
+
+def _pipe(d: float | None, angle: float | None, turn: str, emulate: bool) -> Pipe | None:
+    from pipenav.pipe import Pipe
+
+    if emulate:
+        return Pipe.of(d or 130.0, angle or 90.0, turn)
+    if d is None and angle is None:
+        return None
+    if d is None or angle is None:
+        raise PipenavError("a pipe is known by its diameter and its angle: give --d and --angle, or neither.")
+    return Pipe.of(d, angle, turn)
+
+
+def _turn(text: str) -> Turn:
+    if text not in ("left", "right"):
+        raise PipenavError(f"turn {text!r} is neither left nor right: give the side that the pipe turns to.")
+    return "left" if text == "left" else "right"
 
 
 def _target(text: str | None) -> Any:
@@ -122,9 +146,11 @@ def _target(text: str | None) -> Any:
     return np.array([x, y])
 
 
-def _faults(text: str | None) -> list[dict[str, Any]]:
+def _faults(text: str | None, emulate: bool) -> list[dict[str, Any]]:
     if text is None:
         return []
+    if not emulate:
+        raise PipenavError("--faults are those of an emulated arm: give --emulate too.")
     if text == "thesis":
         return THESIS_FAULTS
     try:
@@ -166,9 +192,9 @@ def _with_view(console: Console, machine: Machine, plan: Plan, hold_on_stop: boo
     return ending
 
 
-def _tell(console: Console, plan: Plan, ending: Ending, pipe: Pipe | None, base: float) -> None:
-    """The summary, and the picture."""
-    from pipenav.real_run import TELEMETRY, draw, pace
+def _tell(console: Console, plan: Plan, ending: Ending, pipe: Pipe | None, place: Place | None) -> None:
+    """The summary, the picture, and the motions as trajectories."""
+    from pipenav.real_run import TELEMETRY, located_place, pace, write_motions
     from pipenav.telemetry import read_telemetry
 
     if not ending.last_ticks:
@@ -183,8 +209,10 @@ def _tell(console: Console, plan: Plan, ending: Ending, pipe: Pipe | None, base:
         f"{kept.late} late, {kept.clamped} limited; mean ms: {parts}",
         highlight=False,
     )
-    picture = draw(plan, ticks, ending.outcome, pipe, base)
-    console.print(f"run folder {plan.folder}: {TELEMETRY}, {picture.name}", highlight=False)
+    if place is None and pipe is not None:
+        place = located_place(plan, ticks, pipe)
+    written = [path.name for path in write_motions(plan, ticks, ending.outcome, place)]
+    console.print(f"run folder {plan.folder}: {', '.join([TELEMETRY, *written])}", highlight=False)
 
 
 def _show_last(console: Console, ticks: list[dict[str, Any]]) -> None:

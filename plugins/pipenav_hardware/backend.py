@@ -81,7 +81,6 @@ class HardwareBackend(Machine):
             self._front = FrontSensor(self.arm.front_sensor) if self.arm.front_sensor else None
             if self._front is not None:
                 opened.callback(self._front.close)
-            self._beams = _beam_filter(robot, self._scanner.angles, self._scanner.range_min, self._scanner.range_max)
             self._watchdog = None if options.listen_only else Watchdog(self._bus.descriptor, options.patience)
             self._opened = opened.pop_all()
         self._begin()
@@ -109,6 +108,7 @@ class HardwareBackend(Machine):
             self._watchdog.armed()
             self._enabled = True
             self._start_goals = self._servos.enable(self._codec.speeds, self._watchdog.beat)
+            self._forget()
             self._codec.last = np.array(self._start_goals, float)
         return reading
 
@@ -250,14 +250,21 @@ class HardwareBackend(Machine):
             self._watchdog.close()
 
     def _begin(self) -> None:
-        """Forget all that was known of earlier ticks."""
-        self._codec = Codec(self._robot, self.arm, self._beams)
+        """Start anew, as after a pause."""
+        self._forget()
         self._rules, self._sensor_rules = ServoRules(self.arm), SensorRules(self._options.patience)
         self._deadlines = Deadlines(CONTROL_PERIOD, self._options.patience)
         self._reading = None
         self._raw, self._alarms, self._seconds = Raw((), None, None, 0.0), (), {}
-        self._sequence, self._due, self._start = -1, math.nan, time.monotonic()
+        self._due, self._start = math.nan, time.monotonic()
         self._fresh()
+
+    def _forget(self) -> None:
+        """Drop what was known of earlier ticks: what a run decides comes from its own ticks, which a replay has."""
+        scanner = self._scanner
+        self._beams = _beam_filter(self._robot, scanner.angles, scanner.range_min, scanner.range_max)
+        self._codec = Codec(self._robot, self.arm, self._beams)
+        self._sequence = -1
 
     def _first_reading(self) -> Reading:
         """A whole reading without a tick; a lost answer is asked for once more."""
