@@ -10,6 +10,7 @@ import math
 import re
 import time
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -26,11 +27,13 @@ COMMAND_TIMEOUT = 1.0
 MEASURING = re.compile(r"MD(\d{4})(\d{4})(\d{2})(\d)(\d{2})")
 
 
+@lru_cache(maxsize=8192)
 def encode(value: int, characters: int) -> str:
     """A number in 2, 3 or 4 characters."""
     return "".join(chr((value >> 6 * i & 0x3F) + OFFSET) for i in reversed(range(characters)))
 
 
+@lru_cache(maxsize=8192)
 def decode(text: str) -> int:
     value = 0
     for character in text:
@@ -39,7 +42,7 @@ def decode(text: str) -> int:
 
 
 def checksum(text: str) -> str:
-    return chr((sum(map(ord, text)) & 0x3F) + OFFSET)
+    return chr((sum(text.encode("latin-1")) & 0x3F) + OFFSET)
 
 
 def with_sum(text: str) -> str:

@@ -73,6 +73,7 @@ class Server:
         self.front = FrontDevice(self.plant, self.faults, self._sender("front"), config.boot_time)
         self._outgoing: list[_Outgoing] = []
         self._count, self._start, self._orders = 0, time.monotonic(), b""
+        self._moment = 0.0
         self.bus.feel(0.0)
         for servo, shaft in zip(servos, self.plant.shafts(0.0), strict=True):
             servo.power_on(shaft.position)
@@ -93,9 +94,11 @@ class Server:
         return time.monotonic() - self._start
 
     def _sender(self, device: str) -> Any:
+        """What sends bytes some time after the moment that is being dealt with, however long dealing with it takes."""
+
         def send(delay: float, data: bytes) -> None:
             self._count += 1
-            heapq.heappush(self._outgoing, _Outgoing(self._now + delay, self._count, device, data))
+            heapq.heappush(self._outgoing, _Outgoing(self._moment + delay, self._count, device, data))
 
         return send
 
@@ -124,15 +127,16 @@ class Server:
         data = line.read()
         if not data:
             return
+        now = self._moment = self._now
         self.log.bytes(name, "in", data)
         if name == "bus":
-            self.bus.receive(self._now, data, line.baud)
+            self.bus.receive(now, data, line.baud)
         else:
             self.scanner.receive(data)
 
     def _run_devices(self) -> float:
         """Do what is due; when something is next."""
-        now = self.faults.now = self._now
+        now = self.faults.now = self._moment = self._now
         for fault in self.faults.due():
             self.log.event("fault", **fault.model_dump())
             if fault.fault == "unplug":
