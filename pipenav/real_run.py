@@ -132,6 +132,23 @@ def _require_drivable(policy: Policy) -> None:
         )
 
 
+def run_settings(turn: Turn, goal: Array | None, retreat: bool) -> dict[str, Any]:
+    """What a telemetry's header says of a run, and `run_of` makes it from.
+
+    Args:
+        turn: the side that the pipe turns to.
+        goal: target in the robot's own frame, (2,) [m]; None to look for one.
+        retreat: whether to back out when it is not found or not reached.
+    """
+    return {
+        "side": 1.0 if turn == "left" else -1.0,
+        "period_s": CONTROL_PERIOD,
+        "goal_m": None if goal is None else [float(x) for x in goal],
+        "locate": LocateConfig().model_dump(),
+        "retreat": retreat,
+    }
+
+
 def execute(
     machine: Machine, plan: Plan, show: Callable[[dict[str, Any]], None], released: Callable[[], bool] | None
 ) -> Ending:
@@ -143,13 +160,7 @@ def execute(
         show: called with every tick's record.
         released: with `--hold-on-stop`: whether someone holds the arm now; None to switch off at once.
     """
-    settings = {
-        "side": 1.0 if plan.turn == "left" else -1.0,
-        "period_s": CONTROL_PERIOD,
-        "goal_m": None if plan.goal is None else [float(x) for x in plan.goal],
-        "locate": LocateConfig().model_dump(),
-        "retreat": plan.retreat,
-    }
+    settings = run_settings(plan.turn, plan.goal, plan.retreat)
     run = run_of(plan.policy, settings)
     content = plan.policy.path.read_bytes()
     atomic_write(plan.folder / POLICY_COPY, content)
@@ -158,7 +169,7 @@ def execute(
         try:
             with deploy.guarded(machine):
                 first = machine.read()
-                _rehearse(plan.policy, settings, first)
+                rehearse(plan.policy, settings, first)
                 start = first.q
                 machine.reset(np.array([0]), [], start, np.zeros(1))
                 header = {
@@ -186,8 +197,8 @@ def execute(
         return Ending(outcome, stopped, list(telemetry.last) if "telemetry" in locals() else [])
 
 
-def _rehearse(policy: Policy, settings: dict[str, Any], reading: Reading) -> None:
-    """Decide once in every stage, for nothing: what a first time takes would make a tick late."""
+def rehearse(policy: Policy, settings: dict[str, Any], reading: Reading) -> None:
+    """Decide once in every stage, before torque is on: what a first time takes would make a tick late."""
     tip = kinematics.forward(policy.header.robot, reading.q).tip[0]
     for goal in (None, [float(tip[0]) + 0.1, float(tip[1]) + 0.1]):
         run_of(policy, settings | {"goal_m": goal}).decide(reading)
