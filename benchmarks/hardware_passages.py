@@ -3,8 +3,8 @@
     python benchmarks/hardware_passages.py             # 130 mm, 60, 90 and 120 deg, 50 runs each: about 20 minutes
     python benchmarks/hardware_passages.py --runs 5 --angles 60
 
-Every run is the whole command in real time: check, locate, reach, back out. Left and right turns alternate. Exits with 1
-if fewer than 98 % of any angle's runs passed; the thesis located less than 60 % of its targets.
+Every run is the whole command in real time: check, locate, reach, back out. Left and right turns alternate. It exits
+with 1 if fewer than 98 % of any angle's runs passed; the thesis located less than 60 % of its targets.
 """
 
 from __future__ import annotations
@@ -40,10 +40,9 @@ def main() -> int:
         outcomes = Counter(outcome for outcome, _ in ended)
         share = outcomes["passed"] / given.runs
         missed += share < PROMISED
-        located = sum(found for _, found in ended)
-        print(
-            f"{given.diameter:g} mm, {angle} deg: located {located}, passed {share:.1%}, {dict(outcomes)}", flush=True
-        )
+        located = sum(found for _, found in ended) / given.runs
+        where = f"{given.diameter:g} mm, {angle} deg"
+        print(f"{where}: located {located:.0%}, passed {share:.0%}, {dict(outcomes)}", flush=True)
     return int(missed > 0)
 
 
