@@ -45,6 +45,22 @@ COMMANDS = {
         "pipenav.cli.experiment:experiment",
         "Train and evaluate the thesis's experiments (a)-(f), and report them beside its tables.",
     ),
+    "run-real": (
+        "pipenav.cli.run_real:run_real",
+        "Drive the arm by a policy: locate a target, reach it, back out; safe to stop at any moment.",
+    ),
+    "hw-check": (
+        "pipenav.cli.hw_check:hw_check",
+        "Look at the arm's bus, servos and sensors, name what is missing and the next cable; change nothing.",
+    ),
+    "calibrate": (
+        "pipenav.cli.calibrate:calibrate",
+        "Describe an arm: each joint moves a few degrees, you say which way, and arm.toml is written.",
+    ),
+    "replay": (
+        "pipenav.cli.replay:replay",
+        "Do a recorded run's arithmetic again: every reading, action and packet must come out bit for bit.",
+    ),
     "backends": ("pipenav.cli.backends:backends", "List the installed backends, or the settings of one."),
     "compare-backends": (
         "pipenav.cli.compare_backends:compare_backends",

@@ -1,0 +1,182 @@
+"""Whether torque goes off whatever ends the driver, judged by the bytes that reached the emulated servos.
+
+    python benchmarks/hardware_stops.py                     # 200 random moments of each ending, at most 0.1 and 0.2 s
+    python benchmarks/hardware_stops.py --trials 5 --only SIGKILL segfault
+
+Every trial is a process of its own that connects, switches torque on and swings the arm until it is ended at a random
+moment: while it connects, while it switches on, or in any part of its loop. Exits with 1 if torque stayed on, or was on
+for longer than promised.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import ctypes
+import math
+import os
+import random
+import signal
+import statistics
+import sys
+import time
+from pathlib import Path
+from types import FrameType
+from typing import NamedTuple
+
+import numpy as np
+from pipenav_hardware import packets, table
+from pipenav_hardware.emulator import judge
+from pipenav_hardware.emulator.client import Emulator
+
+from pipenav.deploy import guarded
+from pipenav.machine import load_machine
+from pipenav.registry import open_backend
+from pipenav.robot import load_robot
+from pipenav.state import Command
+
+ROBOT = load_robot("real-setup")
+ENDINGS = {
+    "SIGINT": 0.1,
+    "SIGTERM": 0.1,
+    "SIGHUP": 0.1,
+    "exception": 0.1,
+    "second-ctrl-c": 0.1,
+    "SIGKILL": 0.2,
+    "segfault": 0.2,
+}
+"""What ends the driver, and within which time torque must be off on every servo [s]."""
+
+LIFE = 1.2
+"""Longest time from a driver's start to its end [s]; torque is on well before."""
+
+SECOND = 0.03
+"""Longest time from the first Ctrl-C to the second [s]."""
+
+
+class Trial(NamedTuple):
+    """When a driver was started, and when it was ended [s]."""
+
+    started: float
+    ended: float
+
+
+class Torque(NamedTuple):
+    """One write of a servo's torque register that arrived."""
+
+    time: float
+    on: bool
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--trials", type=int, default=200, help="of each ending")
+    parser.add_argument("--only", nargs="+", choices=ENDINGS, default=list(ENDINGS), help="these endings")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--patience", type=float, default=1.0, help="factor on every time limit, on a busy machine")
+    given = parser.parse_args()
+    failures = 0
+    for name in given.only:
+        left_on, times = measure(name, given.trials, random.Random(f"{given.seed} {name}"), given.patience)
+        slowest = max(times, default=0.0)
+        late = slowest > ENDINGS[name] * given.patience
+        failures += left_on + late
+        print(
+            f"{name}: {given.trials} trials, torque was on in {len(times)}, left on {left_on}, off after "
+            f"{1e3 * statistics.median(times or [0.0]):.1f} ms (median), {1e3 * slowest:.1f} ms (slowest)",
+            flush=True,
+        )
+    return int(failures > 0)
+
+
+def measure(name: str, trials: int, rng: random.Random, patience: float) -> tuple[int, list[float]]:
+    """End that many drivers: how many left torque on, and of those that were ended with torque on, for how long still
+    [s]."""
+    with Emulator(ROBOT, boot_time=0.0) as emulator:
+        done = [run_trial(name, emulator.arm_path, rng, patience) for _ in range(trials)]
+        time.sleep(0.3)
+        writes = {servo: torque_writes(emulator.log_path, servo) for servo in emulator.arm.ids}
+    left_on, times = 0, []
+    for trial, after in zip(done, [*(trial.started for trial in done[1:]), math.inf], strict=True):
+        offs = [off_time([w for w in writes[servo] if trial.started <= w.time < after]) for servo in writes]
+        left_on += any(off == math.inf for off in offs)
+        still = [off - trial.ended for off in offs if off is not None and trial.ended < off < math.inf]
+        if still:
+            times.append(max(still))
+    return left_on, times
+
+
+def torque_writes(log: Path, servo: int) -> list[Torque]:
+    """Every write of one servo's torque register, its own and those to all."""
+    register = table.TORQUE_ENABLE.address
+    return [
+        Torque(heard.time, bool(heard.packet.parameters[1]))
+        for heard in judge.instructions(log)
+        if heard.packet.code == packets.WRITE
+        and heard.packet.parameters[0] == register
+        and heard.packet.id in (servo, packets.BROADCAST)
+    ]
+
+
+def off_time(writes: list[Torque]) -> float | None:
+    """When torque went off for good: None if it never was on, infinity if it stayed on."""
+    last_on = max((i for i, write in enumerate(writes) if write.on), default=None)
+    if last_on is None:
+        return None
+    return writes[last_on + 1].time if last_on + 1 < len(writes) else math.inf
+
+
+def run_trial(name: str, arm: Path, rng: random.Random, patience: float) -> Trial:
+    """Start a driver and end it at a random moment."""
+    life, second = rng.uniform(0.0, LIFE * patience), rng.uniform(0.0, SECOND)
+    reading, writing = os.pipe()
+    started = time.monotonic()
+    child = os.fork()
+    if not child:
+        os.close(reading)
+        with contextlib.suppress(BaseException):
+            drive(name, arm, life, writing, patience)
+        os._exit(0)
+    os.close(writing)
+    ended = math.nan
+    if name in ("exception", "segfault"):
+        ended = float(os.read(reading, 64).decode() or "nan")
+    else:
+        time.sleep(life)
+        ended = time.monotonic()
+        os.kill(child, signal.SIGINT if name == "second-ctrl-c" else signal.Signals[name])
+        if name == "second-ctrl-c":
+            time.sleep(second)
+            os.kill(child, signal.SIGINT)
+    os.close(reading)
+    os.waitpid(child, 0)
+    time.sleep(0.15)  # for the supervisor of a driver that is dead
+    return Trial(started, ended)
+
+
+def drive(name: str, arm: Path, life: float, report: int, patience: float) -> None:
+    """The driver: swing the arm to and fro for ever, or until the ending that comes from within."""
+
+    def end(number: int, frame: FrameType | None) -> None:  # noqa: ARG001  # the signature of a handler
+        os.write(report, str(time.monotonic()).encode())
+        if name == "segfault":
+            ctypes.string_at(0)
+        raise RuntimeError("an exception somewhere in the program")
+
+    if name in ("exception", "segfault"):
+        signal.signal(signal.SIGALRM, end)
+        signal.setitimer(signal.ITIMER_REAL, max(life, 1e-3))
+    machine = open_backend("hardware", ROBOT, 1, {"arm": str(arm), "patience": patience})
+    assert isinstance(machine, load_machine())
+    with contextlib.closing(machine), guarded(machine):
+        start = machine.read().q
+        machine.reset(np.array([0]), [], start, np.zeros(1))
+        begun = time.monotonic()
+        while True:
+            machine.read()
+            swing = np.array([0.0, 0.3, -0.3, 0.3]) * math.sin(3 * (time.monotonic() - begun))
+            machine.step(Command("position", start + swing))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

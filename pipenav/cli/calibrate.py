@@ -1,0 +1,67 @@
+"""`pipenav calibrate`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from pipenav.errors import PipenavError
+
+if TYPE_CHECKING:
+    from pipenav.machine import Calibrator
+    from pipenav.robot import RobotSpec
+
+
+def calibrate(
+    port: Annotated[str, typer.Option(help="Device of the servo bus, for example /dev/ttyUSB0.")],
+    scanner_port: Annotated[str, typer.Option(help="Device of the scanner.")] = "/dev/ttyACM0",
+    front_port: Annotated[str | None, typer.Option(help="Device of the front sensor, if there is one.")] = None,
+    robot: Annotated[str, typer.Option(help="Which robot it is; see `pipenav robots`.")] = "real-setup",
+    arm: Annotated[Path, typer.Option(help="File to write.")] = Path("arm.toml"),
+    write_servos: Annotated[
+        bool, typer.Option("--write-servos", help="Store limits and torque in the servos' EEPROM too.")
+    ] = False,
+) -> None:
+    """Describe an arm: each joint moves a few degrees, you say which way, and arm.toml is written.
+
+    Examples:
+
+        pipenav calibrate --port /dev/ttyUSB0 --scanner-port /dev/ttyACM0 --front-port /dev/ttyACM1
+
+        pipenav calibrate --port /dev/ttyUSB0 --write-servos
+    """
+    from pipenav.deploy import guarded
+    from pipenav.files import atomic_write
+    from pipenav.machine import load_machine
+    from pipenav.robot import load_robot
+
+    ports = {"servos": port, "scanner": scanner_port} | ({"front": front_port} if front_port else {})
+    spec = load_robot(robot)
+    calibrator = load_machine().calibrator(spec, ports)
+    try:
+        with guarded(calibrator):
+            _ask(calibrator, spec)
+            if write_servos:
+                for line in calibrator.write_servos():
+                    typer.echo(line)
+        atomic_write(arm, calibrator.text())
+    finally:
+        calibrator.close()
+    typer.echo(f"wrote {arm}; next: pipenav hw-check --arm {arm}")
+
+
+def _ask(calibrator: Calibrator, robot: RobotSpec) -> None:
+    typer.prompt("Put the arm straight, its carriage at the start, and press Enter", default="", show_default=False)
+    calibrator.set_zero()
+    for joint in robot.joints:
+        slide = joint.type == "slide"
+        typer.prompt(f"{joint.name} moves a little now; keep clear and press Enter", default="", show_default=False)
+        if abs(calibrator.nudge(joint.name)) < 0.05:
+            raise PipenavError(f"{joint.name} did not move: free it, check its supply, and calibrate again.")
+        positive = typer.confirm(f"Did {joint.name} move {'forwards, into the pipe' if slide else 'to the left'}?")
+        moved = typer.prompt("By how many mm?", type=float) if slide else None
+        if moved is not None and not 0.5 <= abs(moved) <= 500:
+            raise PipenavError(f"{moved:g} mm is no possible way of the carriage: measure again, 0.5 to 500 mm.")
+        calibrator.set_direction(joint.name, positive, moved)

@@ -1,0 +1,46 @@
+"""`pipenav hw-check`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+
+from pipenav.errors import PipenavError
+
+if TYPE_CHECKING:
+    from pipenav.machine import Finding
+
+STYLES = {"ok": "green", "warning": "yellow", "problem": "red"}
+
+
+def hw_check(
+    arm: Annotated[Path, typer.Option(help="The arm's description, from pipenav calibrate.")] = Path("arm.toml"),
+) -> None:
+    """Look at the arm's bus, servos and sensors, name what is missing and the next cable; change nothing.
+
+    Example:
+
+        pipenav hw-check --arm arm.toml
+    """
+    from pipenav.machine import load_machine
+    from pipenav.registry import check_options
+
+    kind = load_machine()
+    problems = show_findings(Console(), kind.check(check_options("hardware", kind, {"arm": str(arm)})))
+    if problems:
+        raise PipenavError(f"the arm has {problems} problem(s), see above.")
+
+
+def show_findings(console: Console, findings: Iterator[Finding]) -> int:
+    """Print findings as they come; how many of them are problems."""
+    problems = 0
+    for finding in findings:
+        problems += finding.level == "problem"
+        remedy = f": {finding.remedy}" if finding.remedy else ""
+        console.print(f"[{STYLES[finding.level]}]{finding.level:8}[/] ", end="")
+        console.print(f"{finding.what}{remedy}", highlight=False, markup=False, soft_wrap=True)
+    return problems

@@ -1,0 +1,39 @@
+"""`pipenav replay`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from pipenav.errors import PipenavError
+
+
+def replay(
+    log: Annotated[Path, typer.Argument(help="telemetry.jsonl of a run.", show_default=False)],
+    draw: Annotated[Path | None, typer.Option(help="Write the run's picture here, as PNG.")] = None,
+) -> None:
+    """Do a recorded run's arithmetic again: every reading, action and packet must come out bit for bit.
+
+    Examples:
+
+        pipenav replay runs/real-1/telemetry.jsonl
+
+        pipenav replay runs/real-1/telemetry.jsonl --draw run.png
+    """
+    from pipenav.files import atomic_write
+    from pipenav.policy import load_policy
+    from pipenav.replay import POLICY_COPY
+    from pipenav.replay import replay as run_again
+    from pipenav.run_picture import run_picture
+
+    result, recording = run_again(log)
+    if draw is not None:
+        robot = load_policy(log.with_name(POLICY_COPY)).header.robot
+        ended = recording.end["cause"] or recording.end["end"] if recording.end else "cut short"
+        atomic_write(draw, run_picture(robot, recording.ticks, f"{robot.name}: {ended}, {result.ticks} ticks"))
+    if result.difference:
+        raise PipenavError(f"the replay differs: {result.difference}; was the log or the policy changed?")
+    Console().print(f"{result.ticks} ticks, {result.packets} packets: all identical", highlight=False)

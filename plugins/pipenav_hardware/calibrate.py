@@ -1,0 +1,173 @@
+"""Finding out how an arm's servos are mounted: each moves a few degrees, and a person says what was seen."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from collections.abc import Mapping
+
+from pipenav.errors import PipenavError
+from pipenav.machine import Calibrator
+from pipenav.robot import RobotSpec
+from pipenav.safety import Stopped
+from pipenav.units import m_to_mm, mm_to_m, rad_to_deg
+from pipenav_hardware import table
+from pipenav_hardware.arm_config import (
+    ArmConfig,
+    FrontSensorConfig,
+    ScannerConfig,
+    arm_toml,
+    default_arm,
+    reachable,
+)
+from pipenav_hardware.dynamixel import Bus, Mode
+from pipenav_hardware.watchdog import Watchdog
+
+NUDGE = 40
+"""Counts of a nudge: 12 deg can be seen, and are less than a servo moves in a control period."""
+
+NUDGE_SPEED = 30
+"""Moving Speed of a nudge: 20 deg/s."""
+
+NUDGE_TORQUE = 256
+"""Torque Limit of a nudge, a quarter: enough to move the arm, not enough to break it."""
+
+NUDGE_TIME = 2.0
+"""Longest time for a nudge [s]."""
+
+STORED = {
+    table.RETURN_DELAY: 0,
+    table.RETURN_LEVEL: 2,
+    table.SHUTDOWN: table.Alarm.OVERLOAD | table.Alarm.OVERHEAT,
+}
+"""What every servo's EEPROM shall hold besides its limits."""
+
+
+class Calibration(Calibrator):
+    """See `pipenav.machine.Calibrator`. Servos have the ids 1, 2, ... in joint order."""
+
+    def __init__(self, robot: RobotSpec, ports: Mapping[str, str]) -> None:
+        scanner = ScannerConfig(driver="scip2", port=ports["scanner"])
+        front = FrontSensorConfig(port=ports["front"]) if "front" in ports else None
+        self._robot = robot
+        self._arm = default_arm(robot, ports["servos"], scanner, front)
+        self.joints = [servo.joint for servo in self._arm.servos]
+        self._bus = Bus(self._arm.port, self._arm.baud)
+        self._torque, self._turned = False, NUDGE * table.COUNT
+        try:
+            for servo in self._arm.servos:
+                self._refuse_unfit(servo.id, servo.joint)
+            self._watchdog = Watchdog(self._bus.descriptor)
+        except BaseException:
+            self._bus.close()
+            raise
+
+    def set_zero(self) -> None:
+        for index in range(len(self.joints)):
+            self._change(index, zero_count=float(self._position(index)))
+
+    def nudge(self, joint: str) -> float:
+        index = self.joints.index(joint)
+        servo, start = self._arm.servos[index].id, self._position(index)
+        goal = min(start + NUDGE, table.COUNTS)
+        self._watchdog.armed()
+        self._torque, self._bus.mode = True, Mode.DRIVE
+        try:
+            values = {
+                table.TORQUE_LIMIT: NUDGE_TORQUE,
+                table.MOVING_SPEED: NUDGE_SPEED,
+                table.GOAL_POSITION: start,
+                table.TORQUE_ENABLE: 1,
+            }
+            for register, value in values.items():
+                if not self._bus.write_register(servo, register, value):
+                    raise Stopped("comms", f"servo {servo} ({joint}) does not take a value", "check its cable")
+            self._bus.write_register(servo, table.GOAL_POSITION, goal)
+            deadline = time.monotonic() + NUDGE_TIME
+            while abs(goal - self._position(index)) > 2 and time.monotonic() < deadline:
+                self._watchdog.beat()
+                time.sleep(0.05)
+        finally:
+            self.off()
+        self._turned = (self._position(index) - start) * table.COUNT
+        return self._turned
+
+    def set_direction(self, joint: str, positive: bool, moved_mm: float | None) -> None:
+        index = self.joints.index(joint)
+        changes: dict[str, float | int] = {"sign": 1 if positive else -1}
+        if moved_mm is not None:
+            changes["pinion_radius_mm"] = abs(moved_mm / self._turned)
+        self._change(index, **changes)
+
+    def text(self) -> str:
+        return arm_toml(self._arm)
+
+    def write_servos(self) -> list[str]:
+        written = []
+        for servo in self._arm.servos:
+            low, high = servo.count_limits
+            values = {table.CW_LIMIT: low, table.CCW_LIMIT: high, table.MAX_TORQUE: servo.torque_counts, **STORED}
+            self._bus.mode = Mode.DRIVE
+            for register, value in {table.TORQUE_ENABLE: 0, **values}.items():
+                if not self._bus.write_register(servo.id, register, int(value)):
+                    raise PipenavError(f"servo {servo.id} ({servo.joint}) does not store a value: check its cable.")
+            self._bus.mode = Mode.STOPPED
+            share = servo.torque_limit_percent
+            written.append(f"servo {servo.id} ({servo.joint}): limits {low}-{high}, torque {share:.0f} %, delay 0")
+        return written
+
+    def cut(self) -> None:
+        if self._torque:
+            self._bus.cut()
+
+    def off(self) -> list[str]:
+        if not self._torque:
+            return []
+        silent = self._bus.off(self._arm.ids)
+        self._torque = bool(silent)
+        if not silent:
+            self._watchdog.disarmed()
+        return [servo.joint for servo in self._arm.servos if servo.id in silent]
+
+    def close(self) -> None:
+        self.off()
+        with contextlib.suppress(OSError):
+            self._bus.close()
+        self._watchdog.close()
+
+    def _refuse_unfit(self, servo: int, joint: str) -> None:
+        model = self._bus.read_register(servo, table.MODEL)
+        if model is None:
+            raise PipenavError(
+                f"servo {servo} ({joint}) does not answer: give the servos ids from 1 on, in joint order."
+            )
+        if model != table.MODEL_NUMBER:
+            raise PipenavError(f"servo {servo} ({joint}) says it is model {model}, an AX-12A is model 12: replace it.")
+        if self._bus.read_register(servo, table.CW_LIMIT) == 0 == self._bus.read_register(servo, table.CCW_LIMIT):
+            raise PipenavError(
+                f"servo {servo} ({joint}) is in wheel mode and would turn for ever: "
+                "set its angle limits to 0 and 1023 with the maker's tool, then calibrate."
+            )
+
+    def _position(self, index: int) -> int:
+        position = self._bus.read_register(self._arm.servos[index].id, table.PRESENT_POSITION)
+        if position is None:
+            raise PipenavError(f"servo {self._arm.servos[index].id} ({self.joints[index]}) does not answer any more.")
+        return position
+
+    def _change(self, index: int, **changes: float | int) -> None:
+        """Change how one servo is mounted; its limits become what it then reaches of the robot's own."""
+        servo, joint = self._arm.servos[index], self._robot.joints[index]
+        values = servo.model_dump() | changes
+        unit = mm_to_m(values["pinion_radius_mm"]) if servo.drive == "pinion" else 1.0
+        lower, upper = reachable(joint.lower, joint.upper, values["sign"], values["zero_count"], unit)
+        if not lower < 0 < upper:
+            raise PipenavError(
+                f"servo {servo.id} ({servo.joint}) is at {values['zero_count']:.0f} counts, at the end of its turn: "
+                "mount its horn so that the straight arm lies within its 300 deg."
+            )
+        convert, name = (m_to_mm, "mm") if servo.drive == "pinion" else (rad_to_deg, "deg")
+        values |= {f"lower_{name}": convert(lower), f"upper_{name}": convert(upper)}
+        servos = [one.model_dump() for one in self._arm.servos]
+        servos[index] = values
+        self._arm = ArmConfig.model_validate(self._arm.model_dump() | {"servos": servos})

@@ -1,0 +1,140 @@
+"""What goes wrong, when, and to whom: a script of faults, drawn with a seed where they are random."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from pipenav.errors import PipenavError
+
+BUS_FAULTS = {
+    "drop": "an answer is not sent",
+    "delay": "an answer comes `value` seconds late",
+    "corrupt": "one bit of an answer is wrong",
+    "truncate": "an answer ends early",
+    "garbage": "noise comes before an answer",
+    "bare_error": "an answer to a READ has an error byte (`value`) and no data",
+    "wrong_id": "an answer carries another servo's id",
+    "echo": "the adapter sends back what the host sends",
+    "deaf": "the adapter takes no more bytes",
+    "unplug": "the adapter is pulled out",
+}
+SERVO_FAULTS = {
+    "dead": "a servo does not answer and does not move",
+    "stuck": "a shaft is held",
+    "overload": "a servo reports overload",
+    "overheat": "a servo is at `value` deg C",
+    "voltage": "a servo is supplied with `value` V",
+    "power_dip": "a servo loses power for a moment",
+    "model": "a servo says that its model number is `value`",
+    "wheel": "a servo's EEPROM is set to wheel mode",
+    "return_level": "a servo's status return level is `value`",
+    "duplicate": "a servo has the id `value`",
+    "auto_torque": "a servo switches its torque on when a goal is written",
+}
+SENSOR_FAULTS = {
+    "drop": "a scan or reading is not sent",
+    "freeze": "the same distances are sent again and again, as new ones",
+    "stuck": "the same message is sent again and again",
+    "late": "a scan comes `value` seconds late",
+    "corrupt": "one bit of a scan or reading is wrong",
+    "truncate": "a scan ends early",
+    "blind": "every point of a scan is an error code, a reading is out of range",
+    "minimum": "patches of a scan, `probability` of it in all, read the scanner's smallest range",
+    "noise": "every point has noise of `value` metres, one sigma",
+    "unplug": "the sensor is pulled out",
+}
+FAULTS = {"bus": BUS_FAULTS | SERVO_FAULTS, "scanner": SENSOR_FAULTS, "front": SENSOR_FAULTS}
+
+ONCE = {"power_dip", "overheat", "model", "wheel", "return_level", "duplicate", "unplug"}
+"""Faults that change something once, when they begin."""
+
+
+class Fault(BaseModel):
+    """One entry of a fault script."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    fault: str
+    device: Literal["bus", "scanner", "front"] = "bus"
+    servo: int | None = Field(None, description="id of the servo concerned; all where none is named")
+    at: float = Field(0.0, ge=0, description="when it begins, after the emulator's start [s]")
+    tick: int | None = Field(None, ge=0, description="begin with this goal packet instead")
+    span: float | None = Field(None, gt=0, description="how long it lasts [s]; for ever where none is given")
+    count: int | None = Field(None, ge=1, description="how many times it happens at most")
+    probability: float = Field(1.0, ge=0, le=1, description="of each answer, scan or reading concerned")
+    value: float = 0.0
+
+
+@dataclass
+class _Entry:
+    fault: Fault
+    begin: float
+    happened: int = 0
+
+
+class FaultScript:
+    """Which faults hold now.
+
+    Attributes:
+        now: time since the emulator's start [s].
+        ticks: goal packets that have come.
+    """
+
+    def __init__(self, script: list[Fault], seed: int) -> None:
+        self._random = random.Random(seed)
+        self._entries: list[_Entry] = []
+        self.now, self.ticks = 0.0, 0
+        for fault in script:
+            self.add(fault)
+
+    def add(self, fault: Fault) -> None:
+        """Have a fault from now on; its time counts from now.
+
+        Raises:
+            PipenavError: the device has no such fault.
+        """
+        if fault.fault not in FAULTS[fault.device]:
+            raise PipenavError(
+                f"{fault.device} has no fault {fault.fault!r}: choose {', '.join(FAULTS[fault.device])}."
+            )
+        self._entries.append(_Entry(fault, self.now + fault.at))
+
+    def clear(self) -> None:
+        self._entries.clear()
+
+    def due(self) -> list[Fault]:
+        """Faults that change something once and begin now; each is given once."""
+        begun = [entry for entry in self._entries if entry.fault.fault in ONCE and self._holds(entry)]
+        self._entries = [entry for entry in self._entries if entry not in begun]
+        return [entry.fault for entry in begun]
+
+    def active(self, kind: str, device: str = "bus", servo: int | None = None) -> Fault | None:
+        """A fault of this kind that strikes now, if there is one; it counts as having happened."""
+        for entry in self._entries:
+            fault = entry.fault
+            concerned = fault.servo is None or servo is None or fault.servo == servo
+            if fault.fault != kind or fault.device != device or not concerned or not self._holds(entry):
+                continue
+            if fault.count is not None and entry.happened >= fault.count:
+                continue
+            if fault.probability < 1 and kind != "minimum" and self._random.random() >= fault.probability:
+                continue
+            entry.happened += 1
+            return fault
+        return None
+
+    def number(self, below: int) -> int:
+        return self._random.randrange(below)
+
+    def gauss(self) -> float:
+        return self._random.gauss(0.0, 1.0)
+
+    def _holds(self, entry: _Entry) -> bool:
+        fault = entry.fault
+        if fault.tick is not None:
+            return self.ticks >= fault.tick
+        return entry.begin <= self.now and (fault.span is None or self.now < entry.begin + fault.span)

@@ -1,0 +1,196 @@
+"""The emulator's process: `python -m pipenav_hardware.emulator.server CONFIG.json`.
+
+It prints one line of JSON when it is ready, takes orders as lines of JSON on its standard input, and ends when that
+closes. Orders: a fault (see `faults.Fault`), `{"clear": true}`, `{"place": [counts]}`, `{"plug": device}`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import heapq
+import json
+import os
+import select
+import signal
+import sys
+import time
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from pipenav.pipe import Pipe
+from pipenav.robot import load_robot
+from pipenav_hardware.arm_config import ArmConfig
+from pipenav_hardware.emulator.bus import ServoBus
+from pipenav_hardware.emulator.faults import Fault, FaultScript
+from pipenav_hardware.emulator.line import ByteLog, Line
+from pipenav_hardware.emulator.plant import FreePlant, PipePlant, Plant
+from pipenav_hardware.emulator.sensors import BOOT_TIME, FrontDevice, Scip2Device
+from pipenav_hardware.emulator.servo import EmulatedServo
+
+
+class EmulatorConfig(BaseModel):
+    """What the emulator emulates."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    robot: str
+    arm: ArmConfig = Field(description="how the servos are really mounted; its ports are links that appear")
+    pipe: Pipe | None = Field(None, description="the pipe around the arm; without one nothing is")
+    base: float = Field(0.0, description="where the robot's frame starts on the first leg's axis [m]")
+    q: tuple[float, ...] | None = Field(None, strict=False, description="where the joints are at the start")
+    backend: str = "mujoco"
+    seed: int = 0
+    adapter_latency: float = Field(0.001, ge=0, le=0.1, description="of the USB adapter, per answer [s]")
+    boot_time: float = Field(BOOT_TIME, ge=0, description="how long the front sensor is deaf after opening [s]")
+    faults: tuple[Fault, ...] = Field((), strict=False)
+    log: Path = Field(strict=False)
+
+
+class _Outgoing(NamedTuple):
+    due: float
+    number: int
+    device: str
+    data: bytes
+
+
+class Server:
+    """One loop over all lines: nothing here waits but `select`."""
+
+    def __init__(self, config: EmulatorConfig) -> None:
+        self.log = ByteLog(config.log)
+        self.faults = FaultScript(list(config.faults), config.seed)
+        robot = load_robot(config.robot)
+        self.plant = _plant(config)
+        servos = [EmulatedServo(servo.id, servo.count_limits, servo.torque_counts) for servo in config.arm.servos]
+        self.lines = {"bus": Line(Path(config.arm.port)), "scanner": Line(Path(config.arm.scanner.port))}
+        if config.arm.front_sensor is not None:
+            self.lines["front"] = Line(Path(config.arm.front_sensor.port), hold_open=False)
+        self.bus = ServoBus(servos, self.plant, self.faults, self._sender("bus"), config.adapter_latency)
+        self.scanner = Scip2Device(robot.laser, self.plant, self.faults, self._sender("scanner"))
+        self.front = FrontDevice(self.plant, self.faults, self._sender("front"), config.boot_time)
+        self._outgoing: list[_Outgoing] = []
+        self._count, self._start, self._orders = 0, time.monotonic(), b""
+        self._moment = 0.0
+        self.bus.feel(0.0)
+        for servo, shaft in zip(servos, self.plant.shafts(0.0), strict=True):
+            servo.power_on(shaft.position)
+
+    def run(self) -> None:
+        while self._turn():
+            pass
+        if isinstance(self.plant, PipePlant):
+            tip = [float(x) for x in self.plant.tip(self._now)]
+            force, depth = self.plant.peak_force, self.plant.penetration
+            self.log.event("end", tip_m=tip, peak_force_n=force, penetration_m=depth)
+        for line in self.lines.values():
+            line.unplug()
+        self.log.close()
+
+    @property
+    def _now(self) -> float:
+        return time.monotonic() - self._start
+
+    def _sender(self, device: str) -> Any:
+        """What sends bytes some time after the moment that is being dealt with, however long dealing with it takes."""
+
+        def send(delay: float, data: bytes) -> None:
+            self._count += 1
+            heapq.heappush(self._outgoing, _Outgoing(self._moment + delay, self._count, device, data))
+
+        return send
+
+    def _turn(self) -> bool:
+        """Wait for bytes or for the next thing to do; False when the orders have ended."""
+        due = self._run_devices()
+        heard = [line.master for name, line in self.lines.items() if line.plugged and not self._deaf(name)]
+        ready, _, _ = select.select([0, *heard], [], [], max(0.0, min(due - self._now, 0.05)))
+        for name, line in self.lines.items():
+            if line.plugged and line.master in ready:
+                self._receive(name, line)
+        if 0 in ready:
+            data = os.read(0, 65536)
+            *orders, self._orders = (self._orders + data).split(b"\n")
+            for order in orders:
+                self._obey(json.loads(order))
+            return bool(data)
+        return True
+
+    def _deaf(self, name: str) -> bool:
+        if name == "front":
+            return True  # it takes no orders, and a line that nobody has open is always ready
+        return name == "bus" and self.faults.active("deaf") is not None
+
+    def _receive(self, name: str, line: Line) -> None:
+        data = line.read()
+        if not data:
+            return
+        now = self._moment = self._now
+        self.log.bytes(name, "in", data)
+        if name == "bus":
+            self.bus.receive(now, data, line.baud)
+        else:
+            self.scanner.receive(data)
+
+    def _run_devices(self) -> float:
+        """Do what is due; when something is next."""
+        now = self.faults.now = self._moment = self._now
+        for fault in self.faults.due():
+            self.log.event("fault", **fault.model_dump())
+            if fault.fault == "unplug":
+                self.lines[fault.device].unplug()
+            else:
+                self.bus.feel(now)
+                self.bus.begin(fault)
+                self.bus.command(now)
+        due = [now + 0.05]
+        if self.lines["scanner"].plugged:
+            due.append(self.scanner.run(now))
+        if "front" in self.lines and self.lines["front"].plugged:
+            due.append(self.front.run(now, self.lines["front"].opened))
+        while self._outgoing and self._outgoing[0].due <= self._now:
+            _, _, device, data = heapq.heappop(self._outgoing)
+            if self.lines[device].plugged:
+                self.lines[device].write(data)
+                if device == "bus":
+                    self.log.bytes(device, "out", data)
+        return min(due + [out.due for out in self._outgoing[:1]])
+
+    def _obey(self, order: dict[str, Any]) -> None:
+        if "clear" in order:
+            self.faults.clear()
+        elif "place" in order:
+            assert isinstance(self.plant, FreePlant)
+            self.plant.place(order["place"])
+        elif "plug" in order:
+            self.lines[order["plug"]].plug()
+        else:
+            self.faults.add(Fault.model_validate(order))
+        self.log.event("order", order=order)
+        print(json.dumps({"obeyed": order}), flush=True)
+
+
+def _plant(config: EmulatorConfig) -> Plant:
+    if config.pipe is None:
+        return FreePlant(len(config.arm.servos), config.seed)
+    from pipenav.registry import open_backend
+
+    robot = load_robot(config.robot)
+    options = {"threads": 1} if config.backend == "mujoco" else {}
+    backend = open_backend(config.backend, robot, 1, options, len(config.pipe.segments))
+    q = np.zeros(len(robot.joints)) if config.q is None else np.array(config.q)
+    return PipePlant(robot, config.arm, backend, config.pipe, q, config.base)
+
+
+def main() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a Ctrl-C at the terminal is for the host; our input's end ends us
+    server = Server(EmulatorConfig.model_validate_json(Path(sys.argv[1]).read_text()))
+    print(json.dumps({"ready": {name: str(line.path) for name, line in server.lines.items()}}), flush=True)
+    with contextlib.suppress(BrokenPipeError):
+        server.run()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,192 @@
+"""The interface of range sensors, and what the policy's beams read from a scan that is finer than they are."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+import select
+import termios
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+import serial
+from numpy.typing import NDArray
+
+from pipenav import laser
+from pipenav.errors import PipenavError
+from pipenav.robot import Laser
+from pipenav_hardware.arm_config import ScannerConfig
+from pipenav_hardware.ports import port_problem
+
+Array = NDArray[np.float64]
+
+
+class SensorLost(PipenavError):
+    """A range sensor that is gone or does not answer."""
+
+    def __init__(self, name: str, problem: str) -> None:
+        super().__init__(f"the {name} {problem}: check its cable and its port in arm.toml.")
+
+
+class RangeScan(NamedTuple):
+    """One scan as it came.
+
+    Attributes:
+        distances: one per angle of the sensor [mm]; below its smallest range they are error codes.
+        stamp: when it arrived, on the monotonic clock [s].
+        sequence: grows with every new measurement.
+    """
+
+    distances: tuple[int, ...]
+    stamp: float
+    sequence: int
+
+
+class RangeSensor(ABC):
+    """A scanner: polled, never blocking.
+
+    Attributes:
+        angles: of its points from the tip link's axis, left positive, ascending, (k,) [rad].
+        range_min, range_max: what it can measure [m].
+        rejected: scans that came damaged.
+    """
+
+    angles: Array
+    range_min: float
+    range_max: float
+    rejected: int
+
+    @abstractmethod
+    def fileno(self) -> int:
+        """A descriptor that becomes readable when there is something to `pump`; -1 where there is none."""
+
+    @abstractmethod
+    def pump(self, now: float) -> None:
+        """Take in what has arrived."""
+
+    @abstractmethod
+    def latest(self) -> RangeScan | None:
+        """The newest whole scan."""
+
+    @abstractmethod
+    def close(self) -> None: ...
+
+
+def mounted(angles: Array, config: ScannerConfig) -> Array:
+    """The sensor's own angles as seen from the tip link's axis. Points keep their order; see `BeamFilter`."""
+    turned = -angles if config.upside_down else angles
+    return np.asarray(turned + math.radians(config.mounting_deg))
+
+
+class SerialLine:
+    """A serial device that sends lines."""
+
+    def __init__(self, port: str, baud: int, name: str) -> None:
+        self._name, self._buffer = name, b""
+        try:
+            self._serial = serial.Serial(port, baud, timeout=0, write_timeout=0.2, exclusive=True)
+            self._serial.reset_input_buffer()
+        except (OSError, termios.error) as error:
+            raise port_problem(port, error) from error
+
+    def fileno(self) -> int:
+        return int(self._serial.fileno())
+
+    def write(self, data: bytes) -> None:
+        with self._edge():
+            self._serial.write(data)
+
+    def lines(self, wait: float = 0.0) -> Iterator[str]:
+        """Lines that are complete now, without their end; waits for the first bytes if told to [s]."""
+        with self._edge():
+            if wait:
+                select.select([self.fileno()], [], [], wait)
+            if self._readable():
+                arrived = os.read(self.fileno(), 65536)
+                if not arrived:
+                    raise OSError("unplugged")
+                self._buffer += arrived
+        *whole, self._buffer = self._buffer.split(b"\n")
+        yield from (line.rstrip(b"\r").decode("latin-1") for line in whole)
+
+    def close(self, farewell: bytes = b"") -> None:
+        with contextlib.suppress(OSError, termios.error):
+            self._serial.write(farewell)
+            self._serial.close()
+
+    def _readable(self) -> bool:
+        return bool(select.select([self.fileno()], [], [], 0)[0])
+
+    @contextlib.contextmanager
+    def _edge(self) -> Iterator[None]:
+        try:
+            yield
+        except (OSError, termios.error, ValueError, TypeError) as error:
+            raise SensorLost(self._name, f"is lost ({error})") from error
+
+
+NEIGHBOURHOOD = math.radians(2.5)
+"""Half width of the points that a beam is the median of: with every third point lost to dropouts or noise of 10 mm, the
+median of a dozen is within 5 mm of the truth; wider, it would round off edges."""
+
+IMPLAUSIBLE_DROP = 0.1
+"""A beam that reads the sensor's minimum although it read this much more just before [m] is not believed: in a control
+period the tip moves by a quarter of it."""
+
+DISBELIEF = 3
+"""For how many scans in a row a beam keeps its earlier value instead."""
+
+
+class BeamFilter:
+    """From scans to the robot's beams. Deterministic: the same scans give the same beams.
+
+    Scanners return their smallest range where they see nothing (the thesis's scanner failed 40 % of its searches for an
+    open pipe by that), so a smallest range that comes from nowhere is not believed for a while.
+    """
+
+    def __init__(self, fan: Laser, angles: Array, range_min: float, range_max: float) -> None:
+        self._laser, self._range_min, self._range_max = fan, range_min, range_max
+        near = np.abs(angles[None, :] - fan.angles[:, None]) <= NEIGHBOURHOOD  # (beams, points)
+        if not near.any(axis=1).all():
+            blind = math.degrees(fan.angles[int(np.argmin(near.any(axis=1)))])
+            raise PipenavError(
+                f"the scanner does not see the beam at {blind:.0f} deg that the robot's policy needs: "
+                "check mounting_deg in arm.toml, or use a scanner with a wider fan."
+            )
+        self._windows = [np.flatnonzero(row) for row in near]
+        self._before = np.full(len(self._windows), -np.inf)  # nothing is known yet: the first scan is believed
+        self._doubted = np.zeros(len(self._windows), int)
+        self.all_invalid = False
+
+    def beams(self, scan: RangeScan, front: float | None) -> Array:
+        """The robot's beams, (beams,) [m].
+
+        Args:
+            scan: a new scan.
+            front: what the front sensor reads [m], None without one: it replaces the middle beams where the scanner is
+                too close to the wall to measure.
+        """
+        distances = np.array(scan.distances, float) / 1e3
+        valid = distances >= self._range_min
+        self.all_invalid = not valid.any()
+        beams = np.array([self._beam(distances[w], valid[w]) for w in self._windows])
+        lowest = max(self._range_min, self._laser.range_min) + self._laser.resolution
+        doubtful = (beams <= lowest) & (self._before - beams > IMPLAUSIBLE_DROP) & (self._doubted < DISBELIEF)
+        self._doubted = np.where(doubtful, self._doubted + 1, 0)
+        beams = np.where(doubtful, self._before, beams)
+        if front is not None and front < self._range_min:
+            middle = np.abs(self._laser.angles) <= np.abs(self._laser.angles).min() + 1e-9
+            beams = np.where(middle, front, beams)
+        self._before = beams
+        return laser.measure(self._laser, beams)
+
+    def _beam(self, distances: Array, valid: NDArray[np.bool_]) -> float:
+        """Median of a beam's points; those at the minimum count only where most are, for they may be dropouts."""
+        seen = distances[valid]
+        real = seen[seen > self._range_min + 0.001]
+        if len(real) * 4 >= len(seen) and len(real):
+            return float(np.median(real))
+        return float(np.median(seen)) if len(seen) else self._laser.range_max  # no echo: nothing within reach

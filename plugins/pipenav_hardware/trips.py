@@ -1,0 +1,173 @@
+"""Rules about what servos and sensors say that stop the arm; `docs/hardware.md` says what to do after each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.backend import CONTROL_PERIOD
+from pipenav.safety import Repeats, Stopped
+from pipenav_hardware.arm_config import ArmConfig
+from pipenav_hardware.ranging import RangeScan
+from pipenav_hardware.table import COUNT, Alarm, State
+
+HOT = 60
+"""Temperature that stops the arm [deg C]; the servo itself gives up at 70."""
+
+LEAST_VOLTS, MOST_VOLTS, WARN_VOLTS = 9.0, 12.6, 9.5
+"""Supply that stops the arm when it lasts [V]: an AX-12A is rated for 9 to 12 V and reports nothing above 6."""
+
+LASTING = round(0.5 / CONTROL_PERIOD)
+"""Ticks for which a voltage or a stall must last."""
+
+STALL_SHARE = 0.8
+"""Load of a stall, as a share of the torque limit: beyond that limit no load can be read."""
+
+STALL_ERROR = 0.0873
+"""Position error of a stall [rad], 5 deg."""
+
+STALL_MOTION = 4
+"""Counts within a tick that are still no motion: a servo at full drive that moves is not stalled."""
+
+SILENT_TICKS = 1
+"""Ticks without an answer that are forgiven; in the next one the arm stops."""
+
+STALE = 0.25
+"""Oldest scan or front reading [s]."""
+
+BAD_SCANS = 2
+"""Scans without a valid point, or all the same, that are forgiven; the next one stops the arm."""
+
+HW_CHECK = "run pipenav hw-check"
+STATE_ALARMS = {
+    Alarm.VOLTAGE: ("voltage", "reports its supply voltage out of range", "check the supply and its cable"),
+    Alarm.OVERHEAT: ("overheat", "reports overheating", "let it cool for 20 minutes, and look for what held it"),
+    Alarm.OVERLOAD: ("overload", "reports overload", "look for what held it, then switch the supply off and on"),
+    Alarm.ANGLE: ("angle-limit", "refused a goal beyond its angle limits", HW_CHECK),
+    Alarm.RANGE: ("range", "refused a value", HW_CHECK),
+    Alarm.INSTRUCTION: ("instruction", "did not understand an instruction", HW_CHECK),
+}
+"""Alarm bits that stop the arm; a checksum error is the line's and is counted as a bad answer."""
+
+
+class ServoRules:
+    """Watches every servo over time.
+
+    Attributes:
+        warnings: what is not yet a reason to stop, newest state.
+    """
+
+    def __init__(self, arm: ArmConfig) -> None:
+        self._arm = arm
+        count = len(arm.servos)
+        self._silent = [Repeats(SILENT_TICKS) for _ in range(count)]
+        self._volts = [Repeats(LASTING - 1) for _ in range(count)]
+        self._stalls = [Repeats(LASTING - 1) for _ in range(count)]
+        self._before: list[int | None] = [None] * count
+        self.warnings: list[str] = []
+
+    def answered(self, answers: Sequence[bool]) -> None:
+        """Judge who answered in this tick.
+
+        Raises:
+            Stopped: a servo is silent for the second tick in a row.
+        """
+        broken = [rule.broken(not answer) for rule, answer in zip(self._silent, answers, strict=True)]
+        silent = [f"{s.id} ({s.joint})" for s, lost in zip(self._arm.servos, broken, strict=True) if lost]
+        if silent:
+            raise Stopped(
+                "comms",
+                f"servo {', '.join(silent)} did not answer for {SILENT_TICKS + 1} ticks",
+                "check its cable, then run pipenav hw-check",
+            )
+
+    def alarmed(self, alarms: Sequence[Alarm]) -> None:
+        """Judge the error bytes of this tick's answers.
+
+        Raises:
+            Stopped: any alarm but a checksum error; all of a servo's alarms are named.
+        """
+        for servo, alarm in zip(self._arm.servos, alarms, strict=True):
+            reasons = [reason for bit, reason in STATE_ALARMS.items() if alarm & bit]
+            if reasons:
+                cause, _, remedy = reasons[-1]  # the bits are in the order in which they explain each other
+                what = " and ".join(text for _, text, _ in reasons)
+                raise Stopped(cause, f"servo {servo.id} ({servo.joint}) {what}", remedy)
+
+    def check(self, states: Sequence[State | None], goals: NDArray[np.float64] | None) -> None:
+        """Judge what the servos say of themselves.
+
+        Args:
+            states: of every servo; None where unknown.
+            goals: what they were last told [counts]; None while torque is off.
+
+        Raises:
+            Stopped: too hot at once; wrong voltage or a stall when it lasts.
+        """
+        self.warnings = []
+        for i, (servo, state) in enumerate(zip(self._arm.servos, states, strict=True)):
+            if state is None:
+                continue
+            name = f"servo {servo.id} ({servo.joint})"
+            if state.temperature >= HOT:
+                raise Stopped(
+                    "overheat",
+                    f"{name} is at {state.temperature} deg C, {HOT} is too hot",
+                    "let it cool for 20 minutes",
+                )
+            volts = state.decivolts / 10
+            if self._volts[i].broken(not LEAST_VOLTS <= volts <= MOST_VOLTS):
+                limits = f"{LEAST_VOLTS:g} to {MOST_VOLTS:g} V are allowed"
+                raise Stopped("voltage", f"{name} gets {volts:.1f} V, {limits}", "check the supply and its cable")
+            if volts < WARN_VOLTS:
+                self.warnings.append(f"{name}: {volts:.1f} V")
+            moved = self._before[i] is None or abs(state.position - self._before[i]) > STALL_MOTION  # type: ignore[operator]
+            self._before[i] = state.position
+            pushing = abs(state.load) >= STALL_SHARE * servo.torque_counts
+            far = goals is not None and abs(goals[i] - state.position) * COUNT > STALL_ERROR
+            if self._stalls[i].broken(pushing and far and not moved):
+                raise Stopped(
+                    "stall",
+                    f"{name} pushes with full torque and does not move",
+                    "look for what holds it; --retreat backs out along the recorded path",
+                )
+
+
+class SensorRules:
+    """Watches the scanner and the front sensor over time."""
+
+    def __init__(self, patience: float = 1.0) -> None:
+        self._stale = STALE * patience
+        self._blind, self._frozen = Repeats(BAD_SCANS), Repeats(BAD_SCANS - 1)  # the first of them repeats nothing
+        self._before: RangeScan | None = None
+
+    def scanned(self, scan: RangeScan, blind: bool) -> None:
+        """Judge a new scan.
+
+        Raises:
+            Stopped: the third in a row that saw nothing, or that is the same as the one before.
+        """
+        same = self._before is not None and scan.distances == self._before.distances
+        frozen = same and min(scan.distances) < max(scan.distances)  # all alike: too near to measure, which may last
+        self._before = scan
+        if self._blind.broken(blind):
+            raise Stopped(
+                "blind", "three scans in a row had no valid point", "clean the scanner's window, check its cable"
+            )
+        if self._frozen.broken(frozen):
+            raise Stopped("frozen", "the scanner sends the same scan again and again", "switch the scanner off and on")
+
+    def aged(self, name: str, age: float) -> None:
+        """Judge how old the newest scan or reading is.
+
+        Raises:
+            Stopped: too old.
+        """
+        if age > self._stale:
+            raise Stopped(
+                "stale",
+                f"the {name}'s newest reading is {age * 1e3:.0f} ms old, {self._stale * 1e3:.0f} ms are allowed",
+                f"check the {name}'s cable and port",
+            )

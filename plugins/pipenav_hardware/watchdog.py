@@ -1,0 +1,73 @@
+"""The driver's side of the supervisor process."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from pipenav.safety import Stopped
+from pipenav_hardware import supervisor
+from pipenav_hardware.packets import TORQUE_OFF_ALL
+
+SILENCE = 0.25
+"""How long the driver may be silent while torque is on [s]: it speaks at least twice a control period, and stops by
+itself when a tick takes 0.15 s. Longer silence means that it hangs."""
+
+
+class Watchdog:
+    """Starts the supervisor and tells it whether torque is on and that the driver lives."""
+
+    def __init__(self, port: int, patience: float = 1.0) -> None:
+        """
+        Args:
+            port: descriptor of the servo bus.
+            patience: factor on `SILENCE`.
+        """
+        reading, self._pipe = os.pipe()
+        command = [sys.executable, "-I", str(Path(supervisor.__file__)), str(port), str(reading)]
+        command += [TORQUE_OFF_ALL.hex(), str(SILENCE * patience)]
+        # A session of its own: neither Ctrl-C nor the terminal's end must reach it.
+        self._process = subprocess.Popen(command, pass_fds=(port, reading), start_new_session=True)
+        os.close(reading)
+
+    def armed(self) -> None:
+        """Torque is about to be switched on.
+
+        Raises:
+            Stopped: the supervisor is gone; so must torque be.
+        """
+        self._tell(b"A")
+
+    def beat(self) -> None:
+        """The driver lives.
+
+        Raises:
+            Stopped: see `armed`.
+        """
+        self._tell(b".")
+
+    def disarmed(self) -> None:
+        """Torque is off."""
+        with contextlib.suppress(Stopped):
+            self._tell(b"D")
+
+    def close(self) -> None:
+        """Let the supervisor end; closing twice is harmless."""
+        if self._pipe >= 0:
+            os.close(self._pipe)
+            self._pipe = -1
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self._process.wait(timeout=2)
+
+    def _tell(self, order: bytes) -> None:
+        try:
+            os.write(self._pipe, order)
+        except OSError as error:
+            raise Stopped(
+                "supervisor",
+                f"the supervisor process, which switches torque off if this one dies, is gone ({error})",
+                "find out what ended it, then start again",
+            ) from error

@@ -1,0 +1,346 @@
+"""The whole driver against the emulator's process, judged by the bytes that reached the servos."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from pipenav_hardware import packets
+from pipenav_hardware.backend import HardwareBackend, HardwareOptions
+from pipenav_hardware.check import findings
+from pipenav_hardware.emulator import judge
+from pipenav_hardware.emulator.client import Emulator
+
+from pipenav.errors import PipenavError
+from pipenav.registry import open_backend
+from pipenav.robot import load_robot
+from pipenav.safety import Stopped
+from pipenav.state import Command
+
+ROBOT = load_robot("basic")
+PATIENCE = 4.0
+"""Tests run on busy machines: their clocks' limits are wider, except where a limit is what is tested."""
+
+
+@pytest.fixture
+def emulator() -> Iterator[Emulator]:
+    with Emulator(ROBOT, boot_time=0.0) as started:
+        yield started
+
+
+@contextmanager
+def driver(emulator: Emulator, **options: Any) -> Iterator[HardwareBackend]:
+    settings = {"arm": str(emulator.arm_path), "patience": PATIENCE} | options
+    machine = open_backend("hardware", ROBOT, 1, settings)
+    assert isinstance(machine, HardwareBackend)
+    try:
+        yield machine
+    finally:
+        machine.close()
+
+
+def switch_on(machine: HardwareBackend) -> np.ndarray:
+    start = machine.read().q
+    machine.reset(np.array([0]), [], start, np.zeros(1))
+    return start
+
+
+def tick(machine: HardwareBackend, target: np.ndarray, count: int = 1) -> None:
+    for _ in range(count):
+        machine.read()
+        if machine.complete:
+            machine.send(Command("position", target))
+        else:
+            machine.hold()
+        machine.wait()
+
+
+def test_the_arm_goes_where_it_is_told_within_its_limits(emulator: Emulator) -> None:
+    with driver(emulator) as machine:
+        start = switch_on(machine)
+        target = start + np.array([[0.03, 0.5, -0.5, 0.3]])
+        tick(machine, target, 8)
+        assert machine.read().q == pytest.approx(target, abs=0.01)
+        steps = machine._codec.bounds.step
+        assert machine.off() == []
+    limits = {servo.id: servo.count_limits for servo in emulator.arm.servos}
+    goals = list(judge.goals(emulator.log_path))
+    assert len(goals) >= 4 * 8
+    for goal in goals:
+        low, high = limits[goal.servo]
+        step = steps[goal.servo - 1]
+        assert low <= goal.goal <= high
+        assert goal.present is not None and abs(goal.goal - goal.present) <= step + 2
+        assert goal.last is None or abs(goal.goal - goal.last) <= step
+        assert goal.speed is None or goal.speed >= 1
+    assert not any(on for on, _ in judge.torque(emulator.log_path, (1, 2, 3, 4)).values())
+
+
+@pytest.mark.parametrize("auto", [False, True])
+def test_torque_comes_on_without_a_jump(emulator: Emulator, auto: bool) -> None:
+    """Whatever the start pose; also with servos that switch torque on when they get a goal."""
+    if auto:
+        emulator.order(fault="auto_torque")
+    places = [int(p) for p in np.random.default_rng(auto).integers(100, 900, 4)]
+    emulator.order(place=places)
+    with driver(emulator) as machine:
+        switch_on(machine)
+        for goal in judge.goals(emulator.log_path):
+            assert abs(goal.goal - places[goal.servo - 1]) <= 1
+        read_back = [h.packet for h in judge.instructions(emulator.log_path) if h.packet.code == packets.READ]
+        assert all(packets.Packet(i, packets.READ, bytes([30, 2])) in read_back for i in (1, 2, 3, 4))
+        position = machine.read().q
+        tick(machine, position, 3)
+        assert machine.read().q == pytest.approx(position, abs=0.006)
+
+
+def test_no_start_outside_the_limits(emulator: Emulator) -> None:
+    emulator.order(place=[500, 500, 500, 985])
+    with driver(emulator) as machine, pytest.raises(PipenavError, match="joint theta3 is outside its limits"):
+        switch_on(machine)
+    assert not list(judge.goals(emulator.log_path))
+    assert judge.torque(emulator.log_path, (4,))[4] == (False, 0.0)
+
+
+def test_a_dry_run_only_asks(emulator: Emulator) -> None:
+    with driver(emulator, listen_only=True) as machine:
+        start = switch_on(machine)
+        for _ in range(5):
+            machine.read()
+            sent = machine.send(Command("position", start + 0.1))
+            machine.wait()
+        assert sent.packet.startswith("fffffe18831e04"), "what would be sent is known"
+        machine.cut()
+        machine.off()
+    assert judge.only_asked(emulator.log_path)
+    assert len(judge.instructions(emulator.log_path)) > 20
+
+
+@pytest.mark.parametrize(
+    ("order", "cause"),
+    [
+        ({"fault": "overload", "servo": 2}, "overload"),
+        ({"fault": "overheat", "servo": 3, "value": 75.0}, "overheat"),
+        ({"fault": "voltage", "value": 8.5}, "voltage"),
+        ({"fault": "stuck", "servo": 2}, "stall"),
+        ({"fault": "power_dip", "servo": 4}, "power-dip"),
+        ({"fault": "dead", "servo": 1}, "comms"),
+        ({"fault": "drop"}, "comms"),
+        ({"fault": "unplug"}, "bus-lost"),
+        ({"fault": "blind", "device": "scanner"}, "blind"),
+        ({"fault": "freeze", "device": "scanner"}, "frozen"),
+        ({"fault": "drop", "device": "scanner"}, "stale"),
+        ({"fault": "corrupt", "device": "scanner"}, "stale"),
+        ({"fault": "truncate", "device": "scanner"}, "stale"),
+        ({"fault": "unplug", "device": "scanner"}, "sensor-lost"),
+        ({"fault": "drop", "device": "front"}, "stale"),
+        ({"fault": "stuck", "device": "scanner"}, "stale"),
+        ({"fault": "stuck", "device": "front"}, "stale"),
+        ({"fault": "corrupt", "device": "front"}, "stale"),
+    ],
+    ids=lambda value: "-".join(map(str, value.values())) if isinstance(value, dict) else value,
+)
+def test_what_goes_wrong_stops_the_arm_for_its_own_reason(
+    emulator: Emulator, order: dict[str, Any], cause: str
+) -> None:
+    with driver(emulator) as machine:
+        start = switch_on(machine)
+        target = start + np.array([[0.05, 2.0, 1.0, 0.5]])
+        tick(machine, target, 2)
+        emulator.order(**order)
+        with pytest.raises(Stopped) as stopped:
+            tick(machine, target, 40)
+        assert stopped.value.cause == cause
+        machine.off()
+    reachable = [] if cause == "bus-lost" else [servo for servo in (1, 2, 3, 4) if servo != order.get("servo")]
+    assert not any(on for on, _ in judge.torque(emulator.log_path, reachable).values())
+
+
+@pytest.mark.parametrize(
+    "order",
+    [
+        {"fault": "drop", "count": 1},
+        {"fault": "delay", "value": 0.02, "count": 3},
+        {"fault": "corrupt", "probability": 0.05},
+        {"fault": "garbage", "probability": 0.2},
+        {"fault": "voltage", "value": 9.2},
+        {"fault": "overheat", "value": 55.0},
+        {"fault": "late", "device": "scanner", "value": 0.1},
+        {"fault": "corrupt", "device": "scanner", "count": 1},
+        {"fault": "minimum", "device": "scanner", "probability": 0.3},
+        {"fault": "drop", "device": "front", "count": 3},
+    ],
+    ids=lambda value: "-".join(map(str, value.values())),
+)
+def test_what_can_be_borne_is_borne(emulator: Emulator, order: dict[str, Any]) -> None:
+    with driver(emulator) as machine:
+        target = switch_on(machine) + np.array([[0.02, 0.2, -0.2, 0.2]])
+        emulator.order(**order)
+        tick(machine, target, 15)
+        emulator.order(clear=True)
+        tick(machine, target, 3)
+        assert machine.read().q == pytest.approx(target, abs=0.01)
+
+
+def test_a_missing_answer_holds_the_arm_for_that_tick(emulator: Emulator) -> None:
+    with driver(emulator) as machine:
+        target = switch_on(machine) + 0.02
+        tick(machine, target, 2)
+        before = len(list(judge.goals(emulator.log_path)))
+        emulator.order(fault="drop", servo=2, count=2)  # the question and its repetition
+        machine.read()
+        assert not machine.complete
+        machine.hold()
+        machine.wait()
+        assert len(list(judge.goals(emulator.log_path))) == before
+        machine.read()
+        assert machine.complete
+
+
+def test_a_slow_decision_stops_before_its_command_is_sent(emulator: Emulator) -> None:
+    with driver(emulator, patience=1.0) as machine:
+        target = switch_on(machine) + 0.02
+        machine.read()
+        before = len(list(judge.goals(emulator.log_path)))
+        time.sleep(0.2)
+        with pytest.raises(Stopped) as stopped:
+            machine.send(Command("position", target))
+        assert stopped.value.cause == "deadline"
+        assert len(list(judge.goals(emulator.log_path))) == before
+
+
+def test_not_a_number_sends_nothing(emulator: Emulator) -> None:
+    with driver(emulator) as machine:
+        start = switch_on(machine)
+        machine.read()
+        before = len(list(judge.goals(emulator.log_path)))
+        with pytest.raises(Stopped, match="not a finite number"):
+            machine.send(Command("position", start * np.nan))
+        assert len(list(judge.goals(emulator.log_path))) == before
+
+
+@pytest.mark.parametrize(
+    ("order", "message"),
+    [
+        ({"fault": "dead", "servo": 1}, r"servo 1 \(l\) does not answer: .*the adapter on, and the power supply"),
+        ({"fault": "dead", "servo": 3}, r"servo 3 \(theta2\) does not answer: .*cable from servo 2 \(theta1\)"),
+        ({"fault": "model", "servo": 2, "value": 29.0}, "model 29, an AX-12A is model 12"),
+        ({"fault": "wheel", "servo": 1}, "is in wheel mode"),
+        ({"fault": "return_level", "servo": 4, "value": 1.0}, "status return level 1"),
+        ({"fault": "duplicate", "servo": 3, "value": 2.0}, "two servos may have this id"),
+    ],
+    ids=lambda value: value["fault"] if isinstance(value, dict) else "",
+)
+def test_an_unfit_arm_is_refused_before_anything_moves(emulator: Emulator, order: dict[str, Any], message: str) -> None:
+    emulator.order(**order)
+    time.sleep(0.1)
+    with pytest.raises(PipenavError, match=message), driver(emulator):
+        pass
+    assert judge.only_asked(emulator.log_path)
+
+
+def test_other_limits_than_the_servos_are_refused(emulator: Emulator) -> None:
+    text = emulator.arm_path.read_text().replace("upper_deg = 137", "upper_deg = 120", 1)
+    emulator.arm_path.write_text(text)
+    with (
+        pytest.raises(PipenavError, match=r"has angle limits 43 to 980 in its EEPROM, arm.toml says"),
+        driver(emulator),
+    ):
+        pass
+
+
+@pytest.mark.parametrize(("latency", "verdict"), [(0.006, "warning"), (0.016, "refused")])
+def test_a_slow_adapter_is_named(latency: float, verdict: str) -> None:
+    with Emulator(ROBOT, boot_time=0.0, adapter_latency=latency) as emulator:
+        if verdict == "warning":
+            with driver(emulator) as machine:
+                machine.read()
+                assert any("latency_timer" in warning for warning in machine.warnings)
+        else:
+            with pytest.raises(PipenavError, match="too slow"), driver(emulator):
+                pass
+            with driver(emulator, allow_slow_bus=True) as machine:
+                assert machine.latency == pytest.approx(latency, abs=0.008)
+                tick(machine, switch_on(machine), 3)
+
+
+def test_the_arm_must_be_where_a_reset_says(emulator: Emulator) -> None:
+    with driver(emulator) as machine:
+        start = machine.read().q
+        with pytest.raises(PipenavError, match=r"joint theta2 is 0\.500 from its start position"):
+            machine.reset(np.array([0]), [], start + np.array([[0, 0, 0.5, 0]]), np.zeros(1))
+    assert judge.only_asked(emulator.log_path)
+
+
+def levels(emulator: Emulator) -> dict[str, str]:
+    return {finding.what: finding.level for finding in findings(emulator.arm)}
+
+
+def test_a_check_of_a_healthy_arm_finds_nothing_and_changes_nothing(emulator: Emulator) -> None:
+    found = levels(emulator)
+    assert set(found.values()) == {"ok"}
+    assert any("servo 4 (theta3): model 12, firmware 24, 12.0 V" in what for what in found)
+    assert judge.only_asked(emulator.log_path)
+
+
+@pytest.mark.parametrize(
+    ("order", "words", "remedy"),
+    [
+        ({"fault": "dead", "servo": 3}, "servo 3 (theta2) does not answer", "the cable from servo 2 (theta1) to it"),
+        ({"fault": "wheel", "servo": 1}, "in wheel mode", "pipenav calibrate --write-servos"),
+        ({"fault": "voltage", "value": 8.0}, "gets 8.0 V", "supply 9 to 12.6 V"),
+        ({"fault": "overload", "servo": 2}, "reports overload", "docs/hardware.md"),
+        ({"fault": "duplicate", "servo": 3, "value": 7.0}, "does not answer", "the one with id 7"),
+        ({"fault": "unplug", "device": "scanner"}, "there is no port", ""),
+    ],
+    ids=lambda value: value["fault"] if isinstance(value, dict) else "",
+)
+def test_a_check_names_what_is_wrong_and_what_to_do(
+    emulator: Emulator, order: dict[str, Any], words: str, remedy: str
+) -> None:
+    emulator.order(**order)
+    time.sleep(0.1)
+    problems = [finding for finding in findings(emulator.arm) if finding.level == "problem"]
+    assert any(words in problem.what and remedy in problem.remedy for problem in problems), problems
+    assert judge.only_asked(emulator.log_path)
+
+
+def test_a_calibration_finds_how_the_arm_is_mounted(tmp_path: Path) -> None:
+    """An arm whose second servo is mirrored and whose horn sits elsewhere, and whose pinion is another."""
+    with Emulator(ROBOT, front=False) as ideal:
+        servos = list(ideal.arm.servos)
+    limits = {"lower_deg": -137.0, "upper_deg": 136.0}
+    servos[1] = servos[1].model_copy(update={"sign": -1, "zero_count": 470.0} | limits)
+    mounted = ideal.arm.model_copy(update={"servos": tuple(servos)})
+    with Emulator(ROBOT, front=False, mounted=mounted) as emulator:
+        straight = [round(servo.to_counts(0.0)) for servo in mounted.servos]
+        emulator.order(place=straight)
+        made = HardwareBackend.calibrator(ROBOT, {"servos": emulator.arm.port, "scanner": emulator.arm.scanner.port})
+        made.set_zero()
+        for servo in mounted.servos:
+            turned = made.nudge(servo.joint)
+            assert 0.1 < turned < 0.25
+            positive = servo.sign > 0
+            moved = 1e3 * turned * servo.unit if servo.drive == "pinion" else None
+            made.set_direction(servo.joint, positive, moved)
+        emulator.order(place=straight)
+        written = made.write_servos()
+        made.close()
+        path = tmp_path / "arm.toml"
+        path.write_text(made.text())
+        assert len(written) == 4
+        with driver(emulator, arm=str(path)) as machine:
+            assert [s.sign for s in machine.arm.servos] == [1, -1, 1, 1]
+            assert machine.arm.servos[0].unit == pytest.approx(0.075, rel=0.05)
+            assert machine.read().q == pytest.approx(np.zeros((1, 4)), abs=0.01)
+        assert not any(on for on, _ in judge.torque(emulator.log_path, (1, 2, 3, 4)).values())
+
+
+def test_one_arm_only(emulator: Emulator) -> None:
+    with pytest.raises(PipenavError, match="drives one arm, 2 were asked for"):
+        HardwareBackend(ROBOT, 2, HardwareOptions(arm=str(emulator.arm_path)))

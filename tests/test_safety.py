@@ -1,0 +1,89 @@
+"""Laws of the limits on commands, and the rules that stop an arm: at the threshold, and one step below it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from pipenav.safety import Bounds, Deadlines, Repeats, Stopped, limited, require_finite
+
+Array = NDArray[np.float64]
+counts = st.integers(0, 1023)
+hostile = st.one_of(st.floats(allow_nan=False, allow_infinity=False), counts.map(float))
+
+
+def bounds(lower: float, upper: float, step: float, slack: float) -> Bounds:
+    return Bounds(np.array([lower]), np.array([upper]), np.array([step]), np.array([slack]))
+
+
+@given(hostile, counts, counts, counts, counts, st.integers(1, 60), st.integers(0, 5))
+def test_a_limited_goal_keeps_every_limit(
+    goal: float, present: int, last: int, one: int, other: int, step: int, slack: int
+) -> None:
+    lower, upper = sorted((one, other))
+    result = limited(np.array([goal]), np.array([present]), np.array([last]), bounds(lower, upper, step, slack))
+    if result.empty[0]:
+        nearest = np.clip([last - step, last + step], lower, upper)
+        assert lower > last + step or upper < last - step or (np.abs(nearest - present) > step + slack).all()
+        return
+    sent = result.goal[0]
+    assert lower <= sent <= upper
+    assert abs(sent - last) <= step
+    assert abs(sent - present) <= step + slack
+    assert result.clamped[0] == (sent != goal)
+
+
+@given(counts, counts, st.integers(1, 60))
+def test_a_goal_within_all_limits_is_left_alone(last: int, goal: int, step: int) -> None:
+    if abs(goal - last) <= step:
+        result = limited(np.array([float(goal)]), np.array([last]), np.array([last]), bounds(0, 1023, step, 2))
+        assert result.goal[0] == goal
+        assert not result.clamped[0]
+
+
+@given(counts, counts, hostile, st.integers(1, 60))
+def test_limiting_twice_is_limiting_once(last: int, present: int, goal: float, step: int) -> None:
+    limits = bounds(0, 1023, step, 2)
+    once = limited(np.array([goal]), np.array([present]), np.array([last]), limits)
+    if not once.empty[0]:
+        again = limited(once.goal, np.array([present]), np.array([last]), limits)
+        assert again.goal[0] == once.goal[0]
+        assert not again.clamped[0]
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, "forwards", None, object(), [1, [2]]])
+def test_what_is_no_number_stops_and_is_not_clamped(value: object) -> None:
+    with pytest.raises(Stopped, match="not a finite number") as stopped:
+        require_finite([0.0, value], "an action")  # type: ignore[list-item]
+    assert stopped.value.cause == "not-finite"
+
+
+def test_finite_values_pass_unchanged() -> None:
+    assert require_finite([1e308, -5, 0], "an action").tolist() == [1e308, -5.0, 0.0]
+
+
+def test_one_late_tick_is_counted_and_forgiven() -> None:
+    deadlines = Deadlines(0.1)
+    for taken in (0.01, 0.1, 0.1001, 0.01, 0.149, 0.02):
+        deadlines.check(taken)
+    assert (deadlines.missed, deadlines.worst) == (2, 0.149)
+
+
+@pytest.mark.parametrize("ticks", [(0.151,), (0.101, 0.101), (0.01, 0.14, 0.11)])
+def test_a_very_late_tick_or_two_late_ones_stop(ticks: tuple[float, ...]) -> None:
+    deadlines = Deadlines(0.1)
+    with pytest.raises(Stopped, match="a tick took") as stopped:
+        for taken in ticks:
+            deadlines.check(taken)
+    assert stopped.value.cause == "deadline"
+
+
+@given(st.lists(st.booleans(), max_size=30), st.integers(0, 5))
+def test_a_rule_is_broken_after_more_than_the_allowed_breaches_in_a_row(breaches: list[bool], allowed: int) -> None:
+    rule, row = Repeats(allowed), 0
+    for breach in breaches:
+        row = row + 1 if breach else 0
+        assert rule.broken(breach) == (row > allowed)
