@@ -172,7 +172,8 @@ class HardwareBackend(Machine):
         return None
 
     def cut(self) -> None:
-        self._bus.cut()
+        if not self._options.listen_only:
+            self._bus.cut()
 
     def off(self) -> list[str]:
         if not self._enabled:
