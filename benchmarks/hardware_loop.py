@@ -41,6 +41,7 @@ def main() -> int:
     parser.add_argument("--ticks", type=int, default=10_000)
     parser.add_argument("--latency", type=float, default=0.001, help="of the USB adapter, per answer [s]")
     parser.add_argument("--policy", default=None, help="policy file or name; default the shipped one for the arm")
+    parser.add_argument("--patience", type=float, default=1.0, help="factor on every time limit, on a busy machine")
     given = parser.parse_args()
     policy = policy_for(given.policy, None)
     robot, pipe = policy.header.robot, Pipe.of(130, 90)
@@ -53,7 +54,7 @@ def main() -> int:
         Emulator(robot, pipe, q=start.q[0], base=float(start.base[0]), adapter_latency=given.latency) as emulator,
         Telemetry(Path(folder) / "telemetry.jsonl", {}) as telemetry,
     ):
-        machine = open_backend("hardware", robot, 1, {"arm": str(emulator.arm_path)})
+        machine = open_backend("hardware", robot, 1, {"arm": str(emulator.arm_path), "patience": given.patience})
         assert isinstance(machine, load_machine())
         with guarded(machine):
             first = machine.read()

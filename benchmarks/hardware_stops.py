@@ -47,9 +47,6 @@ ENDINGS = {
 }
 """What ends the driver, and within which time torque must be off on every servo [s]."""
 
-LIFE = 1.2
-"""Longest time from a driver's start to its end [s]; torque is on well before."""
-
 SECOND = 0.03
 """Longest time from the first Ctrl-C to the second [s]."""
 
@@ -74,10 +71,11 @@ def main() -> int:
     parser.add_argument("--only", nargs="+", choices=ENDINGS, default=list(ENDINGS), help="these endings")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--patience", type=float, default=1.0, help="factor on every time limit, on a busy machine")
+    parser.add_argument("--life", type=float, default=1.2, help="longest time from a driver's start to its end [s]")
     given = parser.parse_args()
     failures = 0
     for name in given.only:
-        left_on, times = measure(name, given.trials, random.Random(f"{given.seed} {name}"), given.patience)
+        left_on, times = measure(name, given)
         slowest = max(times, default=0.0)
         late = slowest > ENDINGS[name] * given.patience
         failures += left_on + late
@@ -89,11 +87,13 @@ def main() -> int:
     return int(failures > 0)
 
 
-def measure(name: str, trials: int, rng: random.Random, patience: float) -> tuple[int, list[float]]:
+def measure(name: str, given: argparse.Namespace) -> tuple[int, list[float]]:
     """End that many drivers: how many left torque on, and of those that were ended with torque on, for how long still
     [s]."""
+    rng = random.Random(f"{given.seed} {name}")
     with Emulator(ROBOT, boot_time=0.0) as emulator:
-        done = [run_trial(name, emulator.arm_path, rng, patience) for _ in range(trials)]
+        lives = [rng.uniform(0.0, given.life) for _ in range(given.trials)]
+        done = [run_trial(name, emulator.arm_path, life, given.patience, rng.uniform(0.0, SECOND)) for life in lives]
         time.sleep(0.3)
         writes = {servo: torque_writes(emulator.log_path, servo) for servo in emulator.arm.ids}
     left_on, times = 0, []
@@ -126,9 +126,8 @@ def off_time(writes: list[Torque]) -> float | None:
     return writes[last_on + 1].time if last_on + 1 < len(writes) else math.inf
 
 
-def run_trial(name: str, arm: Path, rng: random.Random, patience: float) -> Trial:
-    """Start a driver and end it at a random moment."""
-    life, second = rng.uniform(0.0, LIFE * patience), rng.uniform(0.0, SECOND)
+def run_trial(name: str, arm: Path, life: float, patience: float, second: float) -> Trial:
+    """Start a driver and end it after `life`, by a second Ctrl-C so long after the first."""
     reading, writing = os.pipe()
     started = time.monotonic()
     child = os.fork()

@@ -181,9 +181,9 @@ def test_what_can_be_borne_is_borne(emulator: Emulator, order: dict[str, Any]) -
     with driver(emulator) as machine:
         target = switch_on(machine) + np.array([[0.02, 0.2, -0.2, 0.2]])
         emulator.order(**order)
-        tick(machine, target, 15)
+        tick(machine, target, 8)
         emulator.order(clear=True)
-        tick(machine, target, 3)
+        tick(machine, target, 2)
         assert machine.read().q == pytest.approx(target, abs=0.01)
 
 

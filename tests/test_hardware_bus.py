@@ -85,7 +85,7 @@ def test_a_late_answer_never_answers_the_next_question(emulator: Emulator, bus: 
     present = bus.read_register(1, table.PRESENT_POSITION)
     assert present != 400
     bus.expect(0.001)
-    for late in (0.014, 0.017, 0.02):
+    for late in (0.017, 0.02, 0.023):
         emulator.order(fault="delay", servo=1, value=late, count=1)
         assert bus.read(1, table.GOAL_POSITION.address, 2, retries=0).data is None
         assert bus.read_register(1, table.PRESENT_POSITION) == present

@@ -52,6 +52,9 @@ def run_real(
         str | None, typer.Option(help="Of --emulate: 'thesis' for the thesis's scanner, or a JSON file.")
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of --emulate: start pose, noise, faults.")] = 0,
+    patience: Annotated[
+        float, typer.Option(min=1, max=100, help="Of --emulate: factor on every time limit, for busy machines.")
+    ] = 1.0,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before the arm moves.")] = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Read and compute, send nothing that moves.")] = False,
     ticks: Annotated[int | None, typer.Option(min=1, help="End after so many ticks of 0.1 s.")] = None,
@@ -80,6 +83,8 @@ def run_real(
     from pipenav.registry import check_options, open_backend
     from pipenav.run_parts import Place
 
+    if patience > 1 and not emulate:
+        raise PipenavError("--patience would let a real arm run on when it must stop: it is for --emulate alone.")
     loaded = policy_for(policy, robot)
     pipe = _pipe(d, angle, turn, emulate)
     goal, side = _target(target), _turn(turn)
@@ -90,7 +95,7 @@ def run_real(
     plan = Plan(loaded, side, goal, retreat, folder, stop_file or folder / "STOP", most)
     console = Console()
     with contextlib.ExitStack() as opened:
-        extra = {"listen_only": dry_run, "allow_slow_bus": allow_slow_bus}
+        extra = {"listen_only": dry_run, "allow_slow_bus": allow_slow_bus, "patience": patience}
         place: Place | None = None
         options: BackendOptions
         if emulate:

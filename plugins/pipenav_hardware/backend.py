@@ -73,7 +73,7 @@ class HardwareBackend(Machine):
         self._seconds: dict[str, float] = {}
         self._start_goals: list[int] | None = None
         with contextlib.ExitStack() as opened:
-            self._bus = Bus(self.arm.port, self.arm.baud)
+            self._bus = Bus(self.arm.port, self.arm.baud, options.patience)
             opened.callback(self._bus.close)
             self._servos = Servos(self.arm, self._bus, options.allow_slow_bus)
             self._scanner: RangeSensor = open_scanner(self.arm.scanner, math.radians(robot.laser.fan_deg))

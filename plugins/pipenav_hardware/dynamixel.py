@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
+import os
+import select
 import termios
 import time
 from collections.abc import Callable, Iterable, Sequence
@@ -72,8 +74,9 @@ class Answer(NamedTuple):
 class Port(PortHandler):  # type: ignore[misc]  # the SDK has no types
     """The SDK's port on a monotonic clock, exclusive, never blocking for long, and refusing what its mode forbids."""
 
-    def __init__(self, name: str, baud: int) -> None:
+    def __init__(self, name: str, baud: int, patience: float) -> None:
         super().__init__(name)
+        self._patience = patience
         self.baudrate, self.is_open = baud, False
         self.mode = Mode.LISTEN
         self.allowance = FIRST_ALLOWANCE
@@ -83,7 +86,7 @@ class Port(PortHandler):  # type: ignore[misc]  # the SDK has no types
         if self.is_open:
             self.closePort()
         try:
-            self.ser = serial.Serial(self.port_name, self.baudrate, timeout=READ_SLICE, write_timeout=WRITE_TIMEOUT)
+            self.ser = serial.Serial(self.port_name, self.baudrate, timeout=READ_SLICE)
         except LOST as error:
             raise port_problem(self.port_name, error) from error
         try:
@@ -100,7 +103,12 @@ class Port(PortHandler):  # type: ignore[misc]  # the SDK has no types
 
     def setPacketTimeout(self, packet_length: int) -> None:
         self.packet_start_time = self.getCurrentTime()
-        self.packet_timeout = self.tx_time_per_byte * packet_length + 1e3 * self.allowance
+        self.packet_timeout = self.tx_time_per_byte * packet_length + 1e3 * self.silence
+
+    @property
+    def silence(self) -> float:
+        """How long an answer may take to begin [s]."""
+        return self.allowance * self._patience
 
     def getCurrentTime(self) -> float:
         return time.monotonic() * 1e3
@@ -110,10 +118,14 @@ class Port(PortHandler):  # type: ignore[misc]  # the SDK has no types
         refused = _refusal(data, self.mode)
         if refused:
             raise PipenavError(refused)
-        written = self.ser.write(data)
+        descriptor, left = self.ser.fileno(), data
+        while left:  # pyserial's own write time-out also strikes when nothing but this program was slow
+            if not select.select([], [descriptor], [], WRITE_TIMEOUT * self._patience)[1]:
+                raise serial.SerialTimeoutException("it takes no bytes")
+            left = left[os.write(descriptor, left) :]
         if self.sent is not None:
             self.sent(data)
-        return int(written)
+        return len(data)
 
     def closePort(self) -> None:
         if self.ser is not None:
@@ -141,9 +153,15 @@ class Bus:
         BusLost: from every method but `off`, when the adapter is gone.
     """
 
-    def __init__(self, name: str, baud: int) -> None:
+    def __init__(self, name: str, baud: int, patience: float = 1.0) -> None:
+        """
+        Args:
+            name: of the port.
+            baud: its speed.
+            patience: factor on every time limit.
+        """
         self.name = name
-        self._port = Port(name, baud)
+        self._port = Port(name, baud, patience)
         self._handler: Any = Protocol1PacketHandler()
         self._doubtful: dict[int, tuple[int, int]] = {}
         self._goals: Any = GroupSyncWrite(self._port, self._handler, table.GOAL_ADDRESS, table.GOAL_SIZE)
@@ -180,7 +198,7 @@ class Bus:
         with self._edge():
             self._port.clearPort()
             self._port.writePort(request)
-            deadline, heard = time.monotonic() + self._port.allowance, b""
+            deadline, heard = time.monotonic() + self._port.silence, b""
             while time.monotonic() < deadline and len(heard) < len(request):
                 heard += self._port.readPort(len(request))
         return heard[: len(request)] == request
@@ -279,7 +297,7 @@ class Bus:
         return Answer(None, problem="no answer" if result == COMM_RX_TIMEOUT else "a damaged answer")
 
     def _drain(self) -> None:
-        deadline = time.monotonic() + self._port.allowance
+        deadline = time.monotonic() + self._port.silence
         while time.monotonic() < deadline:
             self._port.readPort(256)
 

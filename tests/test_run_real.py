@@ -1,0 +1,287 @@
+"""`run-real`, `replay`, `hw-check` and `calibrate` as typed, on an emulated arm in real time."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from pipenav_hardware.emulator import judge
+from pipenav_hardware.emulator.client import Emulator
+
+from pipenav import real_run
+from pipenav.cli import main
+from pipenav.errors import PipenavError
+from pipenav.pipe import Pipe
+from pipenav.policy import load_policy, resolve_policy
+from pipenav.real_run import located_place, policy_for, write_motions
+from pipenav.robot import load_robot
+from pipenav.run_parts import Place, place_of
+from pipenav.telemetry import Recording, read_telemetry
+from pipenav.trajectory import read_trajectory
+
+GOALS = "fffffe18831e04"
+"""How a packet of four goals begins."""
+
+EMULATED = ("run-real", "--emulate", "--robot", "basic", "--d", "130", "--patience", "8", "--allow-slow-bus")
+
+
+def run(*args: str) -> int:
+    with pytest.raises(SystemExit) as left:
+        main(args)
+    code = left.value.code
+    assert code is None or isinstance(code, int)
+    return code or 0
+
+
+@pytest.fixture(autouse=True)
+def plain_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
+    monkeypatch.setenv("TERM", "dumb")
+
+
+@pytest.fixture(scope="module")
+def passage(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of one run with the thesis's scanner faults."""
+    folder = tmp_path_factory.mktemp("runs") / "real-1"
+    command = [sys.executable, "-m", "pipenav", *EMULATED, "--angle", "90", "--turn", "right", "--faults", "thesis"]
+    ended = subprocess.run([*command, "--out", str(folder)], capture_output=True, text=True)
+    assert ended.returncode == 0, ended.stdout + ended.stderr
+    assert "passed: " in ended.stdout
+    return folder
+
+
+@pytest.fixture
+def recording(passage: Path) -> Recording:
+    return read_telemetry(passage / "telemetry.jsonl")
+
+
+def test_an_emulated_run_goes_around_the_corner_and_back(passage: Path, recording: Recording) -> None:
+    assert recording.end is not None and recording.end["end"] == "passed"
+    stages = [tick["stage"] for tick in recording.ticks if tick["stage"] != "hold"]
+    assert list(dict.fromkeys(stages)) == ["locate", "reach", "back", "passed"]
+    assert not any(on for on, _ in judge.torque(passage / "bus.jsonl", (1, 2, 3, 4)).values())
+    assert {path.name for path in passage.iterdir()} == {
+        *("telemetry.jsonl", "policy.zip", "run.png", "bus.jsonl", "locate.csv", "front.csv")
+    }
+    assert (passage / "run.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_what_the_telemetry_says_was_sent_is_what_arrived(passage: Path, recording: Recording) -> None:
+    sent = [tick["packet"] for tick in recording.ticks if tick.get("packet")]
+    arrived = [heard.packet.encode().hex() for heard in judge.instructions(passage / "bus.jsonl")]
+    assert [packet for packet in arrived if packet.startswith(GOALS)] == sent
+    assert len(sent) > 15
+
+
+def test_a_tick_tells_everything(recording: Recording) -> None:
+    tick = next(tick for tick in recording.ticks if tick["stage"] == "reach")
+    assert {*("q", "qd", "ranges", "observation", "action", "command", "sent", "clamped", "packet")} <= tick.keys()
+    assert {*("states", "alarms", "scan_mm", "front_m", "late", "seconds")} <= tick["raw"].keys()
+    assert {"bus", "read", "decide", "send", "taken"} <= tick["seconds"].keys()
+
+
+def test_a_replay_is_the_same_bit_for_bit(
+    passage: Path, recording: Recording, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("replay", str(passage / "telemetry.jsonl"), "--draw", str(tmp_path / "again.png")) == 0
+    assert f"{len(recording.ticks)} ticks" in capsys.readouterr().out
+    assert (tmp_path / "again.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("key", ["action", "sent", "packet", "q", "observation"])
+def test_a_replay_finds_the_first_difference(
+    passage: Path, tmp_path: Path, key: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lines = (passage / "telemetry.jsonl").read_text().splitlines()
+    row = next(i for i, line in enumerate(lines) if '"stage": "reach"' in line)
+    tick = json.loads(lines[row])
+    tick[key] = tick[key][:-1] + ("0" if tick[key][-1] != "0" else "1") if key == "packet" else [tick[key][0] + 1e-15]
+    lines[row] = json.dumps(tick)
+    (tmp_path / "policy.zip").write_bytes((passage / "policy.zip").read_bytes())
+    (tmp_path / "telemetry.jsonl").write_text("\n".join(lines) + "\n")
+    assert run("replay", str(tmp_path / "telemetry.jsonl")) == 1
+    assert f"tick {row - 1}: {key} is" in capsys.readouterr().err
+
+
+def test_its_motions_are_trajectory_files(passage: Path, recording: Recording) -> None:
+    parts = [read_trajectory(passage / name) for name in ("locate.csv", "front.csv")]
+    for part in parts:
+        assert part.header.backend == "hardware" and part.succeeded
+        assert part.header.pipe == Pipe.of(130, 90, "right")
+    assert parts[1].q[0] == pytest.approx(parts[0].q[-1], abs=0), "the front starts where locating ended"
+    reached = [tick["q"] for tick in recording.ticks if tick["stage"] in ("reach", "back")]
+    assert parts[1].q[:3].tolist() == reached[:3]
+
+
+def test_an_arm_in_a_known_pipe_is_placed_by_the_target_that_it_located(passage: Path, recording: Recording) -> None:
+    pipe = Pipe.of(130, 90, "right")
+    true = read_trajectory(passage / "front.csv").header.base_m
+    target = next(tick["target"] for tick in recording.ticks if tick.get("target"))
+    assert place_of(pipe, np.array(target), 0.1).base == pytest.approx(true, abs=0.025)
+
+
+def test_a_dry_run_sends_nothing_that_moves(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(*EMULATED, "--dry-run", "--ticks", "8", "--out", str(tmp_path / "run")) == 0
+    assert "would move" in capsys.readouterr().out
+    assert judge.only_asked(tmp_path / "run" / "bus.jsonl")
+    ticks = read_telemetry(tmp_path / "run" / "telemetry.jsonl").ticks
+    assert len(ticks) == 8 and ticks[-1]["packet"]
+
+
+def after_ticks(folder: Path, count: int) -> bool:
+    """Wait until a run has recorded so many ticks; False if it never does."""
+    log, deadline = folder / "telemetry.jsonl", time.monotonic() + 60
+    while time.monotonic() < deadline:
+        if log.exists() and len(log.read_text().splitlines()) > count:
+            return True
+        time.sleep(0.02)
+    return False
+
+
+@pytest.mark.parametrize(
+    ("stop", "code", "words"),
+    [("file", 1, "STOP appeared"), ("SIGUSR1", 138, "SIGUSR1 came")],
+)
+def test_an_emergency_stop_ends_with_torque_off(
+    tmp_path: Path, stop: str, code: int, words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "run"
+
+    def press() -> None:
+        if not after_ticks(folder, 4):
+            return
+        if stop == "file":
+            (folder / "STOP").touch()
+        else:
+            os.kill(os.getpid(), signal.Signals[stop])
+
+    thread = threading.Thread(target=press, daemon=True)
+    thread.start()
+    assert run(*EMULATED, "--out", str(folder)) == code
+    shown = capsys.readouterr()
+    assert words in shown.err
+    assert "the last" in shown.out, "the last ticks are shown"
+    assert not any(on for on, _ in judge.torque(folder / "bus.jsonl", (1, 2, 3, 4)).values())
+    assert read_telemetry(folder / "telemetry.jsonl").end is not None
+    assert run("replay", str(folder / "telemetry.jsonl")) == 0
+
+
+def test_a_killed_run_leaves_its_ticks_and_no_torque(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    command = [sys.executable, "-m", "pipenav", *EMULATED, "--out", str(folder)]
+    driver = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    assert after_ticks(folder, 7)
+    driver.kill()
+    driver.wait()
+    ticks = read_telemetry(folder / "telemetry.jsonl").ticks
+    time.sleep(0.3)
+    goals = [
+        h for h in judge.instructions(folder / "bus.jsonl") if h.packet.encode().hex().startswith("fffffe18831e04")
+    ]
+    assert len(goals) - len([tick for tick in ticks if tick.get("packet")]) in (0, 1), (
+        "all but a running tick are there"
+    )
+    assert not any(on for on, _ in judge.torque(folder / "bus.jsonl", (1, 2, 3, 4)).values())
+
+
+@pytest.fixture
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a folder where nothing lies."""
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.mark.usefixtures("elsewhere")
+@pytest.mark.parametrize(
+    ("args", "words"),
+    [
+        (("--policy", "best.zip"), "policy file best.zip cannot be read"),
+        (("--policy", "arm"), "there is no arm description arm.toml: write one with pipenav calibrate"),
+        (("--policy", "arm", "--robot", "real-setup"), "real-setup"),
+        (("--policy", "arm", "--robot", "nobody"), "nobody"),
+        (("--robot", "high-fidelity"), "no shipped policy drives robot 'high-fidelity'"),
+        (("--policy", "arm", "--turn", "up", "--emulate"), "up"),
+        (("--policy", "arm", "--turn", "up"), "turn 'up' is neither left nor right"),
+        (("--policy", "arm", "--d", "130"), "give --d and --angle, or neither"),
+        (("--policy", "arm", "--target", "somewhere"), "target 'somewhere' is not X,Y"),
+        (("--policy", "arm", "--patience", "2"), "it is for --emulate alone"),
+        (("--policy", "arm", "--faults", "thesis"), "give --emulate too"),
+        (("--policy", "arm", "--emulate", "--faults", "none.json"), "cannot read faults none.json"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
+)
+def test_what_cannot_be_driven_is_refused_in_a_sentence(
+    args: tuple[str, ...],
+    words: str,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert run("run-real", *args) == 1
+    shown = capsys.readouterr().err
+    assert words in shown and "Traceback" not in shown
+
+
+def test_a_policy_that_commands_torques_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    policy = load_policy(resolve_policy("arm"))
+    task = policy.header.task.model_copy(update={"control": "torque"})
+    policy.header = policy.header.model_copy(update={"task": task})
+    monkeypatch.setattr(real_run, "load_policy", lambda _: policy)
+    with pytest.raises(PipenavError, match="commands torques"):
+        policy_for("arm", None)
+
+
+def test_a_run_of_its_own_folder(passage: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(*EMULATED, "--out", str(passage)) == 1
+    assert "holds a run already" in capsys.readouterr().err
+
+
+@pytest.fixture
+def emulator() -> Iterator[Emulator]:
+    with Emulator(load_robot("basic"), front=False) as started:
+        yield started
+
+
+def test_hw_check_as_typed(emulator: Emulator, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("hw-check", "--arm", str(emulator.arm_path)) == 0
+    assert capsys.readouterr().out.count("ok  ") >= 6
+    emulator.order(fault="dead", servo=4)
+    assert run("hw-check", "--arm", str(emulator.arm_path)) == 1
+    shown = capsys.readouterr()
+    assert "servo 4 (theta3) does not answer" in shown.out
+    assert "the arm has 1 problem" in shown.err
+
+
+def test_calibrate_as_typed(
+    emulator: Emulator, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    emulator.order(place=[512, 512, 512, 512])
+    answers = ["", "", "y", "15", "", "n", "", "y", "", "y"]
+    monkeypatch.setattr(sys, "stdin", io.StringIO("\n".join(answers) + "\n"))
+    ports = ("--port", emulator.arm.port, "--scanner-port", emulator.arm.scanner.port, "--robot", "basic")
+    assert run("calibrate", *ports, "--arm", str(tmp_path / "arm.toml"), "--write-servos") == 0
+    written = (tmp_path / "arm.toml").read_text()
+    assert written.count("sign = -1") == 1
+    assert "servo 1 (l): limits" in capsys.readouterr().out
+    emulator.order(place=[512, 512, 512, 512])
+    assert run("hw-check", "--arm", str(tmp_path / "arm.toml")) == 0
+
+
+def test_pictures_and_motions_of_a_run_in_an_unknown_pipe(recording: Recording, tmp_path: Path) -> None:
+    class Plan:
+        policy, folder, goal = load_policy(resolve_policy("arm")), tmp_path, None
+
+    plan: Any = Plan()
+    assert [path.name for path in write_motions(plan, recording.ticks, "passed", None)] == ["run.png"]
+    place = located_place(plan, recording.ticks, Pipe.of(130, 90, "right"))
+    assert isinstance(place, Place)
+    names = [path.name for path in write_motions(plan, recording.ticks, "passed", place)]
+    assert names == ["run.png", "locate.csv", "front.csv"]

@@ -1,0 +1,149 @@
+"""The stages of a run on an arm, on a simulated arm that nothing disturbs, and without any arm."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from pipenav import kinematics
+from pipenav.locate import LocateConfig
+from pipenav.pipe import Pipe
+from pipenav.policy import load_policy, resolve_policy
+from pipenav.registry import open_backend
+from pipenav.run_stages import LOCATE_TICKS, Back, Decision, Locate, Run
+from pipenav.state import Command, Reading
+from pipenav.task import episode
+
+POLICY = load_policy(resolve_policy("arm"))
+ROBOT = POLICY.header.robot
+PERIOD = 0.1
+STEP = ROBOT.speed_limits * PERIOD
+
+
+def reading(q: Any, ranges: float = 0.2) -> Reading:
+    q = np.array([q], float)
+    return Reading(q, np.zeros_like(q), np.full((1, ROBOT.laser.beams), ranges), np.zeros(1))
+
+
+def simulate(pipe: Pipe, seed: int, **settings: Any) -> tuple[Run, list[Decision]]:
+    """A run on a simulated arm whose goals are limited as a real arm's."""
+    start = episode.sample(ROBOT, POLICY.header.task, [pipe], np.random.default_rng(seed))
+    backend = open_backend("mujoco", ROBOT, 1, {"threads": 1}, len(pipe.segments))
+    now = backend.reset(np.array([0]), [pipe], start.q, start.base)
+    given = {"goal": None, "retreat": False} | settings
+    run = Run(POLICY, float(start.side[0]), PERIOD, given["goal"], LocateConfig(), given["retreat"])
+    made = []
+    for _ in range(500):
+        made.append(run.decide(now))
+        command = made[-1].command
+        if command is None:
+            break
+        goal = np.clip(np.clip(command.values, now.q - STEP, now.q + STEP), ROBOT.lower, ROBOT.upper)
+        backend.step(Command("position", goal))
+        now = backend.read()
+    backend.close()
+    return run, made
+
+
+@pytest.mark.parametrize("turn", ["left", "right"])
+@pytest.mark.parametrize("angle", [60, 90, 120])
+def test_an_arm_locates_reaches_and_comes_back(angle: int, turn: str) -> None:
+    pipe = Pipe.of(130, angle, turn)
+    run, made = simulate(pipe, angle)
+    stages = [decision.stage for decision in made]
+    assert run.outcome == "passed"
+    assert stages == sorted(stages, key=["locate", "reach", "back", "passed"].index)
+    assert {"locate", "reach", "back", "passed"} == set(stages)
+    assert run.target is not None and np.sign(run.target[1]) == pipe.side
+    for decision in made:
+        assert (decision.observation is not None) == (decision.stage == "reach")
+
+
+def test_a_given_target_is_not_looked_for() -> None:
+    pipe = Pipe.of(120, 90, "right")
+    start = episode.sample(ROBOT, POLICY.header.task, [pipe], np.random.default_rng(3))
+    goal = start.goal[0] * [1, -1]
+    run, made = simulate(pipe, 3, goal=goal)
+    assert run.outcome == "passed"
+    assert made[0].stage == "reach"
+    assert run.target is goal
+
+
+def test_a_target_out_of_reach_is_given_up_and_left_if_wished() -> None:
+    far = np.array([5.0, 0.0])
+    for retreat, last in ((False, "reach"), (True, "back")):
+        run, made = simulate(Pipe.of(130, 90), 0, goal=far, retreat=retreat)
+        assert run.outcome in ("timeout", "limit")
+        assert made[-2].stage == last
+
+
+def test_where_no_corner_is_none_is_found() -> None:
+    locate = Locate(ROBOT, LocateConfig(), 1.0)
+    straight = reading(np.zeros(4), ROBOT.laser.range_max)
+    for _ in range(LOCATE_TICKS):
+        assert isinstance(locate.decide(straight), Decision)
+    assert locate.decide(straight) == "not-located"
+    assert locate.target is None
+
+
+def test_decisions_on_a_right_turn_mirror_those_on_a_left_one() -> None:
+    rng = np.random.default_rng(0)
+    left = Run(POLICY, 1.0, PERIOD, np.array([0.7, 0.2]), LocateConfig(), False)
+    right = Run(POLICY, -1.0, PERIOD, np.array([0.7, -0.2]), LocateConfig(), False)
+    for _ in range(10):
+        q = rng.uniform(-0.5, 0.5, 4) * [0.2, 1, 1, 1]
+        ranges = rng.uniform(0.01, 0.5, (1, ROBOT.laser.beams))
+        one = left.decide(reading(q)._replace(ranges=ranges)).command
+        other = right.decide(reading(q * ROBOT.mirror_signs)._replace(ranges=ranges[:, ::-1])).command
+        assert one is not None and other is not None
+        assert other.values * ROBOT.mirror_signs == pytest.approx(one.values)
+
+
+def path(rows: int = 6) -> list[np.ndarray]:
+    return [np.array([0.02, 0.1, -0.1, 0.2]) * i for i in range(rows)]
+
+
+def test_backing_out_visits_the_recorded_poses_in_reverse() -> None:
+    poses = path()
+    back, q, sent = Back(ROBOT, poses, PERIOD), poses[-1], []
+    while isinstance(made := back.decide(reading(q)), Decision):
+        assert made.command is not None
+        q = made.command.values[0]
+        sent.append(q)
+    assert made == "home"
+    assert np.array(sent[:5]) == pytest.approx(np.array(poses[-2::-1]))
+
+
+def test_an_arm_that_catches_is_freed_forwards_and_one_that_stays_caught_is_given_up() -> None:
+    poses = path()
+    back, goals = Back(ROBOT, poses, PERIOD), []
+    while isinstance(made := back.decide(reading(poses[-1])), Decision):
+        assert made.command is not None
+        goals.append(float(made.command.values[0, 0]))
+    assert made == "back-timeout"
+    assert max(goals) == pytest.approx(float(poses[-1][0])), "it never goes beyond what it has passed"
+    assert np.diff(goals).max() > 0, "it goes forwards again"
+
+
+def test_a_run_backs_out_only_once_and_only_if_it_may() -> None:
+    run = Run(POLICY, 1.0, PERIOD, None, LocateConfig(), False)
+    run.decide(reading(np.zeros(4)))
+    assert not run.back_out("stall")
+    run = Run(POLICY, 1.0, PERIOD, None, LocateConfig(), True)
+    assert not run.back_out("stall"), "nothing has been recorded yet"
+    run.decide(reading(np.zeros(4)))
+    assert run.back_out("stall")
+    assert not run.back_out("stall")
+    run.decide(reading(np.zeros(4)))
+    assert run.outcome == "stall"
+
+
+def test_the_tip_ends_within_the_tolerance() -> None:
+    run, made = simulate(Pipe.of(130, 120), 1)
+    assert run.target is not None
+    reach = [decision.command for decision in made if decision.stage == "back"]
+    assert reach[0] is not None
+    tip = kinematics.forward(ROBOT, reach[0].values).tip[0]
+    assert np.linalg.norm(tip - run.target) < 4 * POLICY.header.task.reach_tolerance
