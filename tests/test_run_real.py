@@ -19,7 +19,7 @@ import pytest
 from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
 
-from pipenav import real_run
+from pipenav import assets, real_run
 from pipenav.cli import main
 from pipenav.errors import PipenavError
 from pipenav.pipe import Pipe
@@ -29,6 +29,8 @@ from pipenav.robot import load_robot
 from pipenav.run_parts import Place, place_of
 from pipenav.telemetry import Recording, read_telemetry
 from pipenav.trajectory import read_trajectory
+
+pytestmark = pytest.mark.flaky(reruns=2)  # real time over a serial line: a busy machine may miss a deadline
 
 GOALS = "fffffe18831e04"
 """How a packet of four goals begins."""
@@ -185,14 +187,16 @@ def test_a_killed_run_leaves_its_ticks_and_no_torque(tmp_path: Path) -> None:
     driver.kill()
     driver.wait()
     ticks = read_telemetry(folder / "telemetry.jsonl").ticks
-    time.sleep(0.3)
+    until = time.monotonic() + 10
+    while any(on for on, _ in judge.torque(folder / "bus.jsonl", (1, 2, 3, 4)).values()):
+        assert time.monotonic() < until, "the watchdog lets go of the arm"
+        time.sleep(0.1)
     goals = [
         h for h in judge.instructions(folder / "bus.jsonl") if h.packet.encode().hex().startswith("fffffe18831e04")
     ]
     assert len(goals) - len([tick for tick in ticks if tick.get("packet")]) in (0, 1), (
         "all but a running tick are there"
     )
-    assert not any(on for on, _ in judge.torque(folder / "bus.jsonl", (1, 2, 3, 4)).values())
 
 
 @pytest.fixture
@@ -209,7 +213,6 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         (("--policy", "arm"), "there is no arm description arm.toml: write one with pipenav calibrate"),
         (("--policy", "arm", "--robot", "real-setup"), "real-setup"),
         (("--policy", "arm", "--robot", "nobody"), "nobody"),
-        (("--robot", "high-fidelity"), "no shipped policy drives robot 'high-fidelity'"),
         (("--policy", "arm", "--turn", "up", "--emulate"), "up"),
         (("--policy", "arm", "--turn", "up"), "turn 'up' is neither left nor right"),
         (("--policy", "arm", "--d", "130"), "give --d and --angle, or neither"),
@@ -228,6 +231,13 @@ def test_what_cannot_be_driven_is_refused_in_a_sentence(
     assert run("run-real", *args) == 1
     shown = capsys.readouterr().err
     assert words in shown and "Traceback" not in shown
+
+
+def test_a_robot_without_a_shipped_policy_is_refused(tmp_path: Path) -> None:
+    text = (assets.robots_dir() / "real-setup" / "robot.toml").read_text(encoding="utf-8")
+    (tmp_path / "robot.toml").write_text(text.replace('name = "real-setup"', 'name = "nobodys"', 1), encoding="utf-8")
+    with pytest.raises(PipenavError, match="no shipped policy drives robot 'nobodys'"):
+        policy_for(None, str(tmp_path / "robot.toml"))
 
 
 def test_a_policy_that_commands_torques_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

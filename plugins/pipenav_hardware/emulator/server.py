@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import heapq
 import json
+import math
 import os
 import select
 import signal
@@ -22,6 +23,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from pipenav.pipe import Pipe
 from pipenav.robot import load_robot
+from pipenav_hardware import table
 from pipenav_hardware.arm_config import ArmConfig
 from pipenav_hardware.emulator.bus import ServoBus
 from pipenav_hardware.emulator.faults import Fault, FaultScript
@@ -29,6 +31,10 @@ from pipenav_hardware.emulator.line import ByteLog, Line
 from pipenav_hardware.emulator.plant import FreePlant, PipePlant, Plant
 from pipenav_hardware.emulator.sensors import BOOT_TIME, FrontDevice, Scip2Device
 from pipenav_hardware.emulator.servo import EmulatedServo
+
+AFTERLIFE = 1.0
+"""How long the devices outlive their orders while a servo's torque is on [s]: whoever gave the orders may have been
+killed, and real servos would still hear the supervisor switch them off."""
 
 
 class EmulatorConfig(BaseModel):
@@ -73,7 +79,7 @@ class Server:
         self.front = FrontDevice(self.plant, self.faults, self._sender("front"), config.boot_time)
         self._outgoing: list[_Outgoing] = []
         self._count, self._start, self._orders = 0, time.monotonic(), b""
-        self._moment = 0.0
+        self._moment, self._ends = 0.0, math.inf
         self.bus.feel(0.0)
         for servo, shaft in zip(servos, self.plant.shafts(0.0), strict=True):
             servo.power_on(shaft.position)
@@ -103,10 +109,11 @@ class Server:
         return send
 
     def _turn(self) -> bool:
-        """Wait for bytes or for the next thing to do; False when the orders have ended."""
+        """Wait for bytes or for the next thing to do; False when the orders and what outlives them have ended."""
         due = self._run_devices()
         heard = [line.master for name, line in self.lines.items() if line.plugged and not self._deaf(name)]
-        ready, _, _ = select.select([0, *heard], [], [], max(0.0, min(due - self._now, 0.05)))
+        orders_end = self._ends < math.inf
+        ready, _, _ = select.select(heard if orders_end else [0, *heard], [], [], max(0.0, min(due - self._now, 0.05)))
         for name, line in self.lines.items():
             if line.plugged and line.master in ready:
                 self._receive(name, line)
@@ -115,8 +122,13 @@ class Server:
             *orders, self._orders = (self._orders + data).split(b"\n")
             for order in orders:
                 self._obey(json.loads(order))
-            return bool(data)
-        return True
+            if not data:
+                self._ends = self._now + AFTERLIFE
+        return self._ends == math.inf or (self._holds() and self._now < self._ends)
+
+    def _holds(self) -> bool:
+        """Whether a servo's torque is on."""
+        return any(servo.get(table.TORQUE_ENABLE) for servo in self.bus.servos)
 
     def _deaf(self, name: str) -> bool:
         if name == "front":
