@@ -21,6 +21,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from pipenav import kinematics
 from pipenav.corner_map import CornerMap
+from pipenav.errors import PipenavError
 from pipenav.robot import RobotSpec
 from pipenav.state import Reading
 
@@ -178,6 +179,17 @@ class MapLocator:
 
 
 LOCATORS: dict[Variant, type[MapLocator] | type[PrintedLocator]] = {"map": MapLocator, "thesis": PrintedLocator}
+
+
+def require_arm(robot: RobotSpec) -> None:
+    """Check that approach I can drive a robot.
+
+    Raises:
+        PipenavError: its joints are not a slide followed by hinges.
+    """
+    if robot.hinges[0] or not robot.hinges[1:].all() or len(robot.hinges) < 2:
+        kinds = ", ".join(joint.type for joint in robot.joints)
+        raise PipenavError(f"approach I drives a slide followed by hinges; robot {robot.name!r} has {kinds}.")
 
 
 def robot_for(robot: RobotSpec, variant: Variant) -> RobotSpec:

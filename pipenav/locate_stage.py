@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from pipenav.backend import Backend
 from pipenav.batch import EpisodeSource
-from pipenav.errors import PipenavError
-from pipenav.locate import LOCATORS, LocateConfig, Variant
+from pipenav.locate import LOCATORS, LocateConfig, Variant, require_arm
 from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
 from pipenav.stage import Stage, StageStep
@@ -51,9 +50,7 @@ class LocateStage(Stage):
         n: int,
         source: EpisodeSource,
     ) -> None:
-        if robot.hinges[0] or not robot.hinges[1:].all() or len(robot.hinges) < 2:
-            kinds = ", ".join(joint.type for joint in robot.joints)
-            raise PipenavError(f"approach I drives a slide followed by hinges; robot {robot.name!r} has {kinds}.")
+        require_arm(robot)
         self.robot, self.n = robot, n
         self._task, self._backend, self._source = task, backend, source
         self._locator = LOCATORS[variant](robot, config, n)

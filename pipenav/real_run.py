@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import hashlib
 from collections.abc import Callable, Iterator, Sequence
 from datetime import UTC, datetime
@@ -16,7 +17,7 @@ from pipenav import deploy, kinematics
 from pipenav.backend import CONTROL_PERIOD
 from pipenav.errors import PipenavError
 from pipenav.files import atomic_write, prepare_folder
-from pipenav.locate import LocateConfig
+from pipenav.locate import LocateConfig, require_arm
 from pipenav.machine import Machine
 from pipenav.pipe import Pipe, Turn
 from pipenav.policy import Policy, load_policy, policy_names, resolve_policy
@@ -119,6 +120,7 @@ def _shipped_policy(robot: RobotSpec) -> Policy:
 
 
 def _require_drivable(policy: Policy) -> None:
+    require_arm(policy.header.robot)
     header = policy.header
     if header.task.control != "position":
         raise PipenavError(
@@ -202,6 +204,8 @@ def rehearse(policy: Policy, settings: dict[str, Any], reading: Reading) -> None
     tip = kinematics.forward(policy.header.robot, reading.q).tip[0]
     for goal in (None, [float(tip[0]) + 0.1, float(tip[1]) + 0.1]):
         run_of(policy, settings | {"goal_m": goal}).decide(reading)
+    gc.collect()
+    gc.freeze()  # to look through all objects of a program takes longer than a tick may: leave them out from now on
 
 
 class Pace(NamedTuple):
