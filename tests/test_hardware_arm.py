@@ -21,7 +21,7 @@ from pipenav_hardware.arm_config import (
     load_arm,
 )
 from pipenav_hardware.codec import JUMP_MARGIN, LIMIT_MARGIN, STEP_SLACK, Codec, Raw
-from pipenav_hardware.ranging import DISBELIEF, BeamFilter, RangeScan
+from pipenav_hardware.ranging import AFTER_SCAN, DISBELIEF, BeamFilter, RangeScan, late_for_scan
 from pipenav_hardware.realsense import scanline
 
 from pipenav.errors import ConfigError, PipenavError
@@ -305,3 +305,15 @@ def test_a_depth_image_becomes_ranges_from_right_to_left() -> None:
     depth[:, 0] = 0
     depth[4, 3] = 500
     assert scanline(depth, 0.001, np.array([2.0, 1.0, 1.0, 2.0])) == (1000, 1000, 1000, 0)
+
+
+@given(st.floats(0, 0.1), st.floats(-2e-4, 2e-4))
+def test_ticks_come_to_begin_just_after_a_scan_and_stay_there(phase: float, drift: float) -> None:
+    """Wherever they begin, and although the scanner's clock runs a little faster or slower."""
+    due, stamp = 100.0, 100.0 - phase
+    for _ in range(80):
+        due += 0.1 - late_for_scan(due, RangeScan((300,), stamp, 1))
+        while stamp + 0.1 + drift <= due:
+            stamp += 0.1 + drift
+    assert abs(math.remainder(due - stamp - AFTER_SCAN, 0.1)) < 0.001
+    assert late_for_scan(due, None) == 0.0

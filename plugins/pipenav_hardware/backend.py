@@ -28,7 +28,7 @@ from pipenav_hardware.check import findings
 from pipenav_hardware.codec import Codec, Encoded, Raw
 from pipenav_hardware.dynamixel import Bus
 from pipenav_hardware.front_sensor import FrontSensor
-from pipenav_hardware.ranging import BeamFilter, RangeScan, RangeSensor, SensorLost
+from pipenav_hardware.ranging import BeamFilter, RangeScan, RangeSensor, SensorLost, await_scan, late_for_scan
 from pipenav_hardware.scip2 import open_scanner
 from pipenav_hardware.servos import Servos, Told
 from pipenav_hardware.trips import STALL_ERROR, SensorRules, ServoRules
@@ -114,6 +114,7 @@ class HardwareBackend(Machine):
 
     def read(self) -> Reading:
         if math.isnan(self._due):
+            await_scan(self._scanner, self._listen, 1.5 * CONTROL_PERIOD)
             self._due = self._start = time.monotonic()
         self._beat()
         begun = time.monotonic()
@@ -157,7 +158,7 @@ class HardwareBackend(Machine):
         self._seconds["taken"] = time.monotonic() - self._due
 
     def wait(self) -> None:
-        self._due += CONTROL_PERIOD
+        self._due += CONTROL_PERIOD - late_for_scan(self._due, self._scanner.latest())
         if time.monotonic() - self._due > CONTROL_PERIOD / 2:
             self._due = time.monotonic()  # a late tick moves the schedule; it does not shorten the ticks after it
         sensors = [sensor for sensor in (self._scanner, self._front) if sensor is not None]
@@ -278,13 +279,8 @@ class HardwareBackend(Machine):
     def _fresh(self) -> None:
         """Drop what sensors sent during a pause and wait for news."""
         self._listen(time.monotonic())
-        scan = self._scanner.latest()
-        before = scan.sequence if scan else 0
-        deadline = time.monotonic() + FRESH_TIMEOUT
-        while (scan is None or scan.sequence < before + 2) and time.monotonic() < deadline:
-            time.sleep(0.005)
-            self._listen(time.monotonic())
-            scan = self._scanner.latest()
+        for _ in range(2):  # the first of them may have begun before
+            await_scan(self._scanner, self._listen, FRESH_TIMEOUT / 2)
 
     def _listen(self, now: float) -> None:
         try:

@@ -7,8 +7,9 @@ import math
 import os
 import select
 import termios
+import time
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +17,7 @@ import serial
 from numpy.typing import NDArray
 
 from pipenav import laser
+from pipenav.backend import CONTROL_PERIOD
 from pipenav.errors import PipenavError
 from pipenav.robot import Laser
 from pipenav_hardware.arm_config import ScannerConfig
@@ -73,6 +75,33 @@ class RangeSensor(ABC):
 
     @abstractmethod
     def close(self) -> None: ...
+
+
+AFTER_SCAN = 0.003
+"""How long after a scan a tick begins [s]: scans do not come quite regularly."""
+
+MOST_SHIFT = 0.002
+"""Most that a tick is moved to keep in step with a scanner of ten scans a second [s]: clocks drift apart slower."""
+
+
+def await_scan(sensor: RangeSensor, listen: Callable[[float], None], timeout: float) -> None:
+    """Wait until the next scan has just come, or for `timeout` [s]. `listen` takes in what has arrived."""
+    before, deadline = sensor.latest(), time.monotonic() + timeout
+    while sensor.latest() is before and time.monotonic() < deadline:
+        time.sleep(0.001)
+        listen(time.monotonic())
+
+
+def late_for_scan(due: float, newest: RangeScan | None) -> float:
+    """How much earlier the tick after the one at `due` shall come, so that ticks keep beginning just after a scan [s].
+
+    Joints are read where they are now, a scan shows what was seen where they were when it was taken: in a tenth of a
+    second the tip moves by several times what the map of a corner forgives.
+    """
+    if newest is None:
+        return 0.0
+    late = math.remainder(due - newest.stamp - AFTER_SCAN, CONTROL_PERIOD)
+    return min(max(late, -MOST_SHIFT), MOST_SHIFT)
 
 
 def mounted(angles: Array, config: ScannerConfig) -> Array:
