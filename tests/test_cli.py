@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import pytest
+from command import run
 
 import pipenav
 from pipenav import cli, registry
@@ -19,14 +20,6 @@ def wide_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TERM", "dumb")
     monkeypatch.setenv("NO_COLOR", "1")
     monkeypatch.delenv("FORCE_COLOR", raising=False)
-
-
-def run(*args: str) -> int:
-    with pytest.raises(SystemExit) as left:
-        main(args)
-    code = left.value.code
-    assert code is None or isinstance(code, int)
-    return code or 0
 
 
 def test_help_lists_every_command(capsys: pytest.CaptureFixture[str]) -> None:

@@ -7,22 +7,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from command import run
 
-from pipenav.cli import main
 from pipenav.experiments.definition import agents_of, chosen, experiment_names, load_agents, load_experiment
+from pipenav.experiments.figures import success_figure
 from pipenav.experiments.findings import paragraph
 from pipenav.experiments.run import Plan, Settings, evaluation_jobs, open_plan, resolved_agent, training_jobs
 from pipenav.experiments.tables import PHASES, results
 from pipenav.records import Evaluation, PipeRecord
 from pipenav.thesis import ANGLES_DEG, thesis_rows
-
-
-def run(*args: str) -> int:
-    with pytest.raises(SystemExit) as left:
-        main(args)
-    code = left.value.code
-    assert code is None or isinstance(code, int)
-    return code or 0
 
 
 def evaluation(stage: str, percent: dict[str, dict[float, float]], policy: str = "p") -> Evaluation:
@@ -74,6 +67,14 @@ def thesis_plan(tmp_path: Path) -> Plan:
 def test_every_row_that_names_a_table_stands_in_it(name: str) -> None:
     for row in load_experiment(name).rows:
         assert bool(thesis_figures(row.table, row.label)) == (row.table is not None)
+
+
+@pytest.mark.parametrize("name", experiment_names())
+def test_every_row_can_be_told_apart_and_stands_in_the_legend(name: str, thesis_plan: Plan) -> None:
+    titles = [row.title for row in load_experiment(name).rows]
+    assert len(set(titles)) == len(titles)
+    (legend,) = success_figure(results(thesis_plan, name), name).legends
+    assert {text.get_text() for text in legend.get_texts()} == set(titles)
 
 
 def test_every_row_of_the_thesis_stands_in_an_experiment() -> None:
@@ -133,6 +134,13 @@ def test_results_of_other_settings_are_not_mixed(tmp_path: Path, capsys: pytest.
     open_plan(["e"], 1, Settings(steps=1000, episodes=2), tmp_path)
     assert run("experiment", "e", "--steps", "2000", "--episodes", "2", "--out", str(tmp_path)) == 1
     assert "holds results of 1,000 steps, 2 episodes per pipe" in capsys.readouterr().err
+
+
+def test_a_damaged_folder_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    open_plan(["e"], 1, Settings(steps=1000, episodes=1), tmp_path)
+    (tmp_path / "elapsed.json").write_text('{"hours": 1}', encoding="utf-8")
+    assert run("experiment", "e", "--seeds", "1", "--steps", "1000", "--episodes", "1", "--out", str(tmp_path)) == 1
+    assert "elapsed.json is damaged, it has no number 'seconds'" in capsys.readouterr().err
 
 
 def test_an_experiment_from_end_to_end(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command import run
 from PIL import Image
 
 from pipenav import assets
-from pipenav.cli import main
 from pipenav.locate_stage import inside_second_leg
 from pipenav.trajectory import TrajectoryFileError, read_trajectory
 
@@ -22,12 +22,6 @@ def here(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "300")
     return tmp_path
-
-
-def run(*args: str) -> int:
-    with pytest.raises(SystemExit) as left:
-        main(args)
-    return int(left.value.code or 0)
 
 
 def fact(said: str, name: str) -> str:

@@ -16,11 +16,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from command import run
 from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
 
 from pipenav import assets, real_run
-from pipenav.cli import main
 from pipenav.errors import PipenavError
 from pipenav.pipe import Pipe
 from pipenav.policy import load_policy, resolve_policy
@@ -36,14 +36,6 @@ GOALS = "fffffe18831e04"
 """How a packet of four goals begins."""
 
 EMULATED = ("run-real", "--emulate", "--robot", "basic", "--d", "130", "--patience", "8", "--allow-slow-bus")
-
-
-def run(*args: str) -> int:
-    with pytest.raises(SystemExit) as left:
-        main(args)
-    code = left.value.code
-    assert code is None or isinstance(code, int)
-    return code or 0
 
 
 @pytest.fixture(autouse=True)

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command import run
 from PIL import Image
 
-from pipenav.cli import main
 from pipenav.trajectory import read_trajectory
 
 FAST = ("--option", "timestep=0.005", "--option", "threads=1")
@@ -22,12 +22,6 @@ def here(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     return tmp_path
-
-
-def run(*args: str) -> int:
-    with pytest.raises(SystemExit) as left:
-        main(args)
-    return int(left.value.code or 0)
 
 
 @pytest.fixture

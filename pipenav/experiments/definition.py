@@ -42,12 +42,18 @@ class Row(_Table):
     """
 
     label: str
+    note: str | None = Field(None, description="what sets it apart from a row of the same label")
     agent: str | None = None
     robot: str | None = Field(None, description="of a stage without an agent")
     stage: StageName = "front"
     variant: Variant = Field("map", description="of the stages that locate a target")
     table: str | None = Field(None, description="the thesis's table, e.g. 5.1")
     candidate: bool = Field(True, description="whether the experiment's best agent is chosen from it too")
+
+    @property
+    def title(self) -> str:
+        """Its label, and its note if it has one."""
+        return f"{self.label}, {self.note}" if self.note else self.label
 
     @model_validator(mode="after")
     def _complete(self) -> Self:

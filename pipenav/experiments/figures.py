@@ -34,7 +34,7 @@ def training_figure(plan: Plan, results: Sequence[Result], title: str) -> Figure
     """Success and clearance over the thesis's iterations, mean over seeds with their range; None without trainings."""
     from matplotlib.figure import Figure
 
-    agents = {result.row.label: resolved_agent(plan, result.row) for result in results}
+    agents = {result.row.title: resolved_agent(plan, result.row) for result in results}
     curves = {label: _curves(plan, agent) for label, agent in agents.items() if agent is not None}
     if not curves:
         return None
@@ -95,8 +95,9 @@ def success_figure(results: Sequence[Result], title: str) -> Figure:
         row[0].set_ylabel(f"{PHASE_WORDS[phase]}\nsuccess [%]")
     for axes in panels[-1]:
         axes.set_xlabel("interior corner angle [deg]")
-    handles = panels[0, 0].get_legend_handles_labels()
-    figure.legend(*handles, loc="outside lower center", ncols=2, frameon=False, labelcolor=INK)
+    # No single phase has every row.
+    drawn = {line.get_label(): line for axes in panels[:, 0] for line in axes.get_lines()}
+    figure.legend(handles=list(drawn.values()), loc="outside lower center", ncols=2, frameon=False, labelcolor=INK)
     seeds = max(len(result.found) for result in results)
     note = f"mean of {seeds} seeds, bands: their range" if seeds > 1 else "one seed"
     figure.suptitle(f"{title}\n{note}", x=0.01, ha="left", color=INK)
@@ -112,7 +113,7 @@ def _draw_panel(axes: Axes, results: Sequence[Result], phase: Phase, diameter: f
         shares = [_by_angle(evaluation, phase, diameter) for evaluation in result.found]
         angles = sorted({angle for one in shares for angle in one})
         values = np.array([[one.get(angle, np.nan) for angle in angles] for one in shares]).reshape(len(shares), -1)
-        _band(axes, np.array(angles), 100 * values, COLOURS[i % len(COLOURS)], result.row.label, MARKERS[i])
+        _band(axes, np.array(angles), 100 * values, COLOURS[i % len(COLOURS)], result.row.title, MARKERS[i])
 
 
 def _by_angle(evaluation: Evaluation, phase: Phase, diameter: float) -> dict[float, float]:

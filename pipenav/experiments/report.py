@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import base64
 import html
-import json
 from collections.abc import Sequence
 from typing import NamedTuple
 
 from pipenav.experiments.definition import agents_of, load_agents, load_experiment
 from pipenav.experiments.figures import success_figure, training_figure
 from pipenav.experiments.findings import paragraph
-from pipenav.experiments.run import TRAINED_FILE, Plan, elapsed
+from pipenav.experiments.run import TRAINED_FILE, Plan, elapsed, read_number
 from pipenav.experiments.tables import Line, Result, results
 from pipenav.files import Content, atomic_write_all
 from pipenav.report_figures import png
@@ -72,15 +71,12 @@ def _section(plan: Plan, name: str) -> Section:
 
 def _summary(plan: Plan) -> str:
     """What was run, in how long, against the time that the robots lived through."""
-    records = []
-    for agent in agents_of(list(plan.experiments)):
-        for seed in plan.seeds:
-            records.append(json.loads((plan.run_folder(agent, seed) / TRAINED_FILE).read_text(encoding="utf-8")))
-    steps = sum(record["steps"] for record in records)
+    folders = [plan.run_folder(agent, seed) for agent in agents_of(list(plan.experiments)) for seed in plan.seeds]
+    steps = sum(int(read_number(folder / TRAINED_FILE, "steps")) for folder in folders)
     hours = steps / 10 / 3600
     episodes = sum(r.episodes for name in plan.experiments for r in results(plan, name))
     text = (
-        f"Experiments {', '.join(plan.experiments)}; {len(records)} trainings (seeds"
+        f"Experiments {', '.join(plan.experiments)}; {len(folders)} trainings (seeds"
         f" {', '.join(map(str, plan.seeds))}) of {steps:,} control steps in all, which is {hours:,.0f} h of the robots'"
         f" time; {episodes:,} episodes of evaluation in the tables, {plan.settings.episodes} per pipe and agent,"
         f" backend {plan.settings.backend}."

@@ -170,7 +170,24 @@ def open_plan(experiments: Sequence[str], seeds: int, settings: Settings, out: P
 def elapsed(plan: Plan) -> float:
     """Seconds that all runs have worked in the folder."""
     file = plan.out / ELAPSED_FILE
-    return float(json.loads(file.read_text(encoding="utf-8"))["seconds"]) if file.exists() else 0.0
+    return read_number(file, "seconds") if file.exists() else 0.0
+
+
+def read_number(file: Path, key: str) -> float:
+    """A number from a small JSON file of a results folder.
+
+    Raises:
+        FileProblem: it cannot be read.
+        PipenavError: it is damaged.
+    """
+    try:
+        return float(json.loads(file.read_text(encoding="utf-8"))[key])
+    except OSError as error:
+        raise FileProblem(file, "read", error) from error
+    except (ValueError, TypeError, KeyError):
+        raise PipenavError(
+            f"{file} is damaged, it has no number {key!r}: remove it, and run the command again."
+        ) from None
 
 
 def add_elapsed(plan: Plan, seconds: float) -> None:

@@ -102,7 +102,7 @@ def _line(row: Row, phase: Phase, found: Sequence[Evaluation]) -> Line:
             if share is not None:
                 by_diameter.setdefault(record.diameter_mm, []).append(100 * share)
     ours = {d: Spread(sum(v) / len(v), min(v), max(v), len(v)) for d, v in by_diameter.items()}
-    return Line(row.label, row.table or "", phase, ours, _thesis(row, phase))
+    return Line(row.title, row.table or "", phase, ours, _thesis(row, phase))
 
 
 def _share(record: DiameterRecord, evaluation: Evaluation, phase: Phase) -> float | None:
