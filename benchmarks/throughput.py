@@ -36,7 +36,7 @@ from pipenav.robot import load_robot
 from pipenav.sb3_env import CornerVecEnv
 from pipenav.task import episode
 from pipenav.task.episode import Verdict
-from pipenav.train import new_model
+from pipenav.train import EPISODE_STOCK, new_model
 from pipenav.train_config import TrainConfig, load_config
 from pipenav.training_watch import noise_at
 
@@ -48,7 +48,7 @@ def make_batch(config: TrainConfig, seed: int) -> CornerBatch:
     robot, n = load_robot(config.robot), config.learner.robots
     sets = [parse_pipes([name]) for name in config.pipes]
     rng = np.random.default_rng(seed)
-    source = random_episodes(robot, config.task, sets, rng)
+    source = random_episodes(robot, config.task, sets, rng, EPISODE_STOCK)
     return CornerBatch(robot, config.task, open_backend(config.backend, robot, n, config.options), n, source)
 
 

@@ -16,15 +16,17 @@ does not; ten milliseconds is also what a force gauge resolves.
 
 
 class Windows:
-    """The windows of a control period of so many physics steps."""
+    """The windows of a control period of so many physics steps; `count` of them."""
 
     def __init__(self, substeps: int, timestep: float) -> None:
-        self._starts = np.arange(0, substeps, max(1, round(FORCE_WINDOW / timestep)))
-        self._share = (1 / np.diff(self._starts, append=substeps))[:, None]
+        window = np.arange(substeps) // max(1, round(FORCE_WINDOW / timestep))
+        self.count = window[-1] + 1
+        member = window == np.arange(self.count)[:, None]  # (windows, substeps)
+        self._weights = member / member.sum(axis=1, keepdims=True)
 
     def means(self, records: Array) -> Array:
         """Mean over each window of values recorded in each physics step, (n, substeps, m) -> (n, windows, m)."""
-        return np.asarray(np.add.reduceat(records, self._starts, axis=1) * self._share)
+        return self._weights @ records
 
 
 def strongest(forces: Array) -> Array:

@@ -53,6 +53,10 @@ class Episodes(NamedTuple):
     goal: Array
     edge: Array
 
+    def part(self, which: slice) -> Episodes:
+        """Some of the episodes."""
+        return Episodes(*(column[which] for column in self))
+
 
 def sample(robot: RobotSpec, config: TaskConfig, pipes: Sequence[Pipe], rng: np.random.Generator) -> Episodes:
     """Random start poses and targets, one episode for each of the given pipes."""
@@ -61,7 +65,7 @@ def sample(robot: RobotSpec, config: TaskConfig, pipes: Sequence[Pipe], rng: np.
     gap = rng.uniform(*config.start_gap, k)
     depth = rng.uniform(*config.target_depth, k)
     lateral = rng.uniform(-config.target_lateral, config.target_lateral, k)
-    side, turn, radius, inner = np.array([_corner(pipe) for pipe in pipes]).T
+    side, turn, radius, inner = np.array([_corner(pipe) for pipe in pipes]).reshape(k, 4).T
     q = bend * _room(robot, bend, radius)[:, None]
     base = -inner - gap - robot.length
     along, left = _second_leg(turn)
