@@ -142,7 +142,8 @@ class CornerBatch:
         sank = truth.penetration > self.config.max_penetration
         failed = failed_at_limit | sank
         reached = (error <= self.config.reach_tolerance) & ~failed
-        verdict = np.where(self.steps >= self.config.max_steps, Verdict.TIMEOUT.value, Verdict.RUNNING.value)
+        verdict = np.full(self.n, Verdict.RUNNING.value, np.int8)
+        verdict[self.steps >= self.config.max_steps] = Verdict.TIMEOUT.value
         verdict[reached] = Verdict.REACHED.value
         verdict[failed_at_limit] = Verdict.LIMIT.value
         verdict[sank] = Verdict.PENETRATION.value
@@ -156,7 +157,7 @@ class CornerBatch:
             reached=reached,
             failed=failed,
         )
-        return facts, verdict.astype(np.int8)
+        return facts, verdict
 
 
 def random_episodes(

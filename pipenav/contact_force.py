@@ -26,10 +26,11 @@ class Windows:
 
     def means(self, records: Array) -> Array:
         """Mean over each window of values recorded in each physics step, (n, substeps, m) -> (n, windows, m)."""
-        return self._weights @ records
+        return np.asarray(self._weights @ records)
 
 
 def strongest(forces: Array) -> Array:
     """The largest of each link's forces in the plane, (n, windows, links, 2) -> (n, links, 2) [N]."""
     peak = (forces[..., 0] ** 2 + forces[..., 1] ** 2).argmax(axis=1)  # (n, links)
-    return np.asarray(np.take_along_axis(forces, peak[:, None, :, None], axis=1)[:, 0])
+    robots, links = np.ogrid[: peak.shape[0], : peak.shape[1]]
+    return np.asarray(forces[robots, peak, links])

@@ -55,7 +55,8 @@ class Episodes(NamedTuple):
 
     def part(self, which: slice) -> Episodes:
         """Some of the episodes."""
-        return Episodes(*(column[which] for column in self))
+        pipes, *columns = self
+        return Episodes(pipes[which], *(column[which] for column in columns))
 
 
 def sample(robot: RobotSpec, config: TaskConfig, pipes: Sequence[Pipe], rng: np.random.Generator) -> Episodes:
@@ -132,14 +133,10 @@ def way_to_goal(tip: Array, goal: Array, edge: Array) -> Array:
         goal: (n, 2) [m].
         edge: the inner edge, (n, 2) [m].
     """
-    hidden = _turn_from_wall(goal - edge) - _turn_from_wall(tip - edge) > np.pi
-    around = np.hypot(*(edge - tip).T) + np.hypot(*(goal - edge).T)
-    return np.asarray(np.where(hidden, around, np.hypot(*(goal - tip).T)))
-
-
-def _turn_from_wall(vector: Array) -> Array:
-    """Heading of vectors (n, 2), counted from `INSIDE_WALL` counter-clockwise: (n,) in [0, 2 pi)."""
-    return np.asarray(np.mod(np.arctan2(vector[:, 1], vector[:, 0]) - INSIDE_WALL, 2 * np.pi))
+    x, y = np.array([(goal - edge).T, (tip - edge).T, (goal - tip).T]).swapaxes(0, 1)  # (3, n) each
+    goal_distance, tip_distance, straight = np.hypot(x, y)
+    goal_turn, tip_turn = np.mod(np.arctan2(y[:2], x[:2]) - INSIDE_WALL, 2 * np.pi)  # counter-clockwise
+    return np.asarray(np.where(goal_turn - tip_turn > np.pi, tip_distance + goal_distance, straight))
 
 
 def at_limit(robot: RobotSpec, config: TaskConfig, q: Array) -> NDArray[np.bool_]:

@@ -119,7 +119,7 @@ def _in_tip_frame(vector: Array, heading: Array) -> Array:
     """World vectors (n, 2) in frames turned by `heading` (n,)."""
     cos, sin = np.cos(heading), np.sin(heading)
     x, y = vector[:, 0], vector[:, 1]
-    return np.stack([cos * x + sin * y, cos * y - sin * x], axis=1)
+    return np.array([cos * x + sin * y, cos * y - sin * x]).T
 
 
 def scale_of(robot: RobotSpec, config: TaskConfig) -> Array:
