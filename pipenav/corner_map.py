@@ -177,7 +177,7 @@ class CornerMap:
         Returns:
             Its beginning and its end, (k, r) each; NaN where no edge can be.
         """
-        tip, direction, end, _, near = (values[:, None] for values in rays)  # (k, 1, m)
+        tip, direction, end, near = rays.tip[:, None], rays.direction[:, None], rays.end[:, None], rays.near[:, None]
         rise = direction[..., 1]
         with np.errstate(divide="ignore", invalid="ignore"):
             length = (radii[..., None] - tip[..., 1]) / rise  # (k, r, m), as all below
@@ -189,7 +189,8 @@ class CornerMap:
         first_free = np.where(free, x, np.inf).min(axis=-1)
         wall &= x < (first_free + radii)[..., None]  # farther on, it is the second leg's outer wall that crosses y = r
         order = np.where(wall | free, x, np.inf).argsort(axis=-1, kind="stable")
-        x, walls, frees = (np.take_along_axis(values, order, axis=-1) for values in (x, wall, free))
+        walls, frees = np.take_along_axis(wall, order, axis=-1), np.take_along_axis(free, order, axis=-1)
+        x = np.take_along_axis(x, order, axis=-1)
         # cost[j]: beams that contradict an edge between crossings j - 1 and j
         all_walls = walls.sum(axis=-1, keepdims=True)
         cost = np.concatenate([all_walls, all_walls - np.cumsum(walls, axis=-1) + np.cumsum(frees, axis=-1)], axis=-1)
@@ -198,7 +199,9 @@ class CornerMap:
         high = np.where(last < all_walls[..., 0] + frees.sum(axis=-1), _pick(x, last), np.nan)
         return np.where(first > 0, _pick(x, first - 1), high - HIDDEN), high
 
-    def _second_leg(self, rays: _Rays, radii: Array, high: Array, edges: Array) -> tuple[Array, Array, Array]:
+    def _second_leg(
+        self, rays: _Rays, radii: Array, high: Array, edges: Array
+    ) -> tuple[Array, NDArray[np.uint16], Array]:
         """The vote on the second leg's outer wall.
 
         Args:
@@ -251,7 +254,7 @@ def _best(radii: Array, edges: Array, votes: Array, agree: Array, share: Array, 
     target = _target(radius, edge, heading, depth)
     row, column = np.nonzero(weight)
     away = np.zeros_like(weight)
-    others = _target(*(values[row, column] for values in tried), depth)
+    others = _target(tried[0][row, column], tried[1][row, column], tried[2][row, column], depth)
     away[row, column] = np.linalg.norm(others - target[row], axis=-1)
     unknown = np.where(known, 0.0, np.nan)
     return Corner(
