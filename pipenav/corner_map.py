@@ -242,20 +242,21 @@ def _best(radii: Array, edges: Array, votes: Array, agree: Array, share: Array, 
         votes, agree, share: (k, radii, places, headings).
         depth: of the target past the inner edge [m].
     """
-    flat = np.where(np.isnan(edges)[..., None], -np.inf, votes).reshape(len(votes), -1)
+    none = np.isnan(edges)
+    flat = np.where(none[..., None], -np.inf, votes).reshape(len(votes), -1)
     best = flat.argmax(axis=1)
     most = _pick(flat, best)
     known = np.isfinite(most)
     weight = np.maximum(flat - np.where(known, most - TIE, np.inf)[:, None], 0.0)
     weight /= np.maximum(weight.sum(axis=1, keepdims=True), 1e-9)
-    grid = (radii[:, :, None, None], np.nan_to_num(edges)[..., None], HEADINGS)
+    grid = (radii[:, :, None, None], np.where(none, 0.0, edges)[..., None], HEADINGS)
     tried = [np.broadcast_to(a, votes.shape).reshape(flat.shape) for a in grid]
     radius, edge, heading = ((weight * a).sum(axis=1) for a in tried)
     target = _target(radius, edge, heading, depth)
     row, column = np.nonzero(weight)
     away = np.zeros_like(weight)
-    others = _target(tried[0][row, column], tried[1][row, column], tried[2][row, column], depth)
-    away[row, column] = np.linalg.norm(others - target[row], axis=-1)
+    off = _target(tried[0][row, column], tried[1][row, column], tried[2][row, column], depth) - target[row]
+    away[row, column] = np.sqrt((off * off).sum(axis=-1))
     unknown = np.where(known, 0.0, np.nan)
     return Corner(
         radius=radius + unknown,
@@ -293,5 +294,6 @@ def _packed(values: Array, kept: Flags) -> Array:
 
 def _pick(values: Array, index: NDArray[np.intp]) -> Array:
     """values[..., index] for an index (...) along the last axis, clipped to what exists, (...)."""
-    clipped = np.clip(index, 0, values.shape[-1] - 1)
-    return np.take_along_axis(values, clipped[..., None], axis=-1)[..., 0]
+    rows = values.reshape(-1, values.shape[-1])
+    clipped = np.minimum(np.maximum(index, 0), rows.shape[1] - 1).ravel()
+    return np.asarray(rows[np.arange(len(rows)), clipped].reshape(index.shape))
