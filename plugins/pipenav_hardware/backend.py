@@ -117,9 +117,9 @@ class HardwareBackend(Machine):
             await_scan(self._scanner, self._listen, 1.5 * CONTROL_PERIOD)
             self._due = self._start = time.monotonic()
         self._beat()
-        begun = time.monotonic()
+        begun, self._seconds = time.monotonic(), {}
         told = self._servos.read()
-        self._seconds = {"bus": time.monotonic() - begun}
+        self._seconds["bus"] = time.monotonic() - begun
         self._listen(time.monotonic())
         reading = self._judge(told)
         self.complete = reading is not None
@@ -153,7 +153,6 @@ class HardwareBackend(Machine):
         return _sent(self.arm, encoded)
 
     def hold(self) -> None:
-        self._deadlines.check(time.monotonic() - self._due)
         self._beat()
         self._taken()
 
@@ -246,7 +245,9 @@ class HardwareBackend(Machine):
         from pipenav.task import episode
         from pipenav.task.config import TaskConfig
         from pipenav_hardware.emulator.client import Emulator
+        from pipenav_hardware.emulator.faults import require_faults
 
+        require_faults(faults)
         start = episode.sample(robot, TaskConfig(), [pipe], np.random.default_rng(seed))
         base = float(start.base[0])
         settings: dict[str, Any] = {"seed": seed, "faults": [dict(fault) for fault in faults]}
