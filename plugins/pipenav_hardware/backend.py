@@ -97,7 +97,7 @@ class HardwareBackend(Machine):
             PipenavError: the arm is not at `q`, or a joint is outside its limits.
         """
         self._begin()
-        reading = self._first_reading()
+        reading = self._reading = self._first_reading()
         away = np.abs(reading.q[0] - q[0])
         if away.max() > START_TOLERANCE:
             joint = self._robot.joints[int(away.argmax())].name
