@@ -15,7 +15,6 @@ from pipenav.safety import Stopped
 
 pytestmark = pytest.mark.flaky(reruns=2)  # real time: a busy machine may let the driver look dead
 
-
 LONG = 2 * SILENCE
 
 
