@@ -169,7 +169,8 @@ def drive(name: str, arm: Path, life: float, report: int, patience: float) -> No
             ctypes.string_at(0)
         raise RuntimeError("an exception somewhere in the program")
 
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs start with it ignored
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs start with it ignored,
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # and those of nohup with this one
     if name in ("exception", "segfault"):
         signal.signal(signal.SIGALRM, end)
         signal.setitimer(signal.ITIMER_REAL, max(life, 1e-3))
