@@ -18,7 +18,10 @@ PLUGINS = sorted(path.name for path in (ROOT / "plugins").iterdir() if (path / "
 LAYERS = [
     {"errors", "units", "assets", "files", "source_imports"},
     {
+        "convex",
         "pipe",
+        "pipe_run",
+        "run_legs",
         "pipe_shapes",
         "pipe_export",
         "pipe_drawing",
