@@ -45,6 +45,16 @@ FLAT = 1e-9
 """A plane that is turned from the x-y plane by less than this [rad] is the x-y plane: rounding of angles."""
 
 
+class CrossesItself(PipenavError):
+    """Two straights of a run that are no neighbours meet."""
+
+    def __init__(self, first: int, second: int) -> None:
+        super().__init__(
+            f"the run crosses itself: straights {first} and {second} would meet or nearly so; make one of the "
+            f"straights {first} to {second} longer or shorter, or turn a corner between them the other way."
+        )
+
+
 class Corner(BaseModel):
     """One corner of a run.
 
@@ -118,7 +128,8 @@ class PipeRun(BaseModel):
 
         Raises:
             OutOfRange: a number outside its allowed range; for a straight that range begins past its mitres.
-            PipenavError: an unknown turn, a wrong number of straights, or a run that crosses itself.
+            CrossesItself: legs that are no neighbours would meet, or nearly so.
+            PipenavError: an unknown turn, a wrong number of corners or straights.
         """
         if not 1 <= len(corners) <= MAX_CORNERS:
             raise PipenavError(f"a run of {len(corners)} corners is not possible: give it 1 to {MAX_CORNERS}.")
@@ -154,11 +165,7 @@ class PipeRun(BaseModel):
             check_range(f"length of straight {i}", m_to_mm(given), low, LEG_MAX_MM, "mm")
         met = self.legs.meeting(self.radius + self.wall)
         if met:
-            first, second = met[0] + 1, met[1] + 1
-            raise PipenavError(
-                f"the run crosses itself: straights {first} and {second} would meet or nearly so; make one of the "
-                f"straights {first} to {second} longer or shorter, or turn a corner between them the other way."
-            )
+            raise CrossesItself(met[0] + 1, met[1] + 1)
         return self
 
     def __hash__(self) -> int:

@@ -26,6 +26,7 @@ LAYERS = [
         "pipe_export",
         "pipe_drawing",
         "pipe_set",
+        "run_set",
         "robot",
         "kinematics",
         "laser",

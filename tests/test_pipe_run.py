@@ -65,7 +65,7 @@ def test_a_run_of_one_is_that_pipe(diameter: float, angle: float, turn: str) -> 
     points = points[pipe.contains(points)]
     np.testing.assert_allclose(run.along(points), pipe.centre_line_distance(points), atol=1e-12)
     # Sorted by their middles, a pipe and a run list the same walls, with the same thick and thin boxes behind them.
-    if angle == 180:  # where a run knows no inner side
+    if angle > 179.9:  # where a run knows no inner side
         return
     for boxes in zip(*(_sorted_boxes(it) for it in (pipe, run)), strict=True):
         np.testing.assert_allclose(*boxes, atol=1e-9)
