@@ -27,6 +27,7 @@ LAYERS = [
         "pipe_drawing",
         "pipe_set",
         "run_set",
+        "run_shapes",
         "robot",
         "kinematics",
         "laser",
