@@ -16,7 +16,7 @@ CORE = ROOT / "pipenav"
 PLUGINS = sorted(path.name for path in (ROOT / "plugins").iterdir() if (path / "__init__.py").is_file())
 
 LAYERS = [
-    {"errors", "units", "assets", "files", "source_imports"},
+    {"errors", "units", "assets", "files", "source_imports", "whole_folder"},
     {
         "convex",
         "pipe",
@@ -28,6 +28,10 @@ LAYERS = [
         "pipe_set",
         "run_set",
         "run_shapes",
+        "run_export",
+        "run_drawing",
+        "scenes",
+        "drafting",
         "robot",
         "kinematics",
         "laser",
