@@ -117,6 +117,22 @@ def parse_runs(given: Sequence[str]) -> list[PipeRun]:
     return list(dict.fromkeys(run for text in given for run in _parse_one(text)))
 
 
+def parse_run(text: str) -> tuple[str, PipeRun]:
+    """One run and a name for it: that of its TOML file, or `runs-level-3` for the third run of that shipped set.
+
+    Raises:
+        PipenavError: something that is neither, or a run that is not possible.
+    """
+    name, colon, number = text.partition(":")
+    if name in run_set_names():
+        if not colon:
+            raise PipenavError(f"{text} is a set of runs: choose one of them by its number, as in {text}:1.")
+        return f"{name}-{number}", _parse_one(text)[0]
+    if not text.endswith(".toml"):
+        raise UnknownName("run", text, [*(f"{known}:1" for known in run_set_names()), "FILE.toml"])
+    return Path(text).stem, read_run(Path(text))
+
+
 def read_run(path: Path) -> PipeRun:
     """The run of a TOML file, corner by corner.
 
@@ -124,8 +140,8 @@ def read_run(path: Path) -> PipeRun:
         FileProblem: the file cannot be read.
         ConfigError: it is no run, or no possible one.
     """
-    if "runs" in read_toml(path):
-        raise ConfigError(f"{path} is a set of runs: name a file of one run, with a [[corners]] table for each corner.")
+    if not isinstance(read_toml(path).get("corners"), list):
+        raise ConfigError(f"{path} is not one run: that is a file with a [[corners]] table for each corner.")
     file = read_as(RunFile, path, CornerEntry)
     try:
         return file.run()

@@ -30,6 +30,7 @@ LAYERS = [
         "run_shapes",
         "run_export",
         "run_drawing",
+        "run_view",
         "scenes",
         "drafting",
         "robot",

@@ -12,7 +12,7 @@ from pipenav.errors import PipenavError
 from pipenav.pipe import Pipe
 from pipenav.pipe_run import PipeRun
 from pipenav.pipe_set import parse_pipes, pipe_set_names
-from pipenav.run_set import parse_runs, read_run, run_set_names
+from pipenav.run_set import parse_run, parse_runs, read_run, run_set_names
 from pipenav.units import m_to_mm, rad_to_deg
 
 ONE = """
@@ -169,9 +169,29 @@ def test_a_wrong_file_is_explained(tmp_path: Path, text: str, message: str) -> N
 
 
 def test_a_set_is_no_run(tmp_path: Path) -> None:
-    with pytest.raises(PipenavError, match="is a set of runs: name a file of one run"):
+    with pytest.raises(PipenavError, match="is not one run: that is a file with a"):
         read_run(Path(written(tmp_path, SET)))
 
 
 def test_quarter_rolls_of_a_file_are_exact(tmp_path: Path) -> None:
     assert read_run(Path(written(tmp_path, ONE))).corners[1].roll == math.pi / 2
+
+
+def test_one_run_has_a_name(tmp_path: Path) -> None:
+    assert parse_run(written(tmp_path, ONE)) == ("mine", read_run(tmp_path / "mine.toml"))
+    assert parse_run("runs-level:3") == ("runs-level-3", parse_runs(["runs-level"])[2])
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("runs-level", "runs-level is a set of runs: choose one of them by its number, as in runs-level:1."),
+        ("runs-leve:3", "unknown run 'runs-leve:3': did you mean 'runs-level:1'"),
+        ("d=90,angle=60", "unknown run 'd=90,angle=60': choose 'FILE.toml'"),
+        ("runs-level:25", "write a number from 1 to 24"),
+    ],
+)
+def test_what_is_not_one_run_is_named(text: str, message: str) -> None:
+    with pytest.raises(PipenavError) as caught:
+        parse_run(text)
+    assert message in str(caught.value)
