@@ -63,7 +63,7 @@ def pipe_figure(pipe: Pipe) -> Figure:
 
 def draw_walls(axes: Axes, pipe: Pipe | PipeRun) -> None:
     """Fill the free space and the walls of a pipe or a planar run, in millimetres of its frame."""
-    sides = [m_to_mm(1.0) * np.stack(side) for side in _sides(pipe)]  # (2, k, 2) each
+    sides = [(m_to_mm(1.0) * near, m_to_mm(1.0) * far) for near, far in _sides(pipe)]
     axes.fill(*np.concatenate([sides[0][0], sides[1][0][::-1]]).T, color=FREE, zorder=1)
     for (near, far), label in zip(sides, ("wall", None), strict=True):
         outline = np.concatenate([near, far[::-1]])
