@@ -142,8 +142,7 @@ def _mjcf(run: PipeRun, name: str, prisms: Array) -> ET.Element:
     low, high = run.centre_line.min(axis=0), run.centre_line.max(axis=0)
     x, y, _ = (low + high) / 2
     root, body = mjcf(name, (float(x), float(y), float(high[2] + 1.4 * max(high - low))))
-    assets = root.find("asset")
-    assert assets is not None  # made one line above
+    assets = add(root, "asset")
     for leg, side in np.ndindex(*prisms.shape[:2]):
         part = _part_name(leg, side)
         add(assets, "mesh", name=part, vertex=text(*prisms[leg, side].ravel()))

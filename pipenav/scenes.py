@@ -32,7 +32,6 @@ def mjcf(name: str, camera: tuple[float, float, float]) -> tuple[ET.Element, ET.
     """A MuJoCo model, and in it the body for the walls, with a camera `above` that looks down."""
     root = ET.Element("mujoco", model=name)
     add(root, "compiler", angle="radian")
-    add(root, "asset")
     body = add(add(root, "worldbody"), "body", name="pipe")
     add(body, "camera", name="above", pos=text(*camera))
     return root, body
