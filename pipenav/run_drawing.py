@@ -161,7 +161,7 @@ class _Sketch(Drafting):
         """The axes of the frame, below the picture's left end."""
         low, _ = self.frame()
         length = 7 * self.unit
-        origin = low + np.array([0.0, -4 * self.unit]) + length
+        origin = low + np.array([length, -0.4 * length])
         for name, axis in zip("xyz", np.eye(3), strict=True):
             tip = origin + length * view.flat(axis)
             self.arrow(origin, tip, INK, 1.0)

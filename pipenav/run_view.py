@@ -20,6 +20,12 @@ ELEVATION = math.radians(30.0)
 AZIMUTHS = np.deg2rad(np.arange(5.0, 360.0, 10.0))
 """From where the viewer may look."""
 
+HIDING = 0.2
+"""What a pair of straights of which one hides the other costs, as a share by which a straight is shortened."""
+
+SAMPLES = 20
+"""Points along a straight in the test whether one hides another."""
+
 AROUND, PIECE = 24, 0.05
 """Strips around the tube, and the longest piece of a strip [m]: small ones, so that near ones hide far ones rightly."""
 
@@ -46,10 +52,22 @@ class View(NamedTuple):
 
     @classmethod
     def of(cls, run: PipeRun) -> View:
-        """That in which the straight that is shortened most is shortened least."""
-        along = run.legs.axes[:, :, 0]
-        views = [cls.towards(azimuth) for azimuth in AZIMUTHS]
-        return max(views, key=lambda view: float(np.linalg.norm(view.flat(along), axis=1).min()))
+        """That in which few straights hide others, and the one that is shortened most is shortened least."""
+
+        def worth(view: View) -> float:
+            seen = float(np.linalg.norm(view.flat(run.legs.axes[:, :, 0]), axis=1).min())
+            return seen - HIDING * view.hidden(run)
+
+        return max((cls.towards(azimuth) for azimuth in AZIMUTHS), key=worth)
+
+    def hidden(self, run: PipeRun) -> int:
+        """How many pairs of straights that are no neighbours lie over each other in the picture."""
+        share = np.linspace(0, 1, SAMPLES)[:, None]
+        line = self.flat(run.centre_line)
+        points = line[:-1, None] + share * np.diff(line, axis=0)[:, None]  # (legs, SAMPLES, 2)
+        pairs = [(i, j) for j in range(len(points)) for i in range(j - 1)]
+        apart = [np.linalg.norm(points[i][:, None] - points[j], axis=-1).min() for i, j in pairs]
+        return int(np.sum(np.array(apart) < 2 * (run.radius + run.wall)))
 
     def flat(self, points: Array) -> Array:
         """Points (..., 3) in the picture, (..., 2)."""
