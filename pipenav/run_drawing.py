@@ -1,6 +1,7 @@
 """A drawing of a pipe run with its dimensions, in millimetres: from above where it is planar, else in space.
 
-In space, a schedule below the picture shows every corner as the robot sees it that looks ahead and never rolls.
+In space, and where there are many corners, a schedule below the picture shows every corner as the robot sees it that
+looks ahead and never rolls.
 """
 
 from __future__ import annotations
@@ -36,6 +37,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+LABELLED = 8
+"""Corners of the longest run whose dimensions stand in the picture; a longer one has them in its schedule alone."""
+
 PER_ROW = 6
 """Corners in a row of the schedule."""
 
@@ -60,7 +64,8 @@ def run_figure(run: PipeRun, name: str) -> Figure:
     from matplotlib.figure import Figure
 
     figure = Figure(facecolor="white", layout="constrained")
-    axes, schedule = (figure.add_subplot(), None) if run.planar else figure.subplots(2, 1)
+    few = len(run.corners) <= LABELLED
+    axes, schedule = (figure.add_subplot(), None) if run.planar and few else figure.subplots(2, 1)
     tall = _plan(run, axes) if run.planar else _in_space(run, axes)
     shrink = min(1.0, TALLEST_IN / tall)
     below = 1.4
@@ -87,10 +92,11 @@ def _plan(run: PipeRun, axes: Axes) -> float:
     left = np.cos(run.legs.inside)[:, None] > 0
     edges = np.where(left, run.walls.left[1:-1], run.walls.right[1:-1])[run.legs.reach > STRAIGHT]
     axes.plot(*m_to_mm(1.0) * edges.T, "o", color=EDGE, markersize=4, zorder=6, label="inner edge")
-    sketch.lengths()
+    if len(run.corners) <= LABELLED:
+        sketch.lengths()
+        sketch.angles()
     sketch.robot()
     sketch.corners()
-    sketch.angles()
     return frame_axes(axes, *sketch.frame())
 
 
@@ -100,7 +106,7 @@ def _in_space(run: PipeRun, axes: Axes) -> float:
     drawn = draw_tube(axes, run, view)
     sketch = _Sketch(run, axes, m_to_mm(1.0) * view.flat(run.centre_line))
     sketch.drawn.append(drawn)
-    if len(run.corners) <= PER_ROW:  # the schedule has them all
+    if len(run.corners) <= LABELLED:
         sketch.lengths()
     sketch.robot()
     sketch.corners()

@@ -10,7 +10,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from pipenav.pipe_run import PipeRun
-from pipenav.run_drawing import PER_ROW, run_figure
+from pipenav.run_drawing import LABELLED, run_figure
 from pipenav.run_set import parse_runs
 from pipenav.run_view import AZIMUTHS, View
 
@@ -38,10 +38,13 @@ def test_a_picture_in_space_says_every_length_twice_and_its_schedule_every_corne
         assert text in said
 
 
-def test_a_long_run_in_space_keeps_its_lengths_to_the_schedule() -> None:
-    run = PipeRun.of(60, [(135, "left", 0), (135, "right", 90)] * PER_ROW, [601 + i for i in range(2 * PER_ROW + 1)])
+@pytest.mark.parametrize("roll", [0, 90])
+def test_a_long_run_keeps_its_lengths_to_the_schedule(roll: int) -> None:
+    count = LABELLED + 2
+    run = PipeRun.of(60, [(135, "left", 0), (135, "right", roll)] * (count // 2), [601 + i for i in range(count + 1)])
     said = texts(run_figure(run, "mine"))
-    assert all(said.count(str(601 + i)) == 1 for i in range(2 * PER_ROW + 1))
+    assert all(said.count(str(601 + i)) == 1 for i in range(count + 1))
+    assert said.count("135° left") == count // 2
 
 
 def test_the_dials_point_to_where_the_pipe_bends() -> None:
