@@ -54,7 +54,12 @@ def test_a_shipped_set_covers_the_working_range_in_runs_of_five_corners(name: st
     assert Counter(round(m_to_mm(run.diameter)) for run in runs) == dict.fromkeys(range(70, 121, 10), 4)
     assert {round(rad_to_deg(corner.angle)) for corner in corners} == set(range(55, 126, 5))
     assert 0.4 < sum(corner.turn == "left" for corner in corners) / len(corners) < 0.6
-    assert all(0.4 <= straight <= 0.8 for run in runs for straight in run.straights[1:-1])
+
+
+def test_the_rolled_runs_leave_room_for_the_whole_robot_between_two_corners() -> None:
+    straights = {name: {x for run in parse_runs([name]) for x in run.straights[1:-1]} for name in run_set_names()}
+    assert min(straights["runs-level"]) == 0.4 and max(straights["runs-level"]) == 0.8
+    assert min(straights["runs-rolled"]) == 0.9 and max(straights["runs-rolled"]) == 1.3
 
 
 def test_the_level_runs_stay_in_the_plane_and_the_rolled_ones_leave_it_by_quarter_turns() -> None:
@@ -78,7 +83,7 @@ def test_sets_are_drawn_alike_every_time_and_otherwise_with_another_seed(tmp_pat
 def test_the_first_run_of_a_shipped_set_never_changes() -> None:
     """What was measured in a set must stay comparable."""
     assert parse_runs(["runs-level:1"])[0].name == "run-d70-R65-L70-R100-R55-L110"
-    assert parse_runs(["runs-rolled:24"])[0].name == "run-d120-R110-L80roll180-R120-L115roll90-R55roll180"
+    assert parse_runs(["runs-rolled:24"])[0].name == "run-d120-L95-R110roll270-L95roll270-R110roll90-L75roll270"
 
 
 def test_a_run_by_its_number() -> None:
