@@ -47,6 +47,9 @@ ENDINGS = {
 }
 """What ends the driver, and within which time torque must be off on every servo [s]."""
 
+LONGEST_END = 5.0
+"""How long a driver may take to end after its ending [s]; one that goes on is killed and counts as failed."""
+
 SECOND = 0.03
 """Longest time from the first Ctrl-C to the second [s]."""
 
@@ -148,7 +151,11 @@ def run_trial(name: str, arm: Path, life: float, patience: float, second: float)
             time.sleep(second)
             os.kill(child, signal.SIGINT)
     os.close(reading)
-    os.waitpid(child, 0)
+    give_up = time.monotonic() + LONGEST_END
+    while os.waitpid(child, os.WNOHANG) == (0, 0):
+        time.sleep(0.01)
+        if time.monotonic() > give_up:  # torque stays on until then, which the log shows
+            os.kill(child, signal.SIGKILL)
     time.sleep(0.15)  # for the supervisor of a driver that is dead
     return Trial(started, ended)
 
@@ -162,6 +169,8 @@ def drive(name: str, arm: Path, life: float, report: int, patience: float) -> No
             ctypes.string_at(0)
         raise RuntimeError("an exception somewhere in the program")
 
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs start with it ignored,
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # and those of nohup with this one
     if name in ("exception", "segfault"):
         signal.signal(signal.SIGALRM, end)
         signal.setitimer(signal.ITIMER_REAL, max(life, 1e-3))

@@ -36,6 +36,9 @@ small ones mostly, as the corner's far end counts as that wall for a while."""
 HEADINGS = np.deg2rad(np.arange(15.0, 151.0, 3.0))
 """Headings of the second leg that are tried [rad]."""
 
+SIN, COS = np.sin(HEADINGS), np.cos(HEADINGS)
+"""Of the headings, (headings,)."""
+
 PLACES = np.linspace(0.0, 1.0, 9)
 """Places of the inner edge that are tried, as shares of the stretch in which it must lie."""
 
@@ -75,11 +78,11 @@ class Corner(NamedTuple):
 
 
 class _Rays(NamedTuple):
-    """All beams so far: tip (k, m, 2) [m], heading (k, m) [rad], end (k, m, 2) [m], whether it met a wall within the
+    """All beams so far: tip (k, m, 2) [m], direction (k, m, 2), end (k, m, 2) [m], whether it met a wall within the
     laser's range, and whether it read the laser's minimum, (k, m)."""
 
     tip: Array
-    beam: Array
+    direction: Array
     end: Array
     met: Flags
     near: Flags
@@ -100,6 +103,8 @@ class CornerMap:
         self._tip = np.zeros((n, SCANS, 1, 2))
         self._beam = np.zeros((n, SCANS, laser.beams))
         self._range = np.full((n, SCANS, laser.beams), np.nan)
+        # One robot's votes at one radius: reused, as it fits into the processor's cache and is slow to allocate.
+        self._table = np.empty((SCANS * laser.beams, len(PLACES), len(HEADINGS)))
 
     def forget(self, robots: NDArray[np.intp]) -> None:
         """Begin anew with some robots."""
@@ -135,8 +140,10 @@ class CornerMap:
         radius = RADII[self._radius_votes(rays, np.broadcast_to(RADII, (len(robots), len(RADII)))).argmax(axis=1)]
         radii = radius[:, None] + NEAR_RADII
         first_leg = self._radius_votes(rays, radii)
-        fits = [self._second_leg(rays, radii[:, i], first_leg[:, i]) for i in range(len(NEAR_RADII))]
-        votes, agree, share, edges = (np.stack(column, axis=1) for column in zip(*fits, strict=True))
+        low, high = self._edge(rays, radii)
+        edges = low[..., None] + (high - low)[..., None] * PLACES  # (k, radii, places)
+        agree, against, share = self._second_leg(rays, radii, high, edges)
+        votes = agree - against + first_leg[..., None, None]
         return _best(radii, edges, votes, agree, share, depth)
 
     def _rays(self, robots: NDArray[np.intp]) -> _Rays:
@@ -145,59 +152,85 @@ class CornerMap:
         ranges = self._range[robots, :used].reshape(shape)
         beam = self._beam[robots, :used].reshape(shape)
         tip = np.broadcast_to(self._tip[robots, :used], (len(robots), used, self._laser.beams, 2)).reshape(*shape, 2)
-        end = tip + ranges[..., None] * np.stack([np.cos(beam), np.sin(beam)], axis=-1)
+        direction = np.stack([np.cos(beam), np.sin(beam)], axis=-1)
+        end = tip + ranges[..., None] * direction
         near, far = ranges <= self._laser.range_min, ranges >= self._laser.range_max
-        return _Rays(tip, beam, end, ~(near | far | np.isnan(ranges)), near)
+        return _Rays(tip, direction, end, ~(near | far | np.isnan(ranges)), near)
 
     def _radius_votes(self, rays: _Rays, radii: Array) -> Array:
         """For radii (k, r): how many beams end at the outer wall, y = -r, less those that end beyond it, (k, r)."""
-        y = np.where(rays.met, rays.end[..., 1], np.inf)
-        off = (-y[..., None] - radii[:, None]) / self._tolerance  # (k, m, r)
-        return np.asarray((_kernel(off) - (off > 1.0)).sum(axis=1))
+        below = -rays.end[..., 1]
+        below = _packed(below, rays.met & (below > radii.min() - 2 * self._tolerance))
+        off = (below[..., None] - radii[:, None]) / self._tolerance  # (k, m, r)
+        beyond = off > 1.0
+        votes = _kernel(off)
+        votes -= beyond
+        return np.asarray(votes.sum(axis=1))
 
-    def _edge(self, rays: _Rays, radius: Array) -> tuple[Array, Array]:
-        """The stretch of the line y = r in which the inner wall ends, (k,) each: fewest beams contradict it."""
-        rise = np.sin(rays.beam)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            length = (radius[:, None] - rays.tip[..., 1]) / rise
-            x = rays.tip[..., 0] + length * np.cos(rays.beam)
-        height = rays.end[..., 1] - radius[:, None]
-        leftwards = (rise > LEFTWARDS) & (length > 0)
-        wall = leftwards & np.where(rays.near, length <= self._laser.range_min, np.abs(height) <= self._tolerance)
-        free = leftwards & ~rays.near & (height > self._tolerance)
-        first_free = np.where(free, x, np.inf).min(axis=1)
-        wall &= x < (first_free + radius)[:, None]  # farther on, it is the second leg's outer wall that crosses y = r
-        order = np.where(wall | free, x, np.inf).argsort(axis=1, kind="stable")
-        walls, frees = np.take_along_axis(wall, order, axis=1), np.take_along_axis(free, order, axis=1)
-        x = np.take_along_axis(x, order, axis=1)
-        # cost[j]: beams that contradict an edge between crossings j - 1 and j
-        after = walls.sum(axis=1, keepdims=True) - np.cumsum(walls, axis=1)
-        cost = np.concatenate([walls.sum(axis=1, keepdims=True), after + np.cumsum(frees, axis=1)], axis=1)
-        best = cost == cost.min(axis=1, keepdims=True)
-        first, last = best.argmax(axis=1), cost.shape[1] - 1 - best[:, ::-1].argmax(axis=1)
-        high = np.where(last < (wall | free).sum(axis=1), _pick(x, last), np.nan)
-        return np.where(first > 0, _pick(x, first - 1), high - HIDDEN), high
+    def _edge(self, rays: _Rays, radii: Array) -> tuple[Array, Array]:
+        """The stretch of the line y = radius in which the inner wall ends: fewest beams contradict it.
 
-    def _second_leg(self, rays: _Rays, radius: Array, first_leg: Array) -> tuple[Array, Array, Array, Array]:
-        """The vote on the second leg's outer wall for one radius (k,) that has the first leg's votes (k,).
+        Args:
+            rays: of k robots.
+            radii: (k, r) [m].
 
         Returns:
-            The votes of both legs; how many beams agree on the second leg, and their share of all that end past the
-            first leg's walls, (k, places, headings) each; the places of the inner edge, (k, places).
+            Its beginning and its end, (k, r) each; NaN where no edge can be.
         """
-        low, high = self._edge(rays, radius)
-        x, y = rays.end[..., 0], rays.end[..., 1]
-        inner = (np.abs(y - radius[:, None]) <= self._tolerance) & (x <= high[:, None])
-        ahead = rays.met & ~inner & (y > self._tolerance - radius[:, None])
-        edges = low[:, None] + (high - low)[:, None] * PLACES
-        sin, cos = np.sin(HEADINGS), np.cos(HEADINGS)
-        across = np.where(ahead[..., None], x[..., None] * sin - y[..., None] * cos, -np.inf)  # (k, m, headings)
-        wall = edges[..., None] * sin + radius[:, None, None] * (2 - cos)  # (k, places, headings)
-        beyond = (across[:, :, None] - wall[:, None]) / self._tolerance  # (k, m, places, headings)
-        agree = _kernel(beyond).sum(axis=1)
-        votes = agree - (beyond > 1.0).sum(axis=1) + first_leg[:, None, None]
-        share = agree / np.maximum(ahead.sum(axis=1), 1)[:, None, None]
-        return votes, agree, share, edges
+        tip, direction, end, near = rays.tip[:, None], rays.direction[:, None], rays.end[:, None], rays.near[:, None]
+        rise = direction[..., 1]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            length = (radii[..., None] - tip[..., 1]) / rise  # (k, r, m), as all below
+            x = tip[..., 0] + length * direction[..., 0]
+        height = end[..., 1] - radii[..., None]
+        leftwards = (rise > LEFTWARDS) & (length > 0)
+        wall = leftwards & np.where(near, length <= self._laser.range_min, np.abs(height) <= self._tolerance)
+        free = leftwards & ~near & (height > self._tolerance)
+        first_free = np.where(free, x, np.inf).min(axis=-1)
+        wall &= x < (first_free + radii)[..., None]  # farther on, it is the second leg's outer wall that crosses y = r
+        order = np.where(wall | free, x, np.inf).argsort(axis=-1, kind="stable")
+        walls, frees = np.take_along_axis(wall, order, axis=-1), np.take_along_axis(free, order, axis=-1)
+        x = np.take_along_axis(x, order, axis=-1)
+        # cost[j]: beams that contradict an edge between crossings j - 1 and j
+        all_walls = walls.sum(axis=-1, keepdims=True)
+        cost = np.concatenate([all_walls, all_walls - np.cumsum(walls, axis=-1) + np.cumsum(frees, axis=-1)], axis=-1)
+        best = cost == cost.min(axis=-1, keepdims=True)
+        first, last = best.argmax(axis=-1), cost.shape[-1] - 1 - best[..., ::-1].argmax(axis=-1)
+        high = np.where(last < all_walls[..., 0] + frees.sum(axis=-1), _pick(x, last), np.nan)
+        return np.where(first > 0, _pick(x, first - 1), high - HIDDEN), high
+
+    def _second_leg(
+        self, rays: _Rays, radii: Array, high: Array, edges: Array
+    ) -> tuple[Array, NDArray[np.uint16], Array]:
+        """The vote on the second leg's outer wall.
+
+        Args:
+            rays: of k robots.
+            radii: of the pipe, (k, r) [m].
+            high: where the inner wall ends at the latest, (k, r) [m].
+            edges: places where it may end, (k, r, places) [m].
+
+        Returns:
+            How many beams agree on the second leg, how many end beyond it, and the share that agrees of all that end
+            past the first leg's walls, (k, r, places, headings) each.
+        """
+        x, y = rays.end[:, None, :, 0], rays.end[:, None, :, 1]  # (k, 1, m)
+        inner = (np.abs(y - radii[..., None]) <= self._tolerance) & (x <= high[..., None])
+        ahead = rays.met[:, None] & ~inner & (y > self._tolerance - radii[..., None])  # (k, r, m)
+        robot, _, ray = np.nonzero(ahead)
+        end = rays.end[robot, ray]  # (beams, 2), one radius of one robot after the other
+        across = end[:, :1] * SIN - end[:, 1:] * COS  # (beams, headings)
+        wall = edges[..., None] * SIN + radii[..., None, None] * (2 - COS)  # (k, r, places, headings)
+        agree, against = np.empty_like(wall), np.empty_like(wall, np.uint16)
+        count = ahead.sum(axis=-1)
+        start = 0
+        for i in np.ndindex(*count.shape):
+            beyond = np.subtract(across[start : start + count[i], None], wall[i], out=self._table[: count[i]])
+            beyond /= self._tolerance
+            (beyond > 1.0).sum(axis=0, dtype=np.uint16, out=against[i])
+            _kernel(beyond).sum(axis=0, out=agree[i])
+            start += count[i]
+        return agree, against, agree / np.maximum(count, 1)[..., None, None]
 
 
 def _best(radii: Array, edges: Array, votes: Array, agree: Array, share: Array, depth: float) -> Corner:
@@ -209,24 +242,28 @@ def _best(radii: Array, edges: Array, votes: Array, agree: Array, share: Array, 
         votes, agree, share: (k, radii, places, headings).
         depth: of the target past the inner edge [m].
     """
-    flat = np.where(np.isnan(edges)[..., None], -np.inf, votes).reshape(len(votes), -1)
+    none = np.isnan(edges)
+    flat = np.where(none[..., None], -np.inf, votes).reshape(len(votes), -1)
     best = flat.argmax(axis=1)
     most = _pick(flat, best)
     known = np.isfinite(most)
     weight = np.maximum(flat - np.where(known, most - TIE, np.inf)[:, None], 0.0)
     weight /= np.maximum(weight.sum(axis=1, keepdims=True), 1e-9)
-    grid = (radii[:, :, None, None], np.nan_to_num(edges)[..., None], HEADINGS)
+    grid = (radii[:, :, None, None], np.where(none, 0.0, edges)[..., None], HEADINGS)
     tried = [np.broadcast_to(a, votes.shape).reshape(flat.shape) for a in grid]
     radius, edge, heading = ((weight * a).sum(axis=1) for a in tried)
     target = _target(radius, edge, heading, depth)
-    away = np.linalg.norm(_target(tried[0], tried[1], tried[2], depth) - target[:, None], axis=-1)
+    row, column = np.nonzero(weight)
+    away = np.zeros_like(weight)
+    off = _target(tried[0][row, column], tried[1][row, column], tried[2][row, column], depth) - target[row]
+    away[row, column] = np.sqrt((off * off).sum(axis=-1))
     unknown = np.where(known, 0.0, np.nan)
     return Corner(
         radius=radius + unknown,
         edge=edge + unknown,
         heading=heading + unknown,
         target=target + unknown[:, None],
-        spread=np.where(known, np.where(weight > 0, away, 0.0).max(axis=1), np.inf),
+        spread=np.where(known, away.max(axis=1), np.inf),
         votes=np.where(known, _pick(agree.reshape(flat.shape), best), 0.0),
         agreement=np.where(known, _pick(share.reshape(flat.shape), best), 0.0),
     )
@@ -239,11 +276,24 @@ def _target(radius: Array, edge: Array, heading: Array, depth: float) -> Array:
 
 
 def _kernel(distance: Array) -> Array:
-    """A vote of 1 for a distance of 0, none from a distance of 1 on."""
-    return np.maximum(1.0 - distance**2, 0.0)
+    """A vote of 1 for a distance of 0, none from a distance of 1 on; takes its argument's memory, which is large."""
+    np.multiply(distance, distance, out=distance)
+    np.subtract(1.0, distance, out=distance)
+    return np.maximum(distance, 0.0, out=distance)
+
+
+def _packed(values: Array, kept: Flags) -> Array:
+    """The kept ones of each row of values (k, m), in their order, then -inf, (k, most that a row keeps).
+
+    Most beams say nothing about most questions, and a vote of 0 less changes no bit of a sum.
+    """
+    count = kept.sum(axis=1)
+    first = np.argsort(~kept, axis=1, kind="stable")[:, : count.max(initial=0)]
+    return np.where(np.arange(first.shape[1]) < count[:, None], np.take_along_axis(values, first, axis=1), -np.inf)
 
 
 def _pick(values: Array, index: NDArray[np.intp]) -> Array:
-    """values[i, index[i]], index clipped to what exists, (k,)."""
-    clipped = np.clip(index, 0, values.shape[1] - 1)
-    return np.take_along_axis(values, clipped[:, None], axis=1)[:, 0]
+    """values[..., index] for an index (...) along the last axis, clipped to what exists, (...)."""
+    rows = values.reshape(-1, values.shape[-1])
+    clipped = np.minimum(np.maximum(index, 0), rows.shape[1] - 1).ravel()
+    return np.asarray(rows[np.arange(len(rows)), clipped].reshape(index.shape))

@@ -21,6 +21,9 @@ from pipenav.telemetry import Telemetry
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1)
 """What stops the arm from outside; SIGUSR1 is the emergency stop for scripts and foot switches."""
 
+HOLD_PERIOD = 0.05
+"""How often a held arm's supervisor hears that someone is there [s]."""
+
 RETREATABLE = {"stall"}
 """Causes after which the arm may still be moved: bus, sensors and clock are well."""
 
@@ -121,10 +124,13 @@ def drive(
 
 
 def hold_until(machine: Machine, released: Callable[[], bool]) -> None:
-    """Keep the arm where it is, for arms that would fall without torque, until someone holds it."""
+    """Keep the arm where it is, for arms that would fall without torque, until someone holds it.
+
+    Whatever stopped it, a lost sensor for example, is no reason to let it fall.
+    """
     while not released():
         machine.hold()
-        machine.wait()
+        time.sleep(HOLD_PERIOD)
 
 
 def _tick(machine: Machine, run: Run, record: dict[str, Any]) -> Decision | None:

@@ -122,7 +122,7 @@ class Machine(Backend):
 
     @abstractmethod
     def hold(self) -> None:
-        """Send nothing new: the arm keeps its last set-points."""
+        """Send nothing new: the arm keeps its last set-points, and is supervised as long as this is called often."""
 
     @abstractmethod
     def wait(self) -> None:

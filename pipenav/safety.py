@@ -102,25 +102,31 @@ class Deadlines:
 
     Attributes:
         missed: how many were late.
-        worst: the longest time from when a tick was due to when its work was done [s].
     """
 
     def __init__(self, period: float, patience: float = 1.0) -> None:
         self._limit, self._last = DEADLINE * period * patience, LAST_DEADLINE * period * patience
-        self.missed, self.worst = 0, 0.0
-        self._in_a_row = 0
+        self.missed = 0
+        self._late = self._late_before = False
+
+    def begin(self) -> None:
+        """The next tick."""
+        self._late, self._late_before = False, self._late
+
+    def note(self, taken: float) -> None:
+        """Something of the tick was done `taken` seconds after it was due; however often, a tick is late once."""
+        if taken > self._limit and not self._late:
+            self._late = True
+            self.missed += 1
 
     def check(self, taken: float) -> None:
-        """Judge a tick whose work was done `taken` seconds after it was due.
+        """Whether a tick may go on `taken` seconds after it was due.
 
         Raises:
             Stopped: much too late, or late twice in a row.
         """
-        self.worst = max(self.worst, taken)
-        late = taken > self._limit
-        self.missed += late
-        self._in_a_row = self._in_a_row + 1 if late else 0
-        if taken > self._last or self._in_a_row > 1:
+        self.note(taken)
+        if taken > self._last or (self._late and self._late_before):
             raise Stopped(
                 "deadline",
                 f"a tick took {taken * 1e3:.0f} ms, {self._limit * 1e3:.0f} ms are allowed "

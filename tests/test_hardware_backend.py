@@ -15,7 +15,9 @@ from pipenav_hardware.backend import HardwareBackend, HardwareOptions
 from pipenav_hardware.check import findings
 from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
+from pipenav_hardware.servos import Servos
 
+from pipenav.deploy import hold_until
 from pipenav.errors import PipenavError
 from pipenav.registry import open_backend
 from pipenav.robot import load_robot
@@ -141,6 +143,7 @@ def test_a_dry_run_only_asks(emulator: Emulator) -> None:
         ({"fault": "truncate", "device": "scanner"}, "stale"),
         ({"fault": "unplug", "device": "scanner"}, "sensor-lost"),
         ({"fault": "drop", "device": "front"}, "stale"),
+        ({"fault": "unplug", "device": "front"}, "sensor-lost"),
         ({"fault": "stuck", "device": "scanner"}, "stale"),
         ({"fault": "stuck", "device": "front"}, "stale"),
         ({"fault": "corrupt", "device": "front"}, "stale"),
@@ -174,6 +177,9 @@ def test_what_goes_wrong_stops_the_arm_for_its_own_reason(
         {"fault": "overheat", "value": 55.0},
         {"fault": "late", "device": "scanner", "value": 0.1},
         {"fault": "corrupt", "device": "scanner", "count": 1},
+        {"fault": "drop", "device": "scanner", "count": 1},
+        {"fault": "blind", "device": "scanner", "count": 2},
+        {"fault": "freeze", "device": "scanner", "count": 1},
         {"fault": "minimum", "device": "scanner", "probability": 0.3},
         {"fault": "drop", "device": "front", "count": 3},
     ],
@@ -214,6 +220,80 @@ def test_a_slow_decision_stops_before_its_command_is_sent(emulator: Emulator) ->
             machine.send(Command("position", target))
         assert stopped.value.cause == "deadline"
         assert len(list(judge.goals(emulator.log_path))) == before
+
+
+@pytest.fixture
+def slow_sending(monkeypatch: pytest.MonkeyPatch) -> None:
+    tell = Servos.tell
+
+    def slowly(servos: Servos, goals: dict[int, tuple[int, int]]) -> bytes:
+        time.sleep(0.105)
+        return tell(servos, goals)
+
+    monkeypatch.setattr(Servos, "tell", slowly)
+
+
+@pytest.mark.usefixtures("slow_sending")
+def test_a_tick_whose_goals_go_out_late_is_late(emulator: Emulator) -> None:
+    with driver(emulator, patience=1.0) as machine:
+        target = switch_on(machine) + 0.02
+        machine.read()
+        machine.send(Command("position", target))
+        assert machine.raw()["late"] == 1
+        with pytest.raises(Stopped, match="a tick took") as stopped:
+            machine.wait()
+            tick(machine, target)
+        assert stopped.value.cause == "deadline"
+        assert machine.raw()["late"] == 2
+
+
+def test_recording_a_tick_belongs_to_it(emulator: Emulator) -> None:
+    with driver(emulator, patience=1.0) as machine:
+        target = switch_on(machine) + 0.02
+        machine.read()
+        machine.send(Command("position", target))
+        assert machine.raw()["late"] == 0
+        time.sleep(0.2)
+        with pytest.raises(Stopped, match="a tick took"):
+            machine.wait()
+        assert machine.raw()["late"] == 1
+
+
+def test_a_trip_is_final(emulator: Emulator) -> None:
+    """No goal is taken after it, and nobody writes the torque limit that an overloaded servo has set to nothing."""
+    with driver(emulator) as machine:
+        target = switch_on(machine) + 0.02
+        tick(machine, target, 2)
+        emulator.order(fault="overload", servo=2)
+        with pytest.raises(Stopped):
+            tick(machine, target, 5)
+        machine.off()
+        emulator.order(clear=True)
+        told = len(judge.instructions(emulator.log_path))
+        machine.read()
+        with pytest.raises(PipenavError, match="only listens now"):
+            machine.send(Command("position", target))
+        after = [heard.packet for heard in judge.instructions(emulator.log_path)[told:]]
+        assert after and all(packet.code == packets.READ for packet in after)
+
+
+@pytest.mark.parametrize("order", [{"fault": "unplug", "device": "scanner"}, {"fault": "dead", "servo": 3}])
+def test_an_arm_that_would_fall_is_held_until_someone_has_it(emulator: Emulator, order: dict[str, Any]) -> None:
+    with driver(emulator) as machine:
+        target = switch_on(machine) + 0.02
+        emulator.order(**order)
+        with pytest.raises(Stopped):
+            tick(machine, target, 10)
+        held = []
+
+        def released() -> bool:
+            held.extend(on for on, _ in judge.torque(emulator.log_path, (1, 2, 4)).values())
+            return len(held) >= 3 * 8 * PATIENCE  # beyond the supervisor's patience
+
+        hold_until(machine, released)
+        assert all(held)
+        machine.off()
+    assert not any(on for on, _ in judge.torque(emulator.log_path, (1, 2, 4)).values())
 
 
 def test_not_a_number_sends_nothing(emulator: Emulator) -> None:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from pipenav_hardware import packets, table
-from pipenav_hardware.dynamixel import Bus, BusLost, Mode
+from pipenav_hardware.dynamixel import Bus, BusLost, Mode, Port
 from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
 from pipenav_hardware.servos import Servos
@@ -96,6 +97,21 @@ def test_a_late_answer_never_answers_the_next_question(emulator: Emulator, bus: 
     assert missed, "on a machine that is not too busy to notice, most answers come too late"
 
 
+def test_an_answer_within_its_time_is_taken_and_not_asked_for_again(emulator: Emulator, bus: Bus) -> None:
+    emulator.order(fault="delay", servo=1, value=0.004)
+    bus.expect(0.0)
+    before = len(judge.instructions(emulator.log_path))
+    assert bus.read(1, *STATE).data is not None
+    assert len(judge.instructions(emulator.log_path)) == before + 1
+
+
+def test_a_port_that_was_never_opened_closes(tmp_path: Path) -> None:
+    port = Port(str(tmp_path / "none"), 1_000_000, 1.0)
+    with pytest.raises(PipenavError, match="there is no port"):
+        port.openPort()
+    port.closePort()
+
+
 def test_an_adapter_that_echoes_is_refused(emulator: Emulator, bus: Bus) -> None:
     assert not bus.echoes()
     emulator.order(fault="echo")
@@ -130,12 +146,15 @@ def test_a_wrong_speed_finds_nobody_and_the_right_one_everybody(bus: Bus, baud: 
     assert (bus.ping(1).data is not None) == (baud == 1_000_000)
 
 
-def test_the_driver_sends_nothing_that_it_should_not(bus: Bus) -> None:
-    reset = packets.Packet(1, packets.RESET, b"").encode()
+@pytest.mark.parametrize("code", [packets.REG_WRITE, packets.ACTION, packets.RESET, packets.BULK_READ, 0x82, 0x84])
+def test_the_driver_does_not_send_what_resets_a_servo_or_what_it_does_not_know(bus: Bus, code: int) -> None:
     for mode in Mode:
         bus.mode = mode
-        with pytest.raises(PipenavError, match="does not send instruction 0x06"):
-            bus._port.writePort(reset)
+        with pytest.raises(PipenavError, match=f"does not send instruction {code:#04x}"):
+            bus._port.writePort(packets.Packet(1, code, bytes(2)).encode())
+
+
+def test_the_driver_sends_nothing_that_it_should_not(bus: Bus) -> None:
     bus.mode = Mode.LISTEN
     with pytest.raises(PipenavError, match="only listens"):
         bus.send_goals({1: (500, 10)})

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from pipenav_hardware.arm_config import ScannerConfig, default_arm
 from pipenav_hardware.ranging import RangeScan
 from pipenav_hardware.table import Alarm, State
@@ -117,6 +121,20 @@ def test_one_silent_tick_is_forgiven_two_are_not() -> None:
     with pytest.raises(Stopped, match=r"servo 4 \(theta3\) did not answer for 2 ticks") as stopped:
         rules.answered([True, True, True, False])
     assert stopped.value.cause == "comms"
+
+
+@given(st.lists(st.sets(st.integers(1, 4)), max_size=12))
+def test_silence_stops_exactly_when_a_servo_was_silent_just_before(ticks: list[set[int]]) -> None:
+    """Whichever servos, and however many."""
+    rules = ServoRules(ARM)
+    for before, silent in pairwise([set(), *ticks]):
+        answers = [servo not in silent for servo in (1, 2, 3, 4)]
+        if before & silent:
+            with pytest.raises(Stopped, match="did not answer for 2 ticks") as stopped:
+                rules.answered(answers)
+            assert all(f"{servo} (" in str(stopped.value) for servo in before & silent)
+            return
+        rules.answered(answers)
 
 
 def scan(first: int, sequence: int) -> RangeScan:

@@ -212,6 +212,8 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         (("--policy", "arm", "--patience", "2"), "it is for --emulate alone"),
         (("--policy", "arm", "--faults", "thesis"), "give --emulate too"),
         (("--policy", "arm", "--emulate", "--faults", "none.json"), "cannot read faults none.json"),
+        (("--policy", "arm", "--emulate", "--faults", "explode.json"), "bus has no fault 'explode': choose drop, "),
+        (("--policy", "arm", "--emulate", "--faults", "odd.json"), "fault 1: unknown key 'servoo': did you mean"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
 )
@@ -220,9 +222,12 @@ def test_what_cannot_be_driven_is_refused_in_a_sentence(
     words: str,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
+    Path("explode.json").write_text('[{"fault": "explode"}]')
+    Path("odd.json").write_text('[{"fault": "drop", "servoo": 2}]')
     assert run("run-real", *args) == 1
     shown = capsys.readouterr().err
     assert words in shown and "Traceback" not in shown
+    assert not list(Path().glob("runs/*")), "a run that did not begin leaves no folder"
 
 
 def test_a_robot_without_a_shipped_policy_is_refused(tmp_path: Path) -> None:

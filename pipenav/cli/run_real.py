@@ -95,6 +95,7 @@ def run_real(
     plan = Plan(loaded, side, goal, retreat, folder, stop_file or folder / "STOP", most)
     console = Console()
     with contextlib.ExitStack() as opened:
+        opened.callback(_drop_if_empty, folder)
         extra = {"listen_only": dry_run, "allow_slow_bus": allow_slow_bus, "patience": patience}
         place: Place | None = None
         options: BackendOptions
@@ -117,6 +118,12 @@ def run_real(
         raise _exit_of(ending)
     if ending.outcome != PASSED and not (most and ending.outcome == "ended"):
         raise PipenavError(f"the run ended without success: {ending.outcome}; see {folder}.")
+
+
+def _drop_if_empty(folder: Path) -> None:
+    """A run that did not begin leaves no folder behind."""
+    with contextlib.suppress(OSError):
+        folder.rmdir()
 
 
 def _pipe(d: float | None, angle: float | None, turn: str, emulate: bool) -> Pipe | None:
@@ -182,7 +189,7 @@ def _announce(console: Console, machine: Machine, plan: Plan, dry_run: bool) -> 
     what = "would move" if dry_run else "is going to move"
     console.print(
         f"The arm {what}: {where} around a {plan.turn} turn, policy {plan.policy.path}, then back out. "
-        f"Keep clear of it; space, Ctrl-C, SIGUSR1 or the file {plan.stop_file} stop it, a power switch surely does.",
+        f"Keep clear of it. Space, Ctrl-C, SIGUSR1 or the file {plan.stop_file} stop it; the power switch always does.",
         highlight=False,
     )
     for warning in machine.warnings:
@@ -225,9 +232,10 @@ def _show_last(console: Console, ticks: list[dict[str, Any]]) -> None:
     console.print(f"the last {len(ticks)} ticks: tick, stage, positions, sent, ms taken", highlight=False)
     for tick in ticks:
         numbers = [" ".join(f"{value:+.3f}" for value in tick.get(key) or []) for key in ("q", "sent")]
-        taken = 1e3 * tick.get("raw", {}).get("seconds", {}).get("taken", 0.0)
+        taken = tick["raw"]["seconds"].get("taken")
+        shown = "" if taken is None else f"{1e3 * taken:.1f}"
         stage = tick.get("stage", tick.get("stopped", ""))
-        console.print(f"{tick['tick']:5d} {stage:8} {numbers[0]} | {numbers[1]} | {taken:.1f}", highlight=False)
+        console.print(f"{tick['tick']:5d} {stage:8} {numbers[0]} | {numbers[1]} | {shown}", highlight=False)
 
 
 def _exit_of(ending: Ending) -> Exception:

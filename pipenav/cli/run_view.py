@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import select
 import sys
 import termios
@@ -32,6 +33,7 @@ class RunView:
         self._live = Live(console=console, auto_refresh=False, transient=True) if console.is_terminal else None
         self._stage = ""
         self._terminal: list[Any] | None = None
+        self._held = False
 
     def __enter__(self) -> Self:
         if self._live is not None:
@@ -55,7 +57,7 @@ class RunView:
         Raises:
             Stopped: the space bar was pressed.
         """
-        if self._key() == " ":
+        if b" " in self._keys():
             raise Stopped("e-stop", "the space bar was pressed", "start again when the arm is free")
         if record["stage"] not in (self._stage, "hold"):
             self._stage = record["stage"]
@@ -64,14 +66,18 @@ class RunView:
             self._live.update(self._picture(record), refresh=True)
 
     def released(self) -> bool:
-        """Whether any key was pressed: whoever did so holds the arm now."""
-        return bool(self._key())
+        """Whether any key was pressed: whoever did so holds the arm now. Asks for it the first time."""
+        if not self._held:
+            self._held = True
+            self._console.print("Stopped, and torque is still on: hold the arm, then press any key.", style="yellow")
+        return bool(self._keys())
 
-    def _key(self) -> str:
+    def _keys(self) -> bytes:
+        """All keys pressed since the last time; past Python's buffer, in which the second of two keys would wait."""
         with contextlib.suppress(OSError, ValueError):
             if self._terminal is not None and select.select([sys.stdin], [], [], 0)[0]:
-                return sys.stdin.read(1)
-        return ""
+                return os.read(sys.stdin.fileno(), 1024)
+        return b""
 
     def _picture(self, record: dict[str, Any]) -> Group:
         joints = Table("joint", "position", "sent", "", box=None, pad_edge=False)

@@ -31,7 +31,7 @@ from pipenav_hardware.front_sensor import FrontSensor
 from pipenav_hardware.ranging import BeamFilter, RangeScan, RangeSensor, SensorLost, await_scan, late_for_scan
 from pipenav_hardware.scip2 import open_scanner
 from pipenav_hardware.servos import Servos, Told
-from pipenav_hardware.trips import STALL_ERROR, SensorRules, ServoRules
+from pipenav_hardware.trips import SensorRules, ServoRules
 from pipenav_hardware.watchdog import Watchdog
 
 Array = NDArray[np.float64]
@@ -97,7 +97,7 @@ class HardwareBackend(Machine):
             PipenavError: the arm is not at `q`, or a joint is outside its limits.
         """
         self._begin()
-        reading = self._first_reading()
+        reading = self._reading = self._first_reading()
         away = np.abs(reading.q[0] - q[0])
         if away.max() > START_TOLERANCE:
             joint = self._robot.joints[int(away.argmax())].name
@@ -117,16 +117,16 @@ class HardwareBackend(Machine):
             await_scan(self._scanner, self._listen, 1.5 * CONTROL_PERIOD)
             self._due = self._start = time.monotonic()
         self._beat()
-        begun = time.monotonic()
+        begun, self._seconds = time.monotonic(), {}
         told = self._servos.read()
-        self._seconds = {"bus": time.monotonic() - begun}
+        self._seconds["bus"] = time.monotonic() - begun
         self._listen(time.monotonic())
         reading = self._judge(told)
         self.complete = reading is not None
         if reading is not None:
             self._reading = reading
         if self._enabled:
-            self._servos.verify(self._suspect())
+            self._servos.verify(told.settings)
         self._seconds["read"] = time.monotonic() - begun
         if self._reading is None:
             raise PipenavError(f"no first reading: {self._codec.problem}; run pipenav hw-check.")
@@ -140,7 +140,7 @@ class HardwareBackend(Machine):
         """Send set-points, limited.
 
         Raises:
-            Stopped: the tick is late, or the values are none.
+            Stopped: the tick is so late that they must not be sent, or they are none.
         """
         begun = time.monotonic()
         self._deadlines.check(begun - self._due)
@@ -149,15 +149,22 @@ class HardwareBackend(Machine):
             self._servos.tell(encoded.goals)
         self._beat()
         self._seconds["send"] = time.monotonic() - begun
-        self._seconds["taken"] = time.monotonic() - self._due
+        self._taken()
         return _sent(self.arm, encoded)
 
     def hold(self) -> None:
-        self._deadlines.check(time.monotonic() - self._due)
         self._beat()
-        self._seconds["taken"] = time.monotonic() - self._due
+        self._taken()
 
     def wait(self) -> None:
+        """Until the next tick is due.
+
+        Raises:
+            Stopped: this one, with what was recorded and shown of it, was late for the second time in a row, or much
+                too late.
+        """
+        self._deadlines.check(time.monotonic() - self._due)
+        self._deadlines.begin()
         self._due += CONTROL_PERIOD - late_for_scan(self._due, self._scanner.latest())
         if time.monotonic() - self._due > CONTROL_PERIOD / 2:
             self._due = time.monotonic()  # a late tick moves the schedule; it does not shorten the ticks after it
@@ -238,7 +245,9 @@ class HardwareBackend(Machine):
         from pipenav.task import episode
         from pipenav.task.config import TaskConfig
         from pipenav_hardware.emulator.client import Emulator
+        from pipenav_hardware.emulator.faults import require_faults
 
+        require_faults(faults)
         start = episode.sample(robot, TaskConfig(), [pipe], np.random.default_rng(seed))
         base = float(start.base[0])
         settings: dict[str, Any] = {"seed": seed, "faults": [dict(fault) for fault in faults]}
@@ -314,15 +323,10 @@ class HardwareBackend(Machine):
             self._sensor_rules.aged("front sensor", now - self._front.stamp)
         return reading
 
-    def _suspect(self) -> int | None:
-        """A servo that is far from its goal and does nothing about it: it may have lost power."""
-        goals = self._codec.last
-        for i, state in enumerate(self._codec.states):
-            if state is None or goals is None or state.load:
-                continue
-            if abs(goals[i] - state.position) * table.COUNT > STALL_ERROR:
-                return i
-        return None
+    def _taken(self) -> None:
+        """What the servos shall be told in this tick, they have been told."""
+        self._seconds["taken"] = time.monotonic() - self._due
+        self._deadlines.note(self._seconds["taken"])
 
     def _beat(self) -> None:
         if self._watchdog is not None:

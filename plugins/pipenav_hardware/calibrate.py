@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import time
 from collections.abc import Mapping
 
@@ -96,7 +97,7 @@ class Calibration(Calibrator):
         index = self.joints.index(joint)
         changes: dict[str, float | int] = {"sign": 1 if positive else -1}
         if moved_mm is not None:
-            changes["pinion_radius_mm"] = abs(moved_mm / self._turned)
+            changes["pinion_radius_mm"] = round(abs(moved_mm / self._turned), 2)
         self._change(index, **changes)
 
     def text(self) -> str:
@@ -160,14 +161,15 @@ class Calibration(Calibrator):
         servo, joint = self._arm.servos[index], self._robot.joints[index]
         values = servo.model_dump() | changes
         unit = mm_to_m(values["pinion_radius_mm"]) if servo.drive == "pinion" else 1.0
-        lower, upper = reachable(joint.lower, joint.upper, values["sign"], values["zero_count"], unit)
+        convert, name = (m_to_mm, "mm") if servo.drive == "pinion" else (rad_to_deg, "deg")
+        ends = reachable(joint.lower, joint.upper, values["sign"], values["zero_count"], unit)
+        lower, upper = math.ceil(100 * convert(ends[0])) / 100, math.floor(100 * convert(ends[1])) / 100
         if not lower < 0 < upper:
             raise PipenavError(
                 f"servo {servo.id} ({servo.joint}) is at {values['zero_count']:.0f} counts, at the end of its turn: "
                 "mount its horn so that the straight arm lies within its 300 deg."
             )
-        convert, name = (m_to_mm, "mm") if servo.drive == "pinion" else (rad_to_deg, "deg")
-        values |= {f"lower_{name}": convert(lower), f"upper_{name}": convert(upper)}
+        values |= {f"lower_{name}": lower, f"upper_{name}": upper}
         servos = [one.model_dump() for one in self._arm.servos]
         servos[index] = values
         self._arm = ArmConfig.model_validate(self._arm.model_dump() | {"servos": servos})

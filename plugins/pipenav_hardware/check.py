@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 from pipenav.errors import PipenavError
 from pipenav.machine import Finding
+from pipenav.units import m_to_mm, rad_to_deg
 from pipenav_hardware import table
 from pipenav_hardware.arm_config import ArmConfig, Servo
 from pipenav_hardware.dynamixel import Bus
@@ -67,10 +68,12 @@ def _one_servo(servo: Servo, bus: Bus) -> Iterator[Finding]:
         return
     told = table.decode_state(state.data)
     volts, data = told.decivolts / 10, eeprom.data
+    position = servo.to_position(told.position)
+    place = f"{m_to_mm(position):.1f} mm" if servo.drive == "pinion" else f"{rad_to_deg(position):.1f} deg"
     yield Finding(
         "ok",
         f"{name}: model {table.word(data, 0)}, firmware {data[2]}, {volts:.1f} V, {told.temperature} deg C, "
-        f"position {told.position} ({servo.to_position(told.position):+.3f}), "
+        f"position {told.position} ({place}), "
         f"limits {table.word(data, table.CW_LIMIT.address)}-{table.word(data, table.CCW_LIMIT.address)}",
     )
     yield from _flaws(servo, name, data, told, state.alarms)

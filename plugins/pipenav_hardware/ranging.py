@@ -217,5 +217,11 @@ class BeamFilter:
         seen = distances[valid]
         real = seen[seen > self._range_min + 0.001]
         if len(real) * 4 >= len(seen) and len(real):
-            return float(np.median(real))
-        return float(np.median(seen)) if len(seen) else self._laser.range_max  # no echo: nothing within reach
+            return _median(real)
+        return _median(seen) if len(seen) else self._laser.range_max  # no echo: nothing within reach
+
+
+def _median(values: Array) -> float:
+    """Of a dozen values, without the detours by which NumPy's needs ten times as long."""
+    values = np.sort(values)
+    return float((values[(len(values) - 1) // 2] + values[len(values) // 2]) / 2)

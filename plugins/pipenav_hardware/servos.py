@@ -24,9 +24,10 @@ LATENCY_REMEDY = (
 
 
 class Told(NamedTuple):
-    """One tick's answers: 8 bytes of each servo or None, and their alarms."""
+    """One tick's answers: state and settings of each servo as bytes or None, and their alarms."""
 
     states: tuple[bytes | None, ...]
+    settings: tuple[bytes | None, ...]
     alarms: tuple[Alarm, ...]
 
 
@@ -50,12 +51,20 @@ class Servos:
             self._meet(index, servo)
         self.latency = self._measure(allow_slow)
         self._written: dict[int, tuple[int, int, int]] = {}
-        self._turn = 0
 
     def read(self) -> Told:
-        """State of every servo: four single READs, for the AX-12A knows neither sync read nor bulk read."""
-        answers = [self._bus.read(servo, table.STATE_ADDRESS, table.STATE_SIZE) for servo in self._arm.ids]
-        return Told(tuple(answer.data for answer in answers), tuple(answer.alarms for answer in answers))
+        """Settings and state of every servo: single READs, for the AX-12A knows neither sync read nor bulk read.
+
+        Both lie side by side, and 12 bytes more take a tenth of the time that a question of their own would.
+        """
+        size = table.SETTINGS_SIZE
+        answers = [self._bus.read(servo, table.SETTINGS_ADDRESS, size + table.STATE_SIZE) for servo in self._arm.ids]
+        known = [answer.data for answer in answers]
+        return Told(
+            states=tuple(data and data[size:] for data in known),
+            settings=tuple(data and data[:size] for data in known),
+            alarms=tuple(answer.alarms for answer in answers),
+        )
 
     def enable(self, speeds: list[int], alive: Callable[[], None]) -> list[int]:
         """Switch torque on without a jump, one servo after the other: goal := where it is, read back, then torque.
@@ -92,30 +101,28 @@ class Servos:
         """Send every servo its goal; the packet."""
         return self._bus.send_goals(goals)
 
-    def verify(self, suspect: int | None = None) -> None:
-        """Whether a servo still has the settings that it was given: a servo that lost power comes back without, and
-        answers as if nothing had happened. One servo every other call, in turn, unless one is suspected: four servos
-        are through in 0.8 s.
+    def verify(self, settings: tuple[bytes | None, ...]) -> None:
+        """Whether every servo still has the settings that it was given: one that lost power comes back without, and
+        answers as if nothing had happened.
+
+        Args:
+            settings: as they were read; None where a servo did not answer.
 
         Raises:
-            Stopped: it has not.
+            Stopped: one has not.
         """
-        self._turn += 1
-        if not self._written or (suspect is None and self._turn % 2):
-            return
-        index = self._turn // 2 % len(self._arm.servos) if suspect is None else suspect
-        servo = self._arm.servos[index]
-        data = self._bus.read(servo.id, table.SETTINGS_ADDRESS, table.SETTINGS_SIZE).data
-        if data is None:
-            return  # the next tick's read will say so
         offset = table.SETTINGS_ADDRESS
-        speed, limit = (table.word(data, r.address - offset) for r in (table.MOVING_SPEED, table.TORQUE_LIMIT))
-        if (data[0], speed, limit) != self._written[servo.id]:
-            raise Stopped(
-                "power-dip",
-                f"servo {servo.id} ({servo.joint}) lost its settings (torque {data[0]}, speed {speed}, limit {limit})",
-                "it lost power or shut itself down: check supply and cables, then start again",
-            )
+        for servo, data in zip(self._arm.servos, settings, strict=True):
+            if data is None:
+                continue
+            speed, limit = (table.word(data, r.address - offset) for r in (table.MOVING_SPEED, table.TORQUE_LIMIT))
+            if (data[0], speed, limit) != self._written[servo.id]:
+                raise Stopped(
+                    "power-dip",
+                    f"servo {servo.id} ({servo.joint}) lost its settings (torque {data[0]}, speed {speed}, "
+                    f"limit {limit})",
+                    "it lost power or shut itself down: check supply and cables, then start again",
+                )
 
     def _meet(self, index: int, servo: Servo) -> None:
         """Compare one servo with the arm's description."""

@@ -103,7 +103,7 @@ GOAL_ADDRESS, GOAL_SIZE = GOAL_POSITION.address, MOVING_SPEED.end - GOAL_POSITIO
 """Goal and speed lie side by side too: one SYNC_WRITE sets both in every servo."""
 
 SETTINGS_ADDRESS, SETTINGS_SIZE = TORQUE_ENABLE.address, TORQUE_LIMIT.end - TORQUE_ENABLE.address
-"""What a power dip resets: torque enable to torque limit."""
+"""What a power dip resets, torque enable to torque limit; the state begins where it ends."""
 
 BAUD_VALUES = {1_000_000: 1, 500_000: 3, 115_200: 16, 57_600: 34, 19_200: 103, 9_600: 207}
 """Baud rates that both the servo and the SDK can do, with the value of register 4: 2,000,000 / (value + 1)."""

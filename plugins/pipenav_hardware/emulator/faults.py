@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from pipenav.errors import PipenavError
+from pipenav.errors import ConfigError, PipenavError
 
 BUS_FAULTS = {
     "drop": "an answer is not sent",
@@ -67,6 +68,20 @@ class Fault(BaseModel):
     count: int | None = Field(None, ge=1, description="how many times it happens at most")
     probability: float = Field(1.0, ge=0, le=1, description="of each answer, scan or reading concerned")
     value: float = 0.0
+
+
+def require_faults(script: Sequence[Mapping[str, Any]]) -> None:
+    """Check a script before anything is started.
+
+    Raises:
+        ConfigError: an entry has a wrong key or value.
+        PipenavError: there is no such fault.
+    """
+    for number, entry in enumerate(script, start=1):
+        try:
+            FaultScript([Fault.model_validate(entry)], 0)
+        except ValidationError as error:
+            raise ConfigError.from_validation(f"fault {number}", error, Fault.model_fields) from error
 
 
 @dataclass

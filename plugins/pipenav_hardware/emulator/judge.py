@@ -58,7 +58,7 @@ def instructions(log: Path) -> list[Heard]:
 def goals(log: Path) -> Iterator[Goal]:
     """Every goal, with what the host could know when it sent it."""
     asked, answers = Stream(), Stream()
-    reading = 0
+    reading = table.TABLE_END
     present: dict[int, int] = {}
     last: dict[int, int] = {}
     for record in records(log):
@@ -67,9 +67,9 @@ def goals(log: Path) -> Iterator[Goal]:
         data = bytes.fromhex(record["hex"])
         if record["dir"] == "out":
             for answer in answers.feed(data):
-                position = reading == table.PRESENT_POSITION.address and len(answer.parameters) in (2, table.STATE_SIZE)
-                if answer.valid and position:
-                    present[answer.id] = table.word(answer.parameters, 0)
+                place = table.PRESENT_POSITION.address - reading
+                if answer.valid and 0 <= place <= len(answer.parameters) - table.PRESENT_POSITION.size:
+                    present[answer.id] = table.word(answer.parameters, place)
             continue
         for packet in asked.feed(data):
             if packet.code == packets.READ:

@@ -1,0 +1,99 @@
+"""The supervisor process switches torque off when the driver dies or hangs while it is on, and else says nothing."""
+
+from __future__ import annotations
+
+import os
+import select
+import time
+from collections.abc import Iterator
+
+import pytest
+from pipenav_hardware.packets import TORQUE_OFF_ALL
+from pipenav_hardware.watchdog import SILENCE, Watchdog
+
+from pipenav.safety import Stopped
+
+pytestmark = pytest.mark.flaky(reruns=2)  # real time: a busy machine may let the driver look dead
+
+LONG = 2 * SILENCE
+
+
+class Bus:
+    """A servo bus that only listens."""
+
+    def __init__(self) -> None:
+        self.heard, self.port = os.pipe()
+
+    def silent(self, seconds: float) -> bool:
+        """Whether nothing is sent for so long."""
+        return not select.select([self.heard], [], [], seconds)[0]
+
+    def packets(self) -> bytes:
+        """What is sent until it is quiet again."""
+        sent = b""
+        while not self.silent(0.5 if sent else 5.0):
+            sent += os.read(self.heard, 4096)
+        return sent
+
+
+@pytest.fixture
+def bus() -> Iterator[Bus]:
+    made = Bus()
+    yield made
+    os.close(made.heard)
+    os.close(made.port)
+
+
+@pytest.fixture
+def watchdog(bus: Bus) -> Iterator[Watchdog]:
+    made = Watchdog(bus.port)
+    yield made
+    made.close()
+    made.close()
+
+
+def only_torque_off(sent: bytes) -> bool:
+    return sent == TORQUE_OFF_ALL * (len(sent) // len(TORQUE_OFF_ALL)) and len(sent) >= 3 * len(TORQUE_OFF_ALL)
+
+
+def test_a_driver_that_lives_is_left_alone(bus: Bus, watchdog: Watchdog) -> None:
+    watchdog.armed()
+    until = time.monotonic() + LONG
+    while time.monotonic() < until:
+        watchdog.beat()
+        assert bus.silent(SILENCE / 4)
+    watchdog.disarmed()
+    assert bus.silent(LONG), "torque is off: silence means nothing"
+
+
+def test_without_torque_neither_silence_nor_the_end_of_the_driver_matters(bus: Bus, watchdog: Watchdog) -> None:
+    watchdog.beat()
+    assert bus.silent(LONG)
+    watchdog.close()
+    assert bus.silent(SILENCE)
+
+
+def test_a_driver_that_hangs_loses_torque_once(bus: Bus, watchdog: Watchdog) -> None:
+    watchdog.armed()
+    assert only_torque_off(bus.packets())
+    watchdog.beat()
+    assert bus.silent(LONG), "until torque is on again there is nothing to switch off"
+    watchdog.armed()
+    assert only_torque_off(bus.packets())
+
+
+def test_a_driver_that_dies_loses_torque(bus: Bus, watchdog: Watchdog) -> None:
+    watchdog.armed()
+    os.close(watchdog._pipe)  # as the kernel does when it ends
+    watchdog._pipe = -1
+    assert only_torque_off(bus.packets())
+
+
+def test_no_torque_without_a_supervisor(watchdog: Watchdog) -> None:
+    watchdog._process.kill()
+    watchdog._process.wait()
+    for tell in (watchdog.armed, watchdog.beat):
+        with pytest.raises(Stopped, match="the supervisor process") as stopped:
+            tell()
+        assert stopped.value.cause == "supervisor"
+    watchdog.disarmed()
