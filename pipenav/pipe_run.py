@@ -32,7 +32,7 @@ from pipenav.pipe import (
     check_turn,
     default_leg,
 )
-from pipenav.run_legs import Legs, about_x, frozen, make_legs
+from pipenav.pipe_run_legs import Legs, about_x, frozen, make_legs
 from pipenav.units import deg_to_rad, m_to_mm, mm_to_m, rad_to_deg
 
 MAX_CORNERS = 50

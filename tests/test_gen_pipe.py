@@ -12,8 +12,8 @@ from pipenav.cli.gen_pipe import gen_pipe
 from pipenav.errors import PipenavError
 from pipenav.pipe import Pipe
 from pipenav.pipe_export import FILES, read_pipe
-from pipenav.run_export import read_run_folder, run_files
-from pipenav.run_set import parse_runs, read_run
+from pipenav.pipe_run_export import read_run_folder, run_files
+from pipenav.pipe_run_set import parse_runs, read_run
 
 app = typer.Typer()
 app.command("gen-pipe")(gen_pipe)
@@ -24,7 +24,7 @@ WIDE = {"COLUMNS": "200", "TERM": "dumb", "NO_COLOR": "1"}
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without the slow part, the drawing."""
     monkeypatch.setattr("pipenav.pipe_drawing.draw_pipe", lambda _, path: path.write_bytes(b"png"))
-    monkeypatch.setattr("pipenav.run_drawing.draw_run", lambda _, name, path: path.write_bytes(name.encode()))
+    monkeypatch.setattr("pipenav.pipe_run_drawing.draw_run", lambda _, name, path: path.write_bytes(name.encode()))
 
 
 def run(*arguments: object) -> Result:

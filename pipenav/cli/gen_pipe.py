@@ -86,8 +86,8 @@ def _refuse_options_of_one_corner(context: typer.Context) -> None:
 
 
 def _make_run(text: str, out: Path) -> None:
-    from pipenav.run_export import run_files, write_run_folder
-    from pipenav.run_set import parse_run
+    from pipenav.pipe_run_export import run_files, write_run_folder
+    from pipenav.pipe_run_set import parse_run
 
     name, run = parse_run(text)
     _report(write_run_folder(run, name, out), run_files(run), _key_dimensions_of_run(run))

@@ -13,7 +13,7 @@ from pipenav.errors import ConfigError
 from pipenav.pipe import Array
 from pipenav.pipe_export import write_stl
 from pipenav.pipe_run import PipeRun
-from pipenav.run_shapes import PRISM_FACES, run_boards_mesh, run_tube_mesh, wall_prisms
+from pipenav.pipe_run_shapes import PRISM_FACES, run_boards_mesh, run_tube_mesh, wall_prisms
 from pipenav.scenes import COLOUR, Shape, add, mjcf, sdf, text, urdf, write_xml
 from pipenav.units import m_to_mm, rad_to_deg
 from pipenav.whole_folder import read_record, refuse_contradictions, write_record, write_whole_folder
@@ -57,7 +57,7 @@ def write_run_folder(run: PipeRun, name: str, out_root: Path) -> Path:
 
 
 def _write_files(run: PipeRun, name: str, folder: Path) -> None:
-    from pipenav.run_drawing import draw_run
+    from pipenav.pipe_run_drawing import draw_run
 
     prisms = wall_prisms(run)
     walls = [Shape("all", "mesh", "walls.obj")]

@@ -30,7 +30,7 @@ from pipenav.drafting import (
 from pipenav.pipe import Array
 from pipenav.pipe_drawing import draw_walls
 from pipenav.pipe_run import Corner, PipeRun
-from pipenav.run_view import View, draw_tube
+from pipenav.pipe_run_view import View, draw_tube
 from pipenav.units import m_to_mm, rad_to_deg
 
 if TYPE_CHECKING:

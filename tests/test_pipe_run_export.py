@@ -15,9 +15,9 @@ import trimesh
 from pipenav.errors import ConfigError, OutOfRange, PipenavError
 from pipenav.pipe import Array
 from pipenav.pipe_run import PipeRun
-from pipenav.run_export import FILES, read_run_folder, run_files, run_record, write_run_folder
-from pipenav.run_set import parse_runs
-from pipenav.run_shapes import FACETS, PRISM_FACES
+from pipenav.pipe_run_export import FILES, read_run_folder, run_files, run_record, write_run_folder
+from pipenav.pipe_run_set import parse_runs
+from pipenav.pipe_run_shapes import FACETS, PRISM_FACES
 
 CASES = {
     "level": parse_runs(["runs-level:5"])[0],
@@ -141,7 +141,7 @@ def test_drawing_is_a_png_of_readable_size(made: tuple[PipeRun, Path]) -> None:
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Writing without the slow part, the drawing."""
-    monkeypatch.setattr("pipenav.run_drawing.draw_run", lambda _, name, path: path.write_bytes(name.encode()))
+    monkeypatch.setattr("pipenav.pipe_run_drawing.draw_run", lambda _, name, path: path.write_bytes(name.encode()))
 
 
 @pytest.mark.usefixtures("quick")

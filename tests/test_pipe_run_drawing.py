@@ -10,9 +10,9 @@ import pytest
 from matplotlib.figure import Figure
 
 from pipenav.pipe_run import PipeRun
-from pipenav.run_drawing import LABELLED, run_figure
-from pipenav.run_set import parse_runs
-from pipenav.run_view import AZIMUTHS, View
+from pipenav.pipe_run_drawing import LABELLED, run_figure
+from pipenav.pipe_run_set import parse_runs
+from pipenav.pipe_run_view import AZIMUTHS, View
 
 ROLLED = PipeRun.of(100, [(90, "left", 0), (75, "right", 90), (110, "left", 180)], [810, 520, 430, 640])
 
