@@ -246,7 +246,7 @@ class PipeRun(BaseModel):
 
         See `Legs.place`; in a mitre it is the leg before.
         """
-        return self.legs.place(_in_space(points)).leg
+        return self.legs.place(_in_space(points), self.radius).leg
 
     def along(self, points: Array) -> Array:
         """Distance along the centre line, 0 at the first corner, of points (..., 3), or (..., 2) of the plane: (...).
@@ -255,7 +255,7 @@ class PipeRun(BaseModel):
         ends. So the distance jumps where a point passes a mitre by its inner edge, and rests where it passes farther
         out.
         """
-        leg, local, _ = self.legs.place(_in_space(points))
+        leg, local, _ = self.legs.place(_in_space(points), self.radius)
         low = np.append(-np.inf, np.zeros(len(self.corners)))
         high = np.append(self.straights[:-1], np.inf)
         return np.asarray(self.places[leg] + np.clip(local[..., 0], low[leg], high[leg]))
@@ -268,7 +268,7 @@ class PipeRun(BaseModel):
 
     def contains(self, points: Array) -> NDArray[np.bool_]:
         """Whether points (..., 3), or (..., 2) of the x-y plane, are in the round bore, not past an open end: (...)."""
-        _, local, beyond = self.legs.place(_in_space(points))
+        _, local, beyond = self.legs.place(_in_space(points), self.radius)
         return np.asarray((beyond == 0) & (np.hypot(local[..., 1], local[..., 2]) <= self.radius))
 
 

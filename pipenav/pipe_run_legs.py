@@ -76,11 +76,16 @@ class Legs(NamedTuple):
         end = self.start[-1] + self.length[-1] * along[-1]
         return np.concatenate([self.start[0] + sideways[:, :1], mitred, end + sideways[:, -1:]], axis=1)
 
-    def place(self, points: Array) -> Place:
+    def place(self, points: Array, radius: float) -> Place:
         """The leg of points (..., 3) [m].
 
-        That is the leg between whose mitres a point lies, and the nearest of them where there are several; the first
-        and the last leg have one mitre, and go on past their open ends. A point in a mitre counts to the leg before.
+        That is the leg in whose bore a point lies, and of a point in none the nearest of those between whose mitres it
+        lies; the first and the last leg have one mitre, and go on past their open ends. A point in a mitre counts to
+        the leg before.
+
+        Args:
+            points: where to look.
+            radius: of the bore [m].
         """
         local = np.einsum("...li,lij->...lj", points[..., None, :] - self.start, self.axes)  # (..., legs, 3)
         past = ((points[..., None, :] - self.start[1:]) * self.mitre).sum(axis=-1) > 0  # (..., corners)
@@ -89,7 +94,9 @@ class Legs(NamedTuple):
         beyond = np.zeros_like(local[..., 0])
         beyond[..., 0] = np.maximum(-local[..., 0, 0], 0.0)
         beyond[..., -1] = np.maximum(local[..., -1, 0] - self.length[-1], 0.0)
-        distance = np.sqrt(local[..., 1] ** 2 + local[..., 2] ** 2 + beyond**2)
+        off_axis = np.hypot(local[..., 1], local[..., 2])
+        in_bore = (off_axis <= radius) & (beyond == 0)
+        distance = np.where(in_bore, 0.0, np.hypot(off_axis, beyond))
         leg = np.where(between, distance, np.inf).argmin(axis=-1)
         chosen = leg[..., None]
         local = np.take_along_axis(local, chosen[..., None], axis=-2)[..., 0, :]
