@@ -189,6 +189,12 @@ def test_points_of_a_leg_are_inside_and_belong_to_it(run: PipeRun, seed: int) ->
     np.testing.assert_allclose((rotation[leg] @ local[..., None])[..., 0] + origin[leg], points, atol=1e-9)
 
 
+def test_points_in_a_bore_belong_to_it_even_where_another_legs_open_end_points_at_them() -> None:
+    run = PipeRun.of(108, [(110, "left", 0), (110, "left", 0), (30, "left", 0)], [137, 92, 317, 224])
+    points = np.array([[-0.0874, 0.0539], [-0.06, 0.05]])
+    assert run.leg_of(points).tolist() == [0, 0] and run.contains(points).all()
+
+
 @given(runs(), st.integers(0, 9))
 def test_points_of_the_wall_are_outside(run: PipeRun, seed: int) -> None:
     rng = np.random.default_rng(seed)
