@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipenav.backend import CONTROL_PERIOD
+from pipenav.drafting import INK
 from pipenav.errors import PipenavError
 from pipenav.files import atomic_write
 from pipenav.outline import link_outlines
-from pipenav.pipe_drawing import INK
 from pipenav.top_view import draw_force_key, draw_scene, legend_handles, scene_of
 from pipenav.trajectory import Trajectory
 from pipenav.units import m_to_mm

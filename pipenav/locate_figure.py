@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from pipenav import kinematics
+from pipenav.drafting import INK
 from pipenav.film import box_of
-from pipenav.pipe_drawing import INK
 from pipenav.rollout import Located
 from pipenav.top_view import Scene, draw_scene, legend_handles
 from pipenav.units import m_to_mm

@@ -90,22 +90,19 @@ class Pipe(BaseModel):
             OutOfRange: a number outside its allowed range; for the leg that range begins past the bend.
             PipenavError: an unknown turn.
         """
-        if turn not in ("left", "right"):
-            raise PipenavError(f"turn {turn!r} is unknown: choose 'left' or 'right'.")
+        side = check_turn(turn)
         wall = DEFAULT_WALL if wall_mm is None else mm_to_m(wall_mm)
         diameter, angle, bend = mm_to_m(diameter_mm), deg_to_rad(angle_deg), mm_to_m(bend_radius_mm)
         _check_corner(diameter, angle, bend, wall)  # before the leg, whose default follows from these
         shortest = _shortest_leg(diameter, angle, bend, wall)
-        default = max(MIN_DEFAULT_LEG, math.ceil((shortest + diameter) * 100) / 100)  # whole centimetres
-        leg = default if leg_mm is None else mm_to_m(leg_mm)
-        side = cast(Turn, turn)
+        leg = default_leg(shortest, diameter) if leg_mm is None else mm_to_m(leg_mm)
         return cls(diameter=diameter, angle=angle, turn=side, bend_radius=bend, leg=leg, wall=wall)
 
     @model_validator(mode="after")
     def _within_ranges(self) -> Self:
         _check_corner(self.diameter, self.angle, self.bend_radius, self.wall)
         shortest = m_to_mm(_shortest_leg(self.diameter, self.angle, self.bend_radius, self.wall))
-        _check_range("leg length", m_to_mm(self.leg), math.ceil(shortest - 1e-9), LEG_MAX_MM, "mm")
+        check_range("leg length", m_to_mm(self.leg), math.ceil(shortest - 1e-9), LEG_MAX_MM, "mm")
         return self
 
     def __hash__(self) -> int:
@@ -196,6 +193,12 @@ class Pipe(BaseModel):
         """Wall segments `[[x1, y1], [x2, y2]]`, free space on the left of each: (s, 2, 2) [m], read-only."""
         return _segments(self)
 
+    @property
+    def edges(self) -> NDArray[np.bool_]:
+        """Which ends of the segments lie at an inner edge, (s, 2); an open end counts as its segment's other end."""
+        inner = np.arange(len(self.segments)) >= len(self.walls.outer) - 1
+        return np.stack([inner, inner], axis=1)
+
     def contains(self, points: Array) -> NDArray[np.bool_]:
         """Whether points (..., 2) lie inside the pipe (not in or beyond a wall, nor beyond an open end): (...)."""
         outline = np.concatenate([self.walls.outer, self.walls.inner[::-1]])
@@ -262,13 +265,39 @@ def _shortest_leg(diameter: float, angle: float, bend_radius: float, wall: float
     return max(reach, 0.0) + 0.1 * diameter
 
 
+def check_turn(turn: str) -> Turn:
+    """The turn of that name.
+
+    Raises:
+        PipenavError: there is none.
+    """
+    if turn not in ("left", "right"):
+        raise PipenavError(f"turn {turn!r} is unknown: choose 'left' or 'right'.")
+    return cast(Turn, turn)
+
+
+def default_leg(shortest: float, diameter: float) -> float:
+    """A leg's length where none is given, in whole centimetres [m].
+
+    Args:
+        shortest: the shortest that is allowed [m].
+        diameter: inner diameter [m].
+    """
+    return max(MIN_DEFAULT_LEG, math.ceil((shortest + diameter) * 100) / 100)
+
+
 def _check_corner(diameter: float, angle: float, bend_radius: float, wall: float) -> None:
-    _check_range("diameter", m_to_mm(diameter), *DIAMETER_RANGE_MM, "mm")
-    _check_range("interior angle", rad_to_deg(angle), *ANGLE_RANGE_DEG, "deg")
-    _check_range("bend radius", m_to_mm(bend_radius), 0.0, BEND_RADIUS_MAX_MM, "mm")
-    _check_range("wall thickness", m_to_mm(wall), *WALL_RANGE_MM, "mm")
+    check_range("diameter", m_to_mm(diameter), *DIAMETER_RANGE_MM, "mm")
+    check_range("interior angle", rad_to_deg(angle), *ANGLE_RANGE_DEG, "deg")
+    check_range("bend radius", m_to_mm(bend_radius), 0.0, BEND_RADIUS_MAX_MM, "mm")
+    check_range("wall thickness", m_to_mm(wall), *WALL_RANGE_MM, "mm")
 
 
-def _check_range(what: str, given: float, low: float, high: float, unit: str) -> None:
+def check_range(what: str, given: float, low: float, high: float, unit: str) -> None:
+    """Refuse a number outside its range, NaN too.
+
+    Raises:
+        OutOfRange: with what was given and what is allowed.
+    """
     if not low - 1e-9 <= given <= high + 1e-9:  # also false for NaN
         raise OutOfRange(what, given, low, high, unit)

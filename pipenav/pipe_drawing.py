@@ -8,37 +8,38 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pipenav.drafting import (
+    CENTRE,
+    DIMENSION,
+    EDGE,
+    FREE,
+    INK,
+    ROBOT,
+    TALLEST_IN,
+    WALL,
+    WIDTH_IN,
+    Drafting,
+    frame_axes,
+    number,
+    save_figure,
+    write_title,
+)
 from pipenav.pipe import Array, Pipe
+from pipenav.pipe_run import PipeRun
 from pipenav.units import m_to_mm, rad_to_deg
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WALL = "#4a5560"
-FREE = "#eaf0f6"
-CENTRE = "#8796a5"
-DIMENSION = "#1b4f8a"
-EDGE = "#c62828"
-ROBOT = "#2e7d32"
-INK = "#20262c"
-
-WIDTH_IN = 8.6
-TALLEST_IN = 10.0
-DPI = 160
-
 
 def draw_pipe(pipe: Pipe, path: Path) -> None:
     """Draw the pipe into a PNG file."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    figure = pipe_figure(pipe)
-    FigureCanvasAgg(figure)
-    figure.savefig(path, dpi=DPI, bbox_inches="tight", pad_inches=0.2)
+    save_figure(pipe_figure(pipe), path)
 
 
 def pipe_figure(pipe: Pipe) -> Figure:
@@ -52,54 +53,46 @@ def pipe_figure(pipe: Pipe) -> Figure:
     sketch.dimensions()
     sketch.robot()
     low, high = sketch.frame()
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel="x [mm]", ylabel="y [mm]")
-    axes.grid(color="#e3e7eb", linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.tick_params(color="#b4bec8", labelcolor=INK, labelsize=8)
-    for spine in axes.spines.values():
-        spine.set_color("#b4bec8")
-    tall = (high[1] - low[1]) / (high[0] - low[0]) * WIDTH_IN
+    tall = frame_axes(axes, low, high)
     shrink = min(1.0, TALLEST_IN / tall)
     figure.set_size_inches(max(WIDTH_IN * shrink, 6.5) + 0.6, tall * shrink + 1.4)
-    axes.set_title(_title(pipe), loc="left", fontsize=14, fontweight="bold", color=INK, pad=26)
-    axes.annotate(
-        _facts(pipe), (0, 1), (0, 9), xycoords="axes fraction", textcoords="offset points", fontsize=9.5, color=INK
-    )
+    write_title(axes, _title(pipe), _facts(pipe))
     figure.legend(loc="outside lower center", ncols=4, fontsize=9, frameon=False, labelcolor=INK)
     return figure
 
 
-def draw_walls(axes: Axes, pipe: Pipe) -> None:
-    """Fill the free space and the walls of a pipe, in millimetres of the pipe's frame."""
-    inner, outer = m_to_mm(1.0) * pipe.walls.inner, m_to_mm(1.0) * pipe.walls.outer
-    axes.fill(*np.concatenate([outer, inner[::-1]]).T, color=FREE, zorder=1)
-    for near, offset in ((inner, pipe.radius + pipe.wall), (outer, -pipe.radius - pipe.wall)):
-        far = m_to_mm(1.0) * pipe.line(offset)
+def draw_walls(axes: Axes, pipe: Pipe | PipeRun) -> None:
+    """Fill the free space and the walls of a pipe or a planar run, in millimetres of its frame."""
+    sides = [(m_to_mm(1.0) * near, m_to_mm(1.0) * far) for near, far in _sides(pipe)]
+    axes.fill(*np.concatenate([sides[0][0], sides[1][0][::-1]]).T, color=FREE, zorder=1)
+    for (near, far), label in zip(sides, ("wall", None), strict=True):
         outline = np.concatenate([near, far[::-1]])
-        label = "wall" if near is inner else None
         axes.fill(*outline.T, facecolor=WALL, edgecolor=WALL, linewidth=0.8, zorder=3, label=label)
 
 
-class _Sketch:
-    """The parts of one drawing. Coordinates are those of a left turn [mm]; `unit` is about a hundredth of its width."""
+def _sides(pipe: Pipe | PipeRun) -> list[tuple[Array, Array]]:
+    """Each wall's face towards the free space, and its back, points (k, 2) [m]."""
+    outside = pipe.radius + pipe.wall
+    if isinstance(pipe, PipeRun):
+        backs = pipe.legs.lines(outside, np.array([0.0, math.pi]))[..., :2]
+        return list(zip(pipe.walls, backs, strict=True))
+    return [(pipe.walls.inner, pipe.line(outside)), (pipe.walls.outer, pipe.line(-outside))]
+
+
+class _Sketch(Drafting):
+    """The parts of one drawing. Coordinates are those of a left turn [mm]."""
 
     def __init__(self, pipe: Pipe, axes: Axes) -> None:
-        self.pipe, self.axes = pipe, axes
+        outside = pipe.radius + pipe.wall
+        outline = m_to_mm(1.0) * np.concatenate([pipe.line(offset) for offset in (-outside, outside)])
+        super().__init__(axes, outline, pipe.side)
+        self.pipe = pipe
         self.radius, self.wall, self.leg = m_to_mm(pipe.radius), m_to_mm(pipe.wall), m_to_mm(pipe.leg)
         self.outside = self.radius + self.wall
         self.half = pipe.angle / 2
         self.along = np.array([-math.cos(pipe.angle), math.sin(pipe.angle)])  # the second leg
         self.inwards = np.array([-math.sin(pipe.angle), -math.cos(pipe.angle)])  # its side inside the turn
         self.bisector = np.array([-math.cos(self.half), math.sin(self.half)])  # from the corner into the inside
-        outside = pipe.radius + pipe.wall
-        outline = m_to_mm(1.0) * np.concatenate([pipe.line(offset) for offset in (-outside, outside)])
-        self.unit = float(np.ptp(outline, axis=0).max()) / 75
-        self.drawn = [outline]
-
-    def frame(self) -> tuple[Array, Array]:
-        """The corners of all that was drawn, with a margin [mm]."""
-        points = np.concatenate(self.drawn)
-        return points.min(axis=0) - 4 * self.unit, points.max(axis=0) + 4 * self.unit
 
     def pipe_itself(self) -> None:
         """Free space, walls, centre line and the inner edge."""
@@ -107,7 +100,7 @@ class _Sketch:
         centre = m_to_mm(1.0) * self.pipe.line(0.0)
         self.axes.plot(*centre.T, color=CENTRE, linewidth=0.9, dashes=(12, 3, 2, 3), zorder=2, label="centre line")
         if self.pipe.angle < math.pi:
-            edge = self._place(m_to_mm(self.pipe.apex(self.pipe.radius)) * self.bisector)
+            edge = self.place(m_to_mm(self.pipe.apex(self.pipe.radius)) * self.bisector)
             self.axes.plot(*edge, "o", color=EDGE, markersize=7, markeredgecolor="white", zorder=6, label="inner edge")
 
     def dimensions(self) -> None:
@@ -116,12 +109,12 @@ class _Sketch:
         self._diameter(arc)
         below = -self.outside - 7 * self.unit
         for end, start in ((-self.leg, -self.outside), (0.0, 0.0)):
-            self._line((end, start - self.unit), (end, below - self.unit))
-        self._double_arrow((-self.leg, below), (0.0, below))
-        self._text((-self.leg / 2, below), f"leg {_number(self.leg)}", box="white")
+            self.line((end, start - self.unit), (end, below - self.unit))
+        self.double_arrow((-self.leg, below), (0.0, below))
+        self.text((-self.leg / 2, below), f"leg {number(self.leg)}", box="white")
         straight = m_to_mm(self.pipe.tangent_length(-self.pipe.radius))  # the outer wall's
         tip = (0.4 * max(straight, 0) + 0.6 * self.leg) * self.along - (self.radius + self.wall / 2) * self.inwards
-        self._callout(tip, tip - 6 * self.unit * self.inwards, f"wall {_number(self.wall)}")
+        self.callout(tip, tip - 6 * self.unit * self.inwards, f"wall {number(self.wall)}")
         if self.pipe.bend_radius:
             self._bend()
 
@@ -129,8 +122,8 @@ class _Sketch:
         """Where the robot comes from and where it goes."""
         into, out = np.array([1.0, 0.0]), self.along
         inside, outside = 3 * self.unit, 9 * self.unit
-        self._arrow(-(self.leg + outside) * into, -(self.leg - inside) * into, ROBOT, 2.4)
-        self._arrow((self.leg - inside) * out, (self.leg + outside) * out, ROBOT, 2.4)
+        self.arrow(-(self.leg + outside) * into, -(self.leg - inside) * into, ROBOT, 2.4)
+        self.arrow((self.leg - inside) * out, (self.leg + outside) * out, ROBOT, 2.4)
         self.axes.plot([], [], color=ROBOT, linewidth=2.4, label="way of the robot")
 
     def _angle(self) -> float:
@@ -144,10 +137,10 @@ class _Sketch:
             radius = min(radius, 0.93 * self.leg)
         phi = np.linspace(math.pi - self.pipe.angle, math.pi, 91)
         arc = radius * np.stack([np.cos(phi), np.sin(phi)], axis=1)
-        self.axes.plot(*self._place(arc).T, color=DIMENSION, linewidth=1.0, zorder=5)
+        self.axes.plot(*self.place(arc).T, color=DIMENSION, linewidth=1.0, zorder=5)
         for tip, before in ((0, 4), (-1, -5)):
-            self._arrow(arc[before], arc[tip], DIMENSION, 1.0)
-        self._text((radius + 3.5 * self.unit) * self.bisector, f"{rad_to_deg(self.pipe.angle):g}°", box="white")
+            self.arrow(arc[before], arc[tip], DIMENSION, 1.0)
+        self.text((radius + 3.5 * self.unit) * self.bisector, f"{rad_to_deg(self.pipe.angle):g}°", box="white")
         return radius
 
     def _diameter(self, arc: float) -> None:
@@ -155,60 +148,29 @@ class _Sketch:
         bend = max(m_to_mm(self.pipe.inner_edge), 0.0)
         places = [bend + share * (self.leg - bend) for share in (0.7, 0.5, 0.8, 0.35)]
         x = -max(places, key=lambda place: min(abs(place - 4 * self.unit - arc), 9 * self.unit))
-        self._double_arrow((x, -self.radius), (x, self.radius))
-        text = f"⌀ {_number(2 * self.radius)}"
+        self.double_arrow((x, -self.radius), (x, self.radius))
+        text = f"⌀ {number(2 * self.radius)}"
         if self.radius > 3 * self.unit:
-            self._text((x + 1.2 * self.unit, -0.45 * self.radius), text, ha="left", box=FREE)
+            self.text((x + 1.2 * self.unit, -0.45 * self.radius), text, ha="left", box=FREE)
         else:  # too narrow for text inside
             wall = np.array([x, self.outside])
-            self._callout(wall, wall + np.array([0.0, 6 * self.unit]), text)
+            self.callout(wall, wall + np.array([0.0, 6 * self.unit]), text)
 
     def _bend(self) -> None:
         """The centre line's radius, and the crossing of the centre lines from which legs are measured."""
         start = m_to_mm(self.pipe.tangent_length(0.0))
         for end in ((-start, 0.0), start * self.along):
-            self._line(end, (0.0, 0.0))
+            self.line(end, (0.0, 0.0))
         crown = m_to_mm(self.pipe.apex(0.0)) * self.bisector
         outside = (m_to_mm(self.pipe.apex(-self.pipe.radius - self.pipe.wall)) - 6 * self.unit) * self.bisector
-        self._callout(crown, outside, f"bend radius {_number(m_to_mm(self.pipe.bend_radius))}")
-
-    def _place(self, points: Any) -> Array:
-        """Points of a left turn, where this pipe has them."""
-        placed: Array = np.asarray(points, float) * np.array([1.0, self.pipe.side])
-        self.drawn.append(np.atleast_2d(placed))
-        return placed
-
-    def _line(self, start: Any, end: Any) -> None:
-        self.axes.plot(*self._place([start, end]).T, color=DIMENSION, linewidth=0.6, zorder=4)
-
-    def _double_arrow(self, start: Any, end: Any) -> None:
-        self._arrow(start, end, DIMENSION, 1.0, style="<|-|>")
-
-    def _arrow(self, start: Any, end: Any, colour: str, width: float, style: str = "-|>") -> None:
-        arrow = {"arrowstyle": style, "color": colour, "linewidth": width, "mutation_scale": 8 + 4 * width}
-        head, tail = tuple(self._place(end)), tuple(self._place(start))
-        self.axes.annotate("", head, tail, arrowprops={**arrow, "shrinkA": 0, "shrinkB": 0}, zorder=5)
-
-    def _callout(self, tip: Array, foot: Array, text: str) -> None:
-        """An arrow to `tip`, with text at its foot, on the side that leads away from the tip."""
-        self._arrow(foot, tip, DIMENSION, 0.9)
-        away, up = (foot - tip) * [1.0, self.pipe.side] / float(np.linalg.norm(foot - tip))
-        ha = "center" if abs(away) < 0.3 else "left" if away > 0 else "right"
-        va = "center" if abs(up) < 0.3 else "bottom" if up > 0 else "top"
-        self._text(foot, f" {text} ", ha=ha, va=va, box="white")
-        self._place(foot + np.array([math.copysign(10 * self.unit, away), 0.0]))  # room for the text
-
-    def _text(self, at: Any, text: str, ha: str = "center", va: str = "center", box: str | None = None) -> None:
-        frame = {"boxstyle": "round,pad=0.2", "facecolor": box, "edgecolor": "none"} if box else None
-        x, y = self._place(at)
-        self.axes.text(x, y, text, color=DIMENSION, fontsize=10, ha=ha, va=va, bbox=frame, zorder=6)
+        self.callout(crown, outside, f"bend radius {number(m_to_mm(self.pipe.bend_radius))}")
 
 
 def _title(pipe: Pipe) -> str:
     if pipe.angle == math.pi:
-        return f"Straight pipe, {_number(m_to_mm(pipe.diameter))} mm"
-    bend = f"bend radius {_number(m_to_mm(pipe.bend_radius))} mm" if pipe.bend_radius else "mitre"
-    return f"Pipe corner, {_number(m_to_mm(pipe.diameter))} mm, {rad_to_deg(pipe.angle):g}°, {pipe.turn} turn, {bend}"
+        return f"Straight pipe, {number(m_to_mm(pipe.diameter))} mm"
+    bend = f"bend radius {number(m_to_mm(pipe.bend_radius))} mm" if pipe.bend_radius else "mitre"
+    return f"Pipe corner, {number(m_to_mm(pipe.diameter))} mm, {rad_to_deg(pipe.angle):g}°, {pipe.turn} turn, {bend}"
 
 
 def _facts(pipe: Pipe) -> str:
@@ -216,7 +178,3 @@ def _facts(pipe: Pipe) -> str:
         return "all lengths in mm"
     gap, edge = m_to_mm(pipe.gap), m_to_mm(pipe.inner_edge)
     return f"gap across the corner {gap:.1f}, inner wall turns {edge:.1f} before the corner; all lengths in mm"
-
-
-def _number(mm: float) -> str:
-    return f"{round(mm, 1):g}"

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TypeVar
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
 from pipenav import assets
-from pipenav.errors import ConfigError, FileProblem, PipenavError, UnknownName
+from pipenav.errors import ConfigError, PipenavError, UnknownName
+from pipenav.files import read_toml
 from pipenav.pipe import Pipe
+
+_File = TypeVar("_File", bound=BaseModel)
 
 MAX_STEPS = 1000
 """Steps of a range: more is a slip of the keyboard."""
@@ -45,10 +47,11 @@ class _Range(BaseModel):
 
 
 _List = Annotated[list[float], Field(min_length=1)]
-_Values = Annotated[
+Values = Annotated[
     Annotated[_List, Tag("list")] | Annotated[_Range, Tag("range")],
     Discriminator(lambda given: "range" if isinstance(given, dict | _Range) else "list"),  # one of them to complain
 ]
+"""Numbers in a set's file: a list, or a range with both ends."""
 
 
 class PipeSetFile(BaseModel):
@@ -57,21 +60,19 @@ class PipeSetFile(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     description: str
-    diameters_mm: _Values
-    angles_deg: _Values
+    diameters_mm: Values
+    angles_deg: Values
     turns: list[str] = Field(["left"], min_length=1)
     bend_radius_mm: float = 0.0
 
     def pipes(self) -> list[Pipe]:
         """Every diameter with every angle, first to one side, then to the other."""
-        diameters, angles = _values(self.diameters_mm), _values(self.angles_deg)
+        diameters, angles = values_of(self.diameters_mm), values_of(self.angles_deg)
         return [Pipe.of(d, a, turn, self.bend_radius_mm) for turn in self.turns for d in diameters for a in angles]
 
 
-RANGED = ("diameters_mm", "angles_deg")
-
-
-def _values(given: list[float] | _Range) -> list[float]:
+def values_of(given: Values) -> list[float]:
+    """The numbers that were given, one by one."""
     return given.values() if isinstance(given, _Range) else given
 
 
@@ -120,12 +121,26 @@ def _typed_pipe(text: str) -> Pipe:
 
 
 def _read(path: Path) -> list[Pipe]:
+    return read_as(PipeSetFile, path).pipes()
+
+
+def read_as(kind: type[_File], path: Path, inner: type[BaseModel] = _Range) -> _File:
+    """A TOML file of a kind.
+
+    Args:
+        kind: what it must fit.
+        path: the file.
+        inner: what the tables in it are.
+
+    Raises:
+        FileProblem: the file cannot be read.
+        ConfigError: it is no TOML, or does not fit.
+    """
+    table = read_toml(path)
     try:
-        return PipeSetFile.model_validate(tomllib.loads(path.read_text(encoding="utf-8"))).pipes()
-    except OSError as error:
-        raise FileProblem(path, "read", error) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{path} is not valid TOML: {error}.") from error
+        return kind.model_validate(table)
     except ValidationError as error:
-        known = [*PipeSetFile.model_fields, *(f"{of}.range.{key}" for of in RANGED for key in _Range.model_fields)]
+        table_of_key = [str(part) for part in error.errors()[0]["loc"][:-1]]
+        fields = (inner if table_of_key else kind).model_fields
+        known = [".".join([*table_of_key, field.alias or name]) for name, field in fields.items()]
         raise ConfigError.from_validation(str(path), error, known) from error

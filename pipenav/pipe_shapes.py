@@ -60,32 +60,65 @@ class Stair(NamedTuple):
 def boards_mesh(pipe: Pipe) -> Mesh:
     """The two boards: the inner and the outer wall, as high as the diameter."""
     chords = _chords(pipe)
-    caps = np.array([[0, 1, 2], [0, 2, 3]])
-    points: list[Array] = []
-    triangles: list[Faces] = []
-    for near in (pipe.radius, -pipe.radius - pipe.wall):
-        sides = [pipe.line(offset, chords) for offset in (near, near + pipe.wall)]
-        # Around a board's section: near side below, near above, far above, far below.
-        ring = [_at_height(sides[far], z * pipe.radius) for far, z in ((0, -1), (0, 1), (1, 1), (1, -1))]
-        grid = np.stack(ring, axis=1)  # (stations, 4, 3)
-        faces = [_grid_faces(len(grid), 4, closed=False), caps, 4 * len(grid) - 4 + caps[:, ::-1]]
-        triangles.append(np.concatenate(faces) + sum(map(len, points)))
-        points.append(grid.reshape(-1, 3))
-    return _mesh(pipe, np.concatenate(points), np.concatenate(triangles))
+    boards = [
+        (pipe.line(near, chords), pipe.line(near + pipe.wall, chords))
+        for near in (pipe.radius, -pipe.radius - pipe.wall)
+    ]
+    return boards_between(boards, pipe.radius, mirrored=pipe.turn == "right")
 
 
 def tube_mesh(pipe: Pipe) -> Mesh:
     """The hollow tube: every generator, at offset r cos(phi) and height r sin(phi), is a line along the pipe."""
     chords, outside = _chords(pipe), pipe.radius + pipe.wall
-    around = 4 * math.ceil(math.pi / 4 / math.acos(1 - ARC_TOLERANCE / 2 / outside))
-    generators = []
-    for phi in np.arange(around) * (2 * math.pi / around):
-        inner, outer = (
-            _at_height(pipe.line(r * math.cos(phi), chords), r * math.sin(phi)) for r in (pipe.radius, outside)
-        )
-        generators.append(np.concatenate([inner, outer[::-1]]))  # there inside and back outside: that closes the ends
-    grid = np.stack(generators, axis=1)  # (2 stations, generators, 3)
-    return _mesh(pipe, grid.reshape(-1, 3), _grid_faces(len(grid), around, closed=True))
+    inner, outer = (
+        np.stack([at_height(pipe.line(r * math.cos(phi), chords), r * math.sin(phi)) for phi in round_angles(outside)])
+        for r in (pipe.radius, outside)
+    )
+    return tube_between(inner, outer, mirrored=pipe.turn == "right")
+
+
+def boards_between(boards: list[tuple[Array, Array]], half_height: float, mirrored: bool = False) -> Mesh:
+    """Boards that stand on the plane's lower side, half above and half below it.
+
+    Args:
+        boards: the right and the left side of each, seen along the pipe, points (k, 2) [m].
+        half_height: half of their height [m].
+        mirrored: whether right and left are exchanged.
+    """
+    caps = np.array([[0, 1, 2], [0, 2, 3]])
+    points: list[Array] = []
+    triangles: list[Faces] = []
+    for near, far in boards:
+        # Around a board's section: near side below, near above, far above, far below.
+        ring = [at_height(side, z * half_height) for side, z in ((near, -1), (near, 1), (far, 1), (far, -1))]
+        grid = np.stack(ring, axis=1)  # (stations, 4, 3)
+        faces = [_grid_faces(len(grid), 4, closed=False), caps, 4 * len(grid) - 4 + caps[:, ::-1]]
+        triangles.append(np.concatenate(faces) + sum(map(len, points)))
+        points.append(grid.reshape(-1, 3))
+    return _mesh(np.concatenate(points), np.concatenate(triangles), mirrored)
+
+
+def tube_between(inner: Array, outer: Array, mirrored: bool = False) -> Mesh:
+    """The tube between two surfaces, with both ends open.
+
+    Args:
+        inner, outer: lines along the surfaces, in order around them from left upwards, (lines, stations, 3) [m].
+        mirrored: whether right and left are exchanged.
+    """
+    # There along the inner surface and back along the outer one: that closes the ends of the wall.
+    grid = np.concatenate([inner, outer[:, ::-1]], axis=1).swapaxes(0, 1)  # (2 stations, lines, 3)
+    return _mesh(grid.reshape(-1, 3), _grid_faces(len(grid), len(inner), closed=True), mirrored)
+
+
+def round_angles(radius: float) -> Array:
+    """Where lines stand for a circle of a radius [m], within half the tolerance of arcs, (lines,) [rad]."""
+    count = 4 * math.ceil(math.pi / 4 / math.acos(1 - ARC_TOLERANCE / 2 / radius))
+    return np.asarray(np.arange(count) * (2 * math.pi / count))
+
+
+def at_height(line: Array, z: float) -> Array:
+    """Points (k, 2) of the plane at a height, (k, 3)."""
+    return np.column_stack([line, np.full(len(line), z)])
 
 
 def wall_boxes(pipe: Pipe) -> list[Box]:
@@ -103,10 +136,6 @@ def _chords(pipe: Pipe) -> int:
     return 2 * (len(pipe.line(-pipe.radius - pipe.wall)) - 3)
 
 
-def _at_height(line: Array, z: float) -> Array:
-    return np.column_stack([line, np.full(len(line), z)])
-
-
 def _grid_faces(rows: int, columns: int, closed: bool) -> Faces:
     """Triangles of a grid of points that is closed across its columns and, if asked, across its rows too."""
     a = np.arange(rows * columns).reshape(rows, columns)
@@ -117,13 +146,13 @@ def _grid_faces(rows: int, columns: int, closed: bool) -> Faces:
     return np.concatenate([np.stack(corners, axis=-1).reshape(-1, 3) for corners in ((a, b, c), (a, c, d))])
 
 
-def _mesh(pipe: Pipe, points: Array, triangles: Faces) -> Mesh:
+def _mesh(points: Array, triangles: Faces, mirrored: bool) -> Mesh:
     """The mesh of points (p, 3) [m]; points that coincide, as along an arc without radius, become one."""
     rounded = np.round(m_to_mm(1.0) * points / MESH_GRID_MM) * MESH_GRID_MM
     vertices, index = np.unique(rounded.astype(np.float32) + 0.0, axis=0, return_inverse=True)
     faces = index.reshape(-1)[triangles]
     faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
-    return Mesh(vertices.astype(float), faces if pipe.turn == "left" else faces[:, ::-1])
+    return Mesh(vertices.astype(float), faces[:, ::-1] if mirrored else faces)
 
 
 def _outer_boxes(chain: Array, wall: float) -> list[Box]:

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipenav import kinematics, laser
+from pipenav.drafting import INK
 from pipenav.outline import link_outlines
 from pipenav.pipe import Pipe
-from pipenav.pipe_drawing import INK, draw_walls
+from pipenav.pipe_drawing import draw_walls
 from pipenav.robot import RobotSpec
 from pipenav.trajectory import Trajectory
 from pipenav.units import m_to_mm

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pipenav.errors import PipenavError
 from pipenav.pipe import Pipe
+from pipenav.pipe_run import PipeRun
 
 Array = NDArray[np.float64]
 
@@ -57,7 +58,7 @@ SHARP = Edge()
 """Boxes that meet at the edge itself."""
 
 
-def wall_boxes(pipes: Sequence[Pipe], slots: int, base: Array, edge: Edge = SHARP) -> WallBoxes:
+def wall_boxes(pipes: Sequence[Pipe | PipeRun], slots: int, base: Array, edge: Edge = SHARP) -> WallBoxes:
     """The wall segments of each robot's pipe as boxes behind their faces; slots that are left over are parked far away.
 
     The robot never moves its mount: the walls come to it, so `base` (k,), where the robot's frame starts on the first
@@ -74,29 +75,31 @@ def wall_boxes(pipes: Sequence[Pipe], slots: int, base: Array, edge: Edge = SHAR
 
 
 @lru_cache(maxsize=4096)  # every pipe of the largest shipped training set
-def _boxes(pipe: Pipe, slots: int, edge: Edge) -> Array:
+def _boxes(pipe: Pipe | PipeRun, slots: int, edge: Edge) -> Array:
     """The boxes of one pipe in its own frame, one row each: position, quaternion, half size, both ends of the face.
 
     Where the free space is convex (the outer wall's vertices) a box runs on past the vertex by its thickness, so that
-    no gap opens between neighbours; at the inner wall's edges boxes end at the vertex and are thin.
+    no gap opens between neighbours; at an inner edge boxes end at the vertex and are thin.
     """
     if len(pipe.segments) > slots:
         raise PipenavError(
             f"pipe {pipe.name} has {len(pipe.segments)} wall segments, this backend was opened for {slots}."
         )
     used = np.arange(slots) < len(pipe.segments)
-    outer = np.arange(slots) < len(pipe.walls.outer) - 1
+    edges = np.ones((slots, 2), bool)
+    edges[used] = pipe.edges
     segments = np.tile(pipe.segments[-1], (slots, 1, 1))
     segments[used] = pipe.segments
     start, end = segments[:, 0], segments[:, 1]  # (slots, 2)
     length = np.linalg.norm(end - start, axis=1)
     along = (end - start) / length[:, None]
     behind = np.stack([along[:, 1], -along[:, 0]], axis=1)  # the free space lies to the left
-    thickness, overlap = np.where(outer, OUTER_THICKNESS, edge.thickness), np.where(outer, OUTER_THICKNESS, -edge.gap)
-    centre = (start + end) / 2 + behind * thickness[:, None] / 2
+    thickness = np.where(edges.any(axis=1), edge.thickness, OUTER_THICKNESS)
+    overlap = np.where(edges, -edge.gap, OUTER_THICKNESS)  # (slots, 2) past the start and past the end
+    centre = (start + end + along * (overlap[:, 1:] - overlap[:, :1])) / 2 + behind * thickness[:, None] / 2
     yaw = np.arctan2(along[:, 1], along[:, 0])
     zero = np.zeros(slots)
     position = [centre, np.where(used, 0.0, PARKED)]
     quaternion = [np.cos(yaw / 2), zero, zero, np.sin(yaw / 2)]
-    half_size = [length / 2 + overlap, thickness / 2, zero + WALL_HALF_HEIGHT]
+    half_size = [length / 2 + overlap.mean(axis=1), thickness / 2, zero + WALL_HALF_HEIGHT]
     return np.column_stack([*position, *quaternion, *half_size, start, end])

@@ -16,13 +16,23 @@ CORE = ROOT / "pipenav"
 PLUGINS = sorted(path.name for path in (ROOT / "plugins").iterdir() if (path / "__init__.py").is_file())
 
 LAYERS = [
-    {"errors", "units", "assets", "files", "source_imports"},
+    {"errors", "units", "assets", "files", "source_imports", "whole_folder"},
     {
+        "convex",
         "pipe",
+        "pipe_run",
+        "pipe_run_legs",
         "pipe_shapes",
         "pipe_export",
         "pipe_drawing",
         "pipe_set",
+        "pipe_run_set",
+        "pipe_run_shapes",
+        "pipe_run_export",
+        "pipe_run_drawing",
+        "pipe_run_view",
+        "scenes",
+        "drafting",
         "robot",
         "kinematics",
         "laser",

@@ -12,6 +12,8 @@ from pipenav.cli.gen_pipe import gen_pipe
 from pipenav.errors import PipenavError
 from pipenav.pipe import Pipe
 from pipenav.pipe_export import FILES, read_pipe
+from pipenav.pipe_run_export import read_run_folder, run_files
+from pipenav.pipe_run_set import parse_runs, read_run
 
 app = typer.Typer()
 app.command("gen-pipe")(gen_pipe)
@@ -22,6 +24,7 @@ WIDE = {"COLUMNS": "200", "TERM": "dumb", "NO_COLOR": "1"}
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without the slow part, the drawing."""
     monkeypatch.setattr("pipenav.pipe_drawing.draw_pipe", lambda _, path: path.write_bytes(b"png"))
+    monkeypatch.setattr("pipenav.pipe_run_drawing.draw_run", lambda _, name, path: path.write_bytes(name.encode()))
 
 
 def run(*arguments: object) -> Result:
@@ -82,6 +85,66 @@ def test_a_problem_is_left_to_the_caller_and_nothing_is_made(
     assert list(tmp_path.iterdir()) == []
 
 
+RUN = """
+schema = 1
+diameter_mm = 100
+first_straight_mm = 800
+[[corners]]
+angle_deg = 90
+turn = "left"
+straight_mm = 500
+[[corners]]
+angle_deg = 62.5
+turn = "right"
+roll_deg = 90
+straight_mm = 700
+"""
+
+
+def test_makes_the_run_of_a_file_in_a_folder_of_its_name(tmp_path: Path) -> None:
+    file = tmp_path / "my-run.toml"
+    file.write_text(RUN)
+    result = run("--run", file, "--out", tmp_path)
+    assert result.exit_code == 0, result.output
+    made = read_run(file)
+    assert read_run_folder(tmp_path / "my-run") == made
+    for name, purpose in run_files(made).items():
+        assert name in result.output and purpose in result.output
+    for text in ("2.00 m", "in space", "62.5 deg", "to the right after a roll of 90 deg, then 700.0 mm"):
+        assert text in result.output
+
+
+def test_makes_a_run_of_a_shipped_set(tmp_path: Path) -> None:
+    result = run("--run", "runs-level:7", "--out", tmp_path)
+    assert result.exit_code == 0 and "in one plane" in result.output
+    assert read_run_folder(tmp_path / "runs-level-7") == parse_runs(["runs-level"])[6]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--run", "runs-level:1", "--d", 100, "--bend-radius", 0), "leave out --d, --bend-radius."),
+        (("--run", "runs-level:1", "--wall", 3), "leave out --wall."),
+        (("--d", 100), "--angle missing: give --d and --angle for one corner, or --run FILE for a run."),
+        ((), "--d and --angle missing"),
+    ],
+)
+def test_a_run_and_a_corner_are_not_mixed(tmp_path: Path, arguments: tuple[object, ...], message: str) -> None:
+    result = run(*arguments, "--out", tmp_path)
+    assert result.exit_code == 2
+    assert message in " ".join(result.output.replace("│", " ").split())
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_run_that_is_not_possible_is_left_to_the_caller_and_nothing_is_made(tmp_path: Path) -> None:
+    file = tmp_path / "my-run.toml"
+    file.write_text(RUN.replace("500", "50"))
+    result = run("--run", file, "--out", tmp_path)
+    assert isinstance(result.exception, PipenavError)
+    assert str(result.exception).startswith(f"{file}: length of straight 2 50 mm is out of range: choose ")
+    assert list(tmp_path.iterdir()) == [file]
+
+
 def test_help_names_units_ranges_and_examples() -> None:
     output = " ".join(run("--help").output.replace("│", " ").split())
     for text in (
@@ -90,5 +153,7 @@ def test_help_names_units_ranges_and_examples() -> None:
         "0.5 to 50",
         "pipenav gen-pipe --d 100 --angle 75",
         "left or right",
+        "pipenav gen-pipe --run my-run.toml",
+        "runs-level:3",
     ):
         assert text in output

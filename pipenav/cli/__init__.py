@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 COMMANDS = {
     "gen-pipe": (
         "pipenav.cli.gen_pipe:gen_pipe",
-        "Make a pipe corner: a folder with STL meshes, MuJoCo, URDF and SDF models, a drawing and its numbers.",
+        "Make a pipe, one corner or several: STL meshes, MuJoCo, URDF and SDF models, a drawing, its numbers.",
     ),
     "train": ("pipenav.cli.train:train", "Train a policy by PPO and save it as one file, best.zip."),
     "eval": (

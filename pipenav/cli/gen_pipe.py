@@ -1,9 +1,9 @@
-"""`pipenav gen-pipe`: make one pipe corner, as files for simulators, printers and people."""
+"""`pipenav gen-pipe`: make one pipe corner or a run of them, as files for simulators, printers and people."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -18,6 +18,9 @@ from pipenav.pipe import (
 )
 from pipenav.units import m_to_mm, rad_to_deg
 
+if TYPE_CHECKING:
+    from pipenav.pipe_run import PipeRun
+
 DIAMETER_HELP = f"Inner diameter in mm, {DIAMETER_RANGE_MM[0]:g} to {DIAMETER_RANGE_MM[1]:g}."
 ANGLE_HELP = (
     f"Interior angle between the legs in deg, {ANGLE_RANGE_DEG[0]:g} to {ANGLE_RANGE_DEG[1]:g}: "
@@ -30,46 +33,87 @@ LEG_HELP = (
     "By default as long as the corner and a robot need, 600 or more."
 )
 WALL_HELP = f"Wall thickness in mm, {WALL_RANGE_MM[0]:g} to {WALL_RANGE_MM[1]:g}."
+RUN_HELP = (
+    "Several corners in a row instead of one: a pipe-run TOML (docs/pipe-run.md), "
+    "or one run of a shipped set, as runs-level:3."
+)
 OUT_HELP = "Folder in which the pipe's own folder is made; a pipe folder of the same name is replaced."
 
 
+OF_ONE_CORNER = ("d", "angle", "turn", "bend_radius", "leg", "wall")
+"""The parameters that a run takes from its file."""
+
+
 def gen_pipe(
-    d: Annotated[float, typer.Option("--d", metavar="MM", help=DIAMETER_HELP, show_default=False)],
-    angle: Annotated[float, typer.Option(metavar="DEG", help=ANGLE_HELP, show_default=False)],
+    context: typer.Context,
+    d: Annotated[float | None, typer.Option("--d", metavar="MM", help=DIAMETER_HELP, show_default=False)] = None,
+    angle: Annotated[float | None, typer.Option(metavar="DEG", help=ANGLE_HELP, show_default=False)] = None,
     turn: Annotated[str, typer.Option(metavar="SIDE", help=TURN_HELP)] = "left",
     bend_radius: Annotated[float, typer.Option(metavar="MM", help=BEND_HELP)] = 0.0,
     leg: Annotated[float | None, typer.Option(metavar="MM", help=LEG_HELP, show_default=False)] = None,
     wall: Annotated[float, typer.Option(metavar="MM", help=WALL_HELP)] = m_to_mm(DEFAULT_WALL),
+    run: Annotated[str | None, typer.Option(metavar="FILE", help=RUN_HELP, show_default=False)] = None,
     out: Annotated[Path, typer.Option(metavar="FOLDER", help=OUT_HELP)] = Path(),
 ) -> None:
-    """Make a pipe corner: a folder with STL meshes, MuJoCo, URDF and SDF models, a drawing and its numbers.
+    """Make a pipe, one corner or several: STL meshes, MuJoCo, URDF and SDF models, a drawing, its numbers.
 
     A sharp corner to the left: pipenav gen-pipe --d 100 --angle 75
 
     A swept bend to the right: pipenav gen-pipe --d 100 --angle 90 --turn right --bend-radius 150 --out my-pipes
+
+    Corners in a row: pipenav gen-pipe --run my-run.toml
     """
-    from pipenav.pipe_export import write_pipe_folder
+    if run is not None:
+        _refuse_options_of_one_corner(context)
+        _make_run(run, out)
+        return
+    if d is None or angle is None:
+        missing = " and ".join(f"--{name}" for name, given in (("d", d), ("angle", angle)) if given is None)
+        raise typer.BadParameter(f"{missing} missing: give --d and --angle for one corner, or --run FILE for a run.")
+    from pipenav.pipe_export import FILES, write_pipe_folder
 
     pipe = Pipe.of(d, angle, turn, bend_radius, leg, wall)
-    _report(pipe, write_pipe_folder(pipe, out))
+    _report(write_pipe_folder(pipe, out), FILES, _key_dimensions(pipe))
 
 
-def _report(pipe: Pipe, folder: Path) -> None:
+def _refuse_options_of_one_corner(context: typer.Context) -> None:
+    sources = {name: context.get_parameter_source(name) for name in OF_ONE_CORNER}
+    given = [
+        f"--{name.replace('_', '-')}" for name, source in sources.items() if source and source.name == "COMMANDLINE"
+    ]
+    if given:
+        raise typer.BadParameter(f"--run takes all of a run from its file: leave out {', '.join(given)}.")
+
+
+def _make_run(text: str, out: Path) -> None:
+    from pipenav.pipe_run_export import run_files, write_run_folder
+    from pipenav.pipe_run_set import parse_run
+
+    name, run = parse_run(text)
+    _report(write_run_folder(run, name, out), run_files(run), _key_dimensions_of_run(run))
+
+
+def _report(folder: Path, purposes: dict[str, str], dimensions: list[tuple[str, str, str]]) -> None:
+    """Say what was made.
+
+    Args:
+        folder: where it is.
+        purposes: its files, each with one line of what it is.
+        dimensions: what, how much and what it means.
+    """
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
-    from pipenav.pipe_export import FILES
-
     console = Console(highlight=False, soft_wrap=True)
     console.print(Text.assemble("Made ", (str(folder), "bold")))
     files = Table.grid(padding=(0, 2))
-    for name, purpose in FILES.items():
+    for name, purpose in purposes.items():
         files.add_row("", Text(name, style="cyan"), purpose)
     console.print(files)
     console.print()
     sizes = Table.grid(padding=(0, 2))
-    for what, value, note in _key_dimensions(pipe):
+    for what, value, note in dimensions:
         sizes.add_row("", what, Text(value, style="bold", justify="right"), note)
     console.print(sizes)
 
@@ -91,3 +135,19 @@ def _key_dimensions(pipe: Pipe) -> list[tuple[str, str, str]]:
 def _heading(pipe: Pipe) -> str:
     change = abs(rad_to_deg(pipe.heading_change))
     return f"interior: the heading changes by {change:g} deg to the {pipe.turn}" if change else "a straight pipe"
+
+
+def _key_dimensions_of_run(run: PipeRun) -> list[tuple[str, str, str]]:
+    """As for one corner, of the run and of every corner in it."""
+    plane = "in one plane" if run.planar else "in space"
+    dimensions = [
+        ("diameter", f"{m_to_mm(run.diameter):.1f} mm", "inside"),
+        ("wall", f"{m_to_mm(run.wall):.1f} mm", "outside of the diameter"),
+        ("length", f"{sum(run.straights):.2f} m", f"along the centre line, {plane}"),
+        ("start", f"{m_to_mm(run.straights[0]):.1f} mm", "to the first corner"),
+    ]
+    for i, (corner, straight) in enumerate(zip(run.corners, run.straights[1:], strict=True), 1):
+        roll = f" after a roll of {rad_to_deg(corner.roll):g} deg" if corner.roll else ""
+        then = f"to the {corner.turn}{roll}, then {m_to_mm(straight):.1f} mm"
+        dimensions.append((f"corner {i}", f"{rad_to_deg(corner.angle):.1f} deg", then))
+    return dimensions

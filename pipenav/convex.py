@@ -1,0 +1,31 @@
+"""Convex bodies in space: whether two of them are apart."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+ROUNDS = 1000
+"""Rounds until two bodies count as too near: only those whose distance is the asked one to a hair need so many."""
+
+
+def apart(a: Array, b: Array, distance: float) -> bool:
+    """Whether the convex hulls of points (n, 3) and (m, 3) are farther apart than a distance above 0 [m].
+
+    Gilbert's method: `between` is the shortest known vector from one hull to the other. The hulls are as far apart as
+    their farthest points towards each other along it, at least; and no farther than it is long.
+    (E. G. Gilbert, "An iterative procedure for computing the minimum of a quadratic form on a convex set", 1966.)
+    """
+    between = a.mean(axis=0) - b.mean(axis=0)
+    for _ in range(ROUNDS):
+        nearest = a[(a @ between).argmin()] - b[(b @ between).argmax()]
+        length = float(np.linalg.norm(between))
+        if length <= distance:
+            return False
+        if nearest @ between > distance * length:
+            return True
+        step = between - nearest
+        between = between - min(float(between @ step) / float(step @ step), 1.0) * step
+    return False

@@ -1,0 +1,90 @@
+"""A static pipe as a scene: the parts that MJCF, URDF and SDF files of pipes and of runs have in common."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Literal, NamedTuple
+
+COLOUR = "0.55 0.6 0.65 1"
+
+STILL = (0.0, 0.0, 0.0, 0.0)
+
+
+class Shape(NamedTuple):
+    """One part of the wall.
+
+    Attributes:
+        name: unlike those of the others.
+        kind: `box`, with its three sizes as text [m], or `mesh`, with its file's name.
+        content: those sizes or that name.
+        place: x, y, z [m] and the turn about z [rad].
+    """
+
+    name: str
+    kind: Literal["box", "mesh"]
+    content: str
+    place: tuple[float, float, float, float] = STILL
+
+
+def mjcf(name: str, camera: tuple[float, float, float]) -> tuple[ET.Element, ET.Element]:
+    """A MuJoCo model, and in it the body for the walls, with a camera `above` that looks down."""
+    root = ET.Element("mujoco", model=name)
+    add(root, "compiler", angle="radian")
+    body = add(add(root, "worldbody"), "body", name="pipe")
+    add(body, "camera", name="above", pos=text(*camera))
+    return root, body
+
+
+def urdf(name: str, shapes: Sequence[Shape]) -> ET.Element:
+    """One link without mass, which loaders take for a fixed one."""
+    root = ET.Element("robot", name=name)
+    add(add(root, "material", name="wall"), "color", rgba=COLOUR)
+    link = add(root, "link", name="pipe")
+    inertial = add(link, "inertial")
+    add(inertial, "mass", value="0")
+    add(inertial, "inertia", **dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "0"))
+    for use in ("visual", "collision"):
+        for shape in shapes:
+            part = add(link, use, name=f"wall_{shape.name}")
+            *xyz, yaw = shape.place
+            add(part, "origin", xyz=text(*xyz), rpy=text(0, 0, yaw))
+            key = {"box": "size", "mesh": "filename"}[shape.kind]
+            add(add(part, "geometry"), shape.kind, **{key: shape.content})
+            if use == "visual":
+                add(part, "material", name="wall")
+    return root
+
+
+def sdf(name: str, shapes: Sequence[Shape]) -> ET.Element:
+    """One static model with one link, children in the order of SDFormat's own description files."""
+    root = ET.Element("sdf", version="1.7")
+    model = add(root, "model", name=name)
+    add(model, "static").text = "true"
+    link = add(model, "link", name="pipe")
+    for use in ("collision", "visual"):
+        for shape in shapes:
+            part = add(link, use, name=f"wall_{shape.name}_{use}")
+            *xyz, yaw = shape.place
+            add(part, "pose").text = text(*xyz, 0, 0, yaw)
+            if use == "visual":
+                material = add(part, "material")
+                add(material, "ambient").text = COLOUR
+                add(material, "diffuse").text = COLOUR
+            geometry = add(add(part, "geometry"), shape.kind)
+            add(geometry, {"box": "size", "mesh": "uri"}[shape.kind]).text = shape.content
+    return root
+
+
+def add(parent: ET.Element, tag: str, **attributes: str) -> ET.Element:
+    return ET.SubElement(parent, tag, attributes)
+
+
+def text(*numbers: float) -> str:
+    return " ".join(f"{number:.9g}" for number in numbers)
+
+
+def write_xml(path: Path, root: ET.Element) -> None:
+    ET.indent(root)
+    ET.ElementTree(root).write(path, encoding="utf-8", xml_declaration=True)

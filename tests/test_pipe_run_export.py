@@ -1,0 +1,192 @@
+"""A run folder says the same in every one of its formats."""
+
+from __future__ import annotations
+
+import json
+import math
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+import trimesh
+
+from pipenav.errors import ConfigError, OutOfRange, PipenavError
+from pipenav.pipe import Array
+from pipenav.pipe_run import PipeRun
+from pipenav.pipe_run_export import FILES, read_run_folder, run_files, run_record, write_run_folder
+from pipenav.pipe_run_set import parse_runs
+from pipenav.pipe_run_shapes import FACETS, PRISM_FACES
+
+CASES = {
+    "level": parse_runs(["runs-level:5"])[0],
+    "rolled": parse_runs(["runs-rolled:11"])[0],
+    "odd": PipeRun.of(150, [(30, "right", 0), (180, "left", 0), (120, "left", 33)], wall_mm=5),
+}
+
+
+@pytest.fixture(scope="module", params=CASES.items(), ids=lambda case: case[0])
+def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[PipeRun, Path]:
+    name, run = request.param
+    return run, write_run_folder(run, name, tmp_path_factory.mktemp("runs"))
+
+
+def test_folder_holds_exactly_its_files(made: tuple[PipeRun, Path]) -> None:
+    run, folder = made
+    assert {path.name for path in folder.iterdir()} == set(run_files(run))
+    assert ("boards.stl" in run_files(run)) == run.planar
+    assert list(folder.parent.iterdir()) == [folder]
+
+
+def test_folder_and_file_are_read_alike(made: tuple[PipeRun, Path]) -> None:
+    run, folder = made
+    assert read_run_folder(folder) == read_run_folder(folder / "run.json") == run
+    record = json.loads((folder / "run.json").read_text())
+    np.testing.assert_array_equal(record["centre_line_m"], run.centre_line)
+    np.testing.assert_array_equal(record["rotations"], run.frames.rotation)
+    assert (record["wall_segments_m"] is None) == (not run.planar)
+
+
+def test_stl_files_are_watertight_and_in_millimetres(made: tuple[PipeRun, Path]) -> None:
+    run, folder = made
+    for path in folder.glob("*.stl"):
+        body = trimesh.load(path)
+        assert body.is_watertight and body.is_winding_consistent and body.volume > 0
+        assert 1000 * run.centre_line[0, 0] == pytest.approx(body.bounds[0, 0], abs=0.01) or body.bounds[0, 0] < -1000
+
+
+def rays(run: PipeRun, count: int) -> tuple[Array, Array, Array]:
+    """Rays from the axes across the legs, away from mitres: origins, unit vectors, distances to the polygon."""
+    rng = np.random.default_rng(1)
+    leg, around = rng.integers(0, len(run.straights), count), rng.uniform(0, 2 * math.pi, count)
+    length = np.array(run.straights)[leg]
+    along = length * rng.uniform(0.48, 0.52, count)
+    axes = run.legs.axes[leg]
+    origins = run.legs.start[leg] + along[:, None] * axes[:, :, 0]
+    ways = np.cos(around)[:, None] * axes[:, :, 1] + np.sin(around)[:, None] * axes[:, :, 2]
+    side = 2 * math.pi / FACETS
+    return origins, ways, run.radius / np.cos((around + side / 2) % side - side / 2)
+
+
+def test_mujoco_sees_the_walls_where_the_prisms_are(made: tuple[PipeRun, Path]) -> None:
+    run, folder = made
+    model = mujoco.MjModel.from_xml_path(str(folder / "pipe.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    assert model.nv == 0 and model.ngeom == FACETS * len(run.straights)
+    for origin, way, expected in zip(*rays(run, 200), strict=True):
+        seen = mujoco.mj_ray(model, data, origin, way, None, 1, -1, np.zeros(1, np.int32), None)
+        assert seen == pytest.approx(expected, abs=1e-5)
+
+
+def test_a_ball_as_wide_as_the_bore_passes_every_mitre_in_mujoco(made: tuple[PipeRun, Path]) -> None:
+    """Nothing sticks out into the bore, and the convex hulls that contacts are found with fill none of it."""
+    run, folder = made
+    spec = mujoco.MjSpec.from_file(str(folder / "pipe.xml"))
+    ball = spec.worldbody.add_body()
+    ball.add_freejoint()
+    ball.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[run.radius - 1e-4, 0, 0])
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    places = np.linspace(run.places[0] + run.radius, run.places[-1] - run.radius, 300)
+    for point in np.stack([np.interp(places, run.places, x) for x in run.centre_line.T], axis=1):
+        data.qpos[:3] = point
+        mujoco.mj_forward(model, data)
+        deepest = min((data.contact[i].dist for i in range(data.ncon)), default=0.0)
+        assert deepest > -1e-5, point
+
+
+def test_bullet_sees_the_walls_where_the_prisms_are(made: tuple[PipeRun, Path]) -> None:
+    """Bullet puts a millimetre around convex hulls."""
+    bullet = pytest.importorskip("pybullet")
+    run, folder = made
+    origins, ways, expected = rays(run, 200)
+    client = bullet.connect(bullet.DIRECT)
+    try:
+        body = bullet.loadURDF(str(folder / "pipe.urdf"), physicsClientId=client)
+        assert bullet.getDynamicsInfo(body, -1, physicsClientId=client)[0] == 0  # without mass: it stays
+        hits = bullet.rayTestBatch(origins, origins + 2 * expected[:, None] * ways, physicsClientId=client)
+    finally:
+        bullet.disconnect(client)
+    seen = np.array([hit[2] for hit in hits]) * 2 * expected
+    assert np.abs(seen - expected).max() < 1.5e-3
+
+
+def test_walls_obj_holds_the_prisms_one_by_one(made: tuple[PipeRun, Path]) -> None:
+    run, folder = made
+    body = trimesh.load(folder / "walls.obj", process=False)
+    parts = [trimesh.Trimesh(body.vertices, faces) for faces in body.faces.reshape(-1, len(PRISM_FACES), 3)]
+    assert len(parts) == FACETS * len(run.straights) == (folder / "walls.obj").read_text().count("o wall_")
+    assert all(part.is_watertight and part.volume > 0 for part in parts)
+    section = FACETS * math.tan(math.pi / FACETS) * ((run.radius + run.wall) ** 2 - run.radius**2)
+    assert sum(part.volume for part in parts) == pytest.approx(section * sum(run.straights), rel=1e-5)
+
+
+def test_urdf_and_sdf_name_the_mesh(made: tuple[PipeRun, Path]) -> None:
+    _, folder = made
+    urdf, sdf = ET.parse(folder / "pipe.urdf").getroot(), ET.parse(folder / "pipe.sdf").getroot()
+    for part in ("collision", "visual"):
+        assert [mesh.get("filename") for mesh in urdf.iterfind(f"link/{part}/geometry/mesh")] == ["walls.obj"]
+        assert [uri.text for uri in sdf.iterfind(f"model/link/{part}/geometry/mesh/uri")] == ["walls.obj"]
+    assert sdf.get("version") == "1.7" and sdf.findtext("model/static") == "true"
+
+
+def test_drawing_is_a_png_of_readable_size(made: tuple[PipeRun, Path]) -> None:
+    content = (made[1] / "pipe.png").read_bytes()
+    width, height = (int.from_bytes(content[i : i + 4], "big") for i in (16, 20))
+    assert content.startswith(b"\x89PNG") and 800 < width < 2500 and 400 < height < 3000
+
+
+@pytest.fixture
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Writing without the slow part, the drawing."""
+    monkeypatch.setattr("pipenav.pipe_run_drawing.draw_run", lambda _, name, path: path.write_bytes(name.encode()))
+
+
+@pytest.mark.usefixtures("quick")
+def test_writing_again_replaces_the_folder_and_keeps_what_others_put_there(tmp_path: Path) -> None:
+    folder = write_run_folder(CASES["level"], "mine", tmp_path)
+    (folder / "notes.txt").write_text("mine")
+    assert write_run_folder(CASES["rolled"], "mine", tmp_path) == folder
+    assert read_run_folder(folder) == CASES["rolled"]
+    assert {path.name for path in folder.iterdir()} == {*FILES, "notes.txt"} - {"boards.stl"}
+
+
+def test_what_is_not_a_run_folder_stays(tmp_path: Path) -> None:
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "pipe.json").write_text("{}")
+    with pytest.raises(PipenavError, match="mine exists and is not a run folder: move it away"):
+        write_run_folder(CASES["level"], "mine", tmp_path)
+    assert [path.name for path in tmp_path.rglob("*")] == ["mine", "pipe.json"]
+
+
+@pytest.mark.parametrize(
+    ("change", "error", "message"),
+    [
+        ({"schema": 2}, ConfigError, "schema 2: this version of pipenav reads schema 1"),
+        ({"diameter_mm": 90}, ConfigError, "diameter_mm 90 contradicts"),
+        ({"straights_mm": [1, 2]}, ConfigError, r"straights_mm \[1, 2\] contradicts"),
+        ({"corners": []}, ConfigError, "corners: tuple should have at least 1 item"),
+        ({"corners": 3}, ConfigError, "corners: input should be a valid tuple"),
+        ({"corners": [3]}, ConfigError, "corners.0: input should be"),
+        ({"straights_m": ["long"]}, ConfigError, "straights.0: input should be a valid number"),
+        ({"diameter_m": 0.5}, OutOfRange, "diameter 500 mm is out of range"),
+    ],
+)
+def test_bad_run_files_are_refused_in_one_sentence(
+    tmp_path: Path, change: dict[str, object], error: type[PipenavError], message: str
+) -> None:
+    file = tmp_path / "run.json"
+    file.write_text(json.dumps({**run_record(CASES["level"], "mine"), **change}))
+    with pytest.raises(error, match=message) as caught:
+        read_run_folder(file)
+    assert "\n" not in str(caught.value)
+
+
+def test_an_angle_edited_for_people_alone_is_refused(tmp_path: Path) -> None:
+    record = run_record(CASES["level"], "mine")
+    record["corners"][1]["angle_deg"] += 10
+    (tmp_path / "run.json").write_text(json.dumps(record))
+    with pytest.raises(ConfigError, match=r"angle_deg \d+\.\d+ contradicts"):
+        read_run_folder(tmp_path)

@@ -1,0 +1,202 @@
+"""Runs and sets of runs from TOML, shipped ones and a user's own."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from pipenav.errors import PipenavError
+from pipenav.pipe import Pipe
+from pipenav.pipe_run import PipeRun
+from pipenav.pipe_run_set import parse_run, parse_runs, read_run, run_set_names
+from pipenav.pipe_set import parse_pipes, pipe_set_names
+from pipenav.units import m_to_mm, rad_to_deg
+
+ONE = """
+schema = 1
+diameter_mm = 100
+[[corners]]
+angle_deg = 90
+turn = "left"
+straight_mm = 500
+[[corners]]
+angle_deg = 75
+turn = "right"
+roll_deg = 90
+"""
+SET = """
+schema = 1
+description = "mine"
+runs = 4
+seed = 3
+corners = 2
+diameters_mm = [80, 90]
+angles_deg = { start = 90, stop = 120, step = 10 }
+straights_mm = [500]
+ends_mm = 700
+"""
+
+
+def written(folder: Path, text: str) -> str:
+    path = folder / "mine.toml"
+    path.write_text(text, encoding="utf-8")
+    return str(path)
+
+
+@pytest.mark.parametrize("name", run_set_names())
+def test_a_shipped_set_covers_the_working_range_in_runs_of_five_corners(name: str) -> None:
+    runs = parse_runs([name])
+    corners = [corner for run in runs for corner in run.corners]
+    assert len(set(runs)) == 24 and {len(run.corners) for run in runs} == {5}
+    assert Counter(round(m_to_mm(run.diameter)) for run in runs) == dict.fromkeys(range(70, 121, 10), 4)
+    assert {round(rad_to_deg(corner.angle)) for corner in corners} == set(range(55, 126, 5))
+    assert 0.4 < sum(corner.turn == "left" for corner in corners) / len(corners) < 0.6
+
+
+def test_the_rolled_runs_leave_room_for_the_whole_robot_between_two_corners() -> None:
+    straights = {name: {x for run in parse_runs([name]) for x in run.straights[1:-1]} for name in run_set_names()}
+    assert min(straights["runs-level"]) == 0.4 and max(straights["runs-level"]) == 0.8
+    assert min(straights["runs-rolled"]) == 0.9 and max(straights["runs-rolled"]) == 1.3
+
+
+def test_the_level_runs_stay_in_the_plane_and_the_rolled_ones_leave_it_by_quarter_turns() -> None:
+    assert all(run.planar for run in parse_runs(["runs-level"]))
+    assert all({corner.turn for corner in run.corners} >= {"left"} for run in parse_runs(["runs-level"])[:3])
+    rolled = parse_runs(["runs-rolled"])
+    assert not any(run.planar for run in rolled)
+    assert {run.corners[0].roll for run in rolled} == {0.0}
+    rolls = Counter(round(rad_to_deg(corner.roll)) for run in rolled for corner in run.corners[1:])
+    assert set(rolls) == {0, 90, 180, 270} and min(rolls.values()) > 15
+
+
+def test_sets_are_drawn_alike_every_time_and_otherwise_with_another_seed(tmp_path: Path) -> None:
+    first = parse_runs([written(tmp_path, SET)])
+    assert first == parse_runs([written(tmp_path, SET)])
+    assert first != parse_runs([written(tmp_path, SET.replace("seed = 3", "seed = 4"))])
+    assert [round(m_to_mm(run.diameter)) for run in first] == [80, 90, 80, 90]
+    assert {run.straights for run in first} == {(0.7, 0.5, 0.7)}
+
+
+def test_the_first_run_of_a_shipped_set_never_changes() -> None:
+    """What was measured in a set must stay comparable."""
+    assert parse_runs(["runs-level:1"])[0].name == "run-d70-R65-L70-R100-R55-L110"
+    assert parse_runs(["runs-rolled:24"])[0].name == "run-d120-L95-R110roll270-L95roll270-R110roll90-L75roll270"
+
+
+def test_a_run_by_its_number() -> None:
+    runs = parse_runs(["runs-level"])
+    assert parse_runs(["runs-level:1", "runs-level:24"]) == [runs[0], runs[-1]]
+
+
+def test_a_file_of_one_run(tmp_path: Path) -> None:
+    run = PipeRun.of(100, [(90, "left", 0), (75, "right", 90)], [None, 500, None])
+    assert parse_runs([written(tmp_path, ONE)]) == [run] == [read_run(tmp_path / "mine.toml")]
+    assert run.straights == (0.6, 0.5, 0.6)
+
+
+def test_every_number_of_a_file_reaches_the_run(tmp_path: Path) -> None:
+    text = ONE.replace("diameter_mm", "wall_mm = 5\nfirst_straight_mm = 900\ndescription = 'x'\ndiameter_mm")
+    expected = PipeRun.of(100, [(90, "left", 0), (75, "right", 90)], [900, 500, 750], 5)
+    assert parse_runs([written(tmp_path, text + "straight_mm = 750")]) == [expected]
+
+
+@pytest.mark.parametrize("text", ["d=90,angle=60,turn=right", "thesis-train"])
+def test_corners_are_runs_of_one(text: str) -> None:
+    assert parse_runs([text]) == [PipeRun.from_pipe(pipe) for pipe in parse_pipes([text])]
+
+
+def test_a_file_of_pipes_is_a_set_of_runs_of_one(tmp_path: Path) -> None:
+    text = written(tmp_path, 'description = "x"\ndiameters_mm = [80]\nangles_deg = [60]')
+    assert parse_runs([text]) == [PipeRun.from_pipe(Pipe.of(80, 60))]
+
+
+def test_runs_keep_their_order_and_come_once() -> None:
+    runs = parse_runs(["runs-rolled:2", "d=90,angle=60", "runs-rolled"])
+    assert (
+        len(runs) == 25 and runs[1] == PipeRun.from_pipe(Pipe.of(90, 60)) and runs[2] == parse_runs(["runs-rolled"])[0]
+    )
+
+
+def test_names_of_sets_are_told_apart() -> None:
+    assert not set(run_set_names()) & set(pipe_set_names())
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("runs-levle", "unknown set of runs 'runs-levle': did you mean 'runs-level'"),
+        ("thesi", "unknown set of runs 'thesi': did you mean 'thesis'"),
+        ("runs-level:0", "'runs-level:0' names no run of the set: write a number from 1 to 24 after the colon."),
+        ("runs-level:x", "write a number from 1 to 24"),
+        ("no-such.toml", "cannot read no-such.toml: No such file or directory."),
+        ("d=90,angle=60,bend_radius=100", "has a bend radius: the corners of a run are mitres"),
+    ],
+)
+def test_what_is_no_run_is_named(text: str, message: str) -> None:
+    with pytest.raises(PipenavError) as caught:
+        parse_runs([text])
+    assert message in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (ONE.replace("schema = 1", "schema = 2"), "schema: input should be 1, given 2"),
+        (ONE.replace("schema = 1", ""), "schema: field required"),
+        (ONE.replace("diameter_mm", "diametre_mm"), "diameter_mm: field required"),
+        (ONE + "rol_deg = 90", "unknown key 'corners.1.rol_deg': did you mean 'corners.1.roll_deg'"),
+        (ONE + 'straight_mm = "long"', "corners.1.straight_mm: input should be a valid number"),
+        (ONE.replace('turn = "right"', 'turn = "up"'), "mine.toml: turn 'up' is unknown: choose 'left' or 'right'."),
+        (ONE.replace("angle_deg = 75", "angle_deg = 7"), "mine.toml: interior angle of corner 2 7 deg is out of range"),
+        (
+            ONE.replace("straight_mm = 500", "straight_mm = 5"),
+            "mine.toml: length of straight 2 5 mm is out of range: choose",
+        ),
+        ("schema = 1\ndiameter_mm = 100\ncorners = []", "corners: list should have at least 1 item"),
+        (ONE.replace("= 90", "= ninety"), "is not valid TOML"),
+        (SET.replace("seed", "sed"), "seed: field required"),
+        (SET.replace("runs = 4", "runs = 0"), "runs: input should be greater than or equal to 1"),
+        (SET + "roll_deg = [0]", "unknown key 'roll_deg': did you mean 'rolls_deg'"),
+        (SET.replace("[500]", "[50]"), "mine.toml: length of straight 2 50 mm is out of range"),
+        (
+            SET.replace("corners = 2", "corners = 5\nturns = ['left']").replace("120", "90"),
+            "cross themselves: choose wider angles",
+        ),
+    ],
+)
+def test_a_wrong_file_is_explained(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(PipenavError) as caught:
+        parse_runs([written(tmp_path, text)])
+    assert message in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_a_set_is_no_run(tmp_path: Path) -> None:
+    with pytest.raises(PipenavError, match="is not one run: that is a file with a"):
+        read_run(Path(written(tmp_path, SET)))
+
+
+def test_quarter_rolls_of_a_file_are_exact(tmp_path: Path) -> None:
+    assert read_run(Path(written(tmp_path, ONE))).corners[1].roll == math.pi / 2
+
+
+def test_one_run_has_a_name(tmp_path: Path) -> None:
+    assert parse_run(written(tmp_path, ONE)) == ("mine", read_run(tmp_path / "mine.toml"))
+    assert parse_run("runs-level:3") == ("runs-level-3", parse_runs(["runs-level"])[2])
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("runs-level", "runs-level is a set of runs: choose one of them by its number, as in runs-level:1."),
+        ("runs-leve:3", "unknown run 'runs-leve:3': did you mean 'runs-level:1'"),
+        ("d=90,angle=60", "unknown run 'd=90,angle=60': choose 'FILE.toml'"),
+        ("runs-level:25", "write a number from 1 to 24"),
+    ],
+)
+def test_what_is_not_one_run_is_named(text: str, message: str) -> None:
+    with pytest.raises(PipenavError) as caught:
+        parse_run(text)
+    assert message in str(caught.value)

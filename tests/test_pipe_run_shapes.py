@@ -1,0 +1,125 @@
+"""The solids of a run: watertight meshes, and prisms that bound its bore exactly and stay out of it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pipenav.errors import PipenavError
+from pipenav.pipe import Array
+from pipenav.pipe_run import PipeRun
+from pipenav.pipe_run_set import parse_runs
+from pipenav.pipe_run_shapes import FACETS, PRISM_FACES, run_boards_mesh, run_tube_mesh, wall_prisms
+from pipenav.pipe_shapes import Mesh
+
+SHIPPED = parse_runs(["runs-rolled"])[::4] + parse_runs(["runs-level"])[::8]
+TIGHT = PipeRun.of(100, [(55, "left", 30), (125, "right", -45), (90, "left", 90)], [400, 120, 150, 300])
+RUNS = [*SHIPPED, TIGHT, PipeRun.of(70, [(30, "right", 0)]), PipeRun.of(120, [(180, "left", 0)])]
+some_runs = st.sampled_from(RUNS)
+facet_counts = st.sampled_from([8, FACETS])
+
+
+def solid(mesh: Mesh) -> trimesh.Trimesh:
+    return trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
+
+
+def faces_of(prisms: Array) -> tuple[Array, Array]:
+    """Outward normals and offsets of every prism's faces: n x <= d inside, (..., 12, 3) and (..., 12)."""
+    a, b, c = np.moveaxis(prisms[..., PRISM_FACES, :], -2, 0)
+    normal = np.cross(b - a, c - a)
+    normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+    return normal, (normal * a).sum(axis=-1)
+
+
+def depth_in_any(prisms: Array, points: Array) -> Array:
+    """How deep points (p, 3) lie in the prism that holds them deepest, negative outside of all: (p,) [m]."""
+    normal, offset = (x.reshape(-1, 12, *x.shape[3:]) for x in faces_of(prisms))
+    outside = np.einsum("pi,kfi->pkf", points, normal) - offset  # (p, prisms, 12)
+    return np.asarray(-outside.max(axis=2).min(axis=1))
+
+
+@pytest.mark.parametrize("run", RUNS, ids=lambda run: run.name)
+def test_tubes_are_watertight_and_as_large_as_straight_ones(run: PipeRun) -> None:
+    body = solid(run_tube_mesh(run))
+    assert body.is_watertight and body.is_winding_consistent
+    # Shear along a mitre keeps volumes.
+    expected = math.pi * ((run.radius + run.wall) ** 2 - run.radius**2) * sum(run.straights)
+    assert body.volume == pytest.approx(1e9 * expected, rel=5e-3)
+
+
+@pytest.mark.parametrize("run", [run for run in RUNS if run.planar], ids=lambda run: run.name)
+def test_boards_are_watertight_and_as_large_as_straight_ones(run: PipeRun) -> None:
+    body = solid(run_boards_mesh(run))
+    assert body.is_watertight and body.is_winding_consistent
+    assert body.volume == pytest.approx(1e9 * 2 * run.wall * run.diameter * sum(run.straights), rel=1e-3)
+
+
+def test_only_planar_runs_have_boards() -> None:
+    with pytest.raises(PipenavError, match="leaves the plane"):
+        run_boards_mesh(TIGHT)
+
+
+@given(some_runs, facet_counts)
+@settings(max_examples=20, deadline=None)
+def test_prisms_are_convex_and_fill_the_wall(run: PipeRun, facets: int) -> None:
+    prisms = wall_prisms(run, facets)
+    assert prisms.shape == (len(run.straights), facets, 8, 3)
+    normal, offset = faces_of(prisms)
+    beyond = np.einsum("...fi,...vi->...fv", normal, prisms) - offset[..., None]
+    assert beyond.max() < 1e-9  # no corner lies beyond any face
+    volume = np.abs(np.einsum("...fi,...fi->...", np.cross(*_sides(prisms)), prisms[..., PRISM_FACES[:, 0], :])) / 6
+    share = facets * math.tan(math.pi / facets)  # area of the polygon around a circle of radius 1
+    expected = share * ((run.radius + run.wall) ** 2 - run.radius**2) * sum(run.straights)
+    assert np.sum(volume) == pytest.approx(expected)
+
+
+def _sides(prisms: Array) -> tuple[Array, Array]:
+    a, b, c = np.moveaxis(prisms[..., PRISM_FACES, :], -2, 0)
+    return b - a, c - a
+
+
+def to_polygon(run: PipeRun, facets: int, around: Array) -> Array:
+    """Distance from the axis to the polygon around the bore [m]."""
+    side = 2 * math.pi / facets
+    return np.asarray(run.radius / np.cos((around + side / 2) % side - side / 2))
+
+
+def points_at(run: PipeRun, distance: Array, around: Array, share: Array) -> Array:
+    """Points at distances from the axis, in every leg, somewhere between its mitres: (legs points, 3)."""
+    lines = run.legs.lines(distance, around)
+    return np.asarray((lines[:, :-1] + share[:, None, None] * np.diff(lines, axis=1)).reshape(-1, 3))
+
+
+@given(some_runs, facet_counts, st.sampled_from([None, 0.02]), st.integers(0, 99))
+@settings(max_examples=30, deadline=None)
+def test_prisms_begin_where_the_bore_ends_and_none_of_any_leg_reaches_into_it(
+    run: PipeRun, facets: int, thickness: float | None, seed: int
+) -> None:
+    if run == TIGHT:  # whose short straights have no room for thick walls
+        thickness = None
+    rng = np.random.default_rng(seed)
+    around, share = rng.uniform(0, 2 * math.pi, 60), rng.uniform(0, 1, 60)
+    bore = to_polygon(run, facets, around)
+    prisms = wall_prisms(run, facets, thickness)
+    within = points_at(run, (bore - 1e-7) * np.sqrt(rng.uniform(0, 1, 60)), around, share)
+    assert depth_in_any(prisms, within).max() < 0
+    assert depth_in_any(prisms, points_at(run, bore - 1e-7, around, share)).max() < 0
+    assert depth_in_any(prisms, points_at(run, bore + 1e-7, around, share)).min() > 0
+
+
+@pytest.mark.parametrize("facets", [8, FACETS])
+def test_the_polygon_touches_the_round_bore_on_the_left_and_on_every_side_of_a_quarter_turn(facets: int) -> None:
+    prisms = wall_prisms(RUNS[0], facets)
+    first_leg = prisms[0, :: facets // 4, :2].mean(axis=1)  # (4, 3) middles of sides at the open end
+    r = RUNS[0].radius
+    np.testing.assert_allclose(first_leg[:, 1:], [[r, 0], [0, r], [-r, 0], [0, -r]], atol=1e-12)
+
+
+def test_walls_too_thick_for_a_short_straight_are_refused() -> None:
+    with pytest.raises(PipenavError, match="walls of 50 mm do not fit behind the short straights of run-d100"):
+        wall_prisms(TIGHT, thickness=0.05)
