@@ -34,6 +34,10 @@ follows the recorded path and cuts no corners."""
 CAUGHT = 2
 """Ticks without coming close to the next pose after which the arm counts as caught."""
 
+PUSH = 0.01
+"""How far a caught arm's slide goes forwards from where it is [m]: until then it pulls the shoulder of a link against the
+corner's edge, from which the hinges cannot lift it."""
+
 PATIENCE = 3
 """Ticks that backing out may take, per tick of the recorded path."""
 
@@ -115,8 +119,8 @@ class Reach:
 class Back:
     """The recorded path backwards (thesis 3.5: the same joint positions, reversed in time).
 
-    An arm that catches on the corner's edge is freed as a person would do it: a little forwards again along the path,
-    each time farther, then back.
+    An arm that catches on the corner's edge is freed as a person would do it: the slide pushes a little, from the second
+    time on the arm also goes forwards again along the path, each time farther; then back.
     """
 
     def __init__(self, robot: RobotSpec, path: list[Array], period: float) -> None:
@@ -133,15 +137,19 @@ class Back:
         if self._steps >= self._most:
             return "back-timeout"
         self._waited += 1
+        pushed = -np.inf
         if self._next and (away <= FOLLOWING * self._reach).all():
             self._next -= 1
             self._waited = 0
         elif self._next and self._waited >= CAUGHT:
-            self._caught += 1
             self._next = min(self._next + self._caught, len(self._path) - 1)
+            self._caught += 1
             self._waited = 0
+            pushed = reading.q[0, 0] + PUSH
         self._steps += 1
-        return Decision("back", Command("position", self._path[self._next][None]))
+        goal = self._path[self._next].copy()
+        goal[0] = max(goal[0], pushed)
+        return Decision("back", Command("position", goal[None]))
 
 
 class Run:
