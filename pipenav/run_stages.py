@@ -35,8 +35,8 @@ CAUGHT = 2
 """Ticks without coming close to the next pose after which the arm counts as caught."""
 
 PUSH = 0.01
-"""How far a caught arm's slide goes forwards from where it is [m]: until then it pulls the shoulder of a link against the
-corner's edge, from which the hinges cannot lift it."""
+"""How far a caught arm's slide goes forwards from where it is [m]: until then it pulls the shoulder of a link against
+the corner's edge, from which the hinges cannot lift it."""
 
 PATIENCE = 3
 """Ticks that backing out may take, per tick of the recorded path."""
@@ -119,8 +119,8 @@ class Reach:
 class Back:
     """The recorded path backwards (thesis 3.5: the same joint positions, reversed in time).
 
-    An arm that catches on the corner's edge is freed as a person would do it: the slide pushes a little, from the second
-    time on the arm also goes forwards again along the path, each time farther; then back.
+    An arm that catches on the corner's edge is freed as a person would do it: the slide pushes a little, from the
+    second time on the arm also goes forwards again along the path, each time farther; then back.
     """
 
     def __init__(self, robot: RobotSpec, path: list[Array], period: float) -> None:
