@@ -36,9 +36,10 @@ from pipenav.robot import load_robot
 from pipenav.sb3_env import CornerVecEnv
 from pipenav.task import episode
 from pipenav.task.episode import Verdict
-from pipenav.train import new_model
+from pipenav.train import EPISODE_STOCK, new_model
 from pipenav.train_config import TrainConfig, load_config
 from pipenav.training_watch import noise_at
+from pipenav.wall_boxes import wall_boxes
 
 HELD_OUT = [f"d={d},angle={a},turn={t}" for d in (76, 93, 114) for a in (58, 78, 98, 118) for t in ("left", "right")]
 """Pipes that are in no training set."""
@@ -47,8 +48,10 @@ HELD_OUT = [f"d={d},angle={a},turn={t}" for d in (76, 93, 114) for a in (58, 78,
 def make_batch(config: TrainConfig, seed: int) -> CornerBatch:
     robot, n = load_robot(config.robot), config.learner.robots
     sets = [parse_pipes([name]) for name in config.pipes]
+    for pipes in sets:  # worked out once for each pipe, in the first seconds of a training
+        wall_boxes(pipes, 4, np.zeros(len(pipes)))
     rng = np.random.default_rng(seed)
-    source = random_episodes(robot, config.task, sets, rng)
+    source = random_episodes(robot, config.task, sets, rng, EPISODE_STOCK)
     return CornerBatch(robot, config.task, open_backend(config.backend, robot, n, config.options), n, source)
 
 

@@ -98,7 +98,8 @@ class CornerBatch:
         self._side[robots], self._goal[robots], self._edge[robots] = episodes.side, episodes.goal, episodes.edge
         self._action[robots], self._own_q[robots] = 0.0, reading.q
         now = observation.canonical(self.robot, reading, episodes.side)
-        self._now, self._before = self._now.updated(robots, now), self._before.updated(robots, now)
+        self._now.put(robots, now)
+        self._before.put(robots, now)
         self._way[robots] = episode.way_to_goal(now.tip, episodes.goal, episodes.edge)
         observed = observation.observe(self.config, now, now, self._action[robots], episodes.goal)
         self._observation = self._observation.copy()
@@ -141,7 +142,8 @@ class CornerBatch:
         sank = truth.penetration > self.config.max_penetration
         failed = failed_at_limit | sank
         reached = (error <= self.config.reach_tolerance) & ~failed
-        verdict = np.where(self.steps >= self.config.max_steps, Verdict.TIMEOUT.value, Verdict.RUNNING.value)
+        verdict = np.full(self.n, Verdict.RUNNING.value, np.int8)
+        verdict[self.steps >= self.config.max_steps] = Verdict.TIMEOUT.value
         verdict[reached] = Verdict.REACHED.value
         verdict[failed_at_limit] = Verdict.LIMIT.value
         verdict[sank] = Verdict.PENETRATION.value
@@ -155,20 +157,32 @@ class CornerBatch:
             reached=reached,
             failed=failed,
         )
-        return facts, verdict.astype(np.int8)
+        return facts, verdict
 
 
 def random_episodes(
-    robot: RobotSpec, config: TaskConfig, sets: Sequence[Sequence[Pipe]], rng: np.random.Generator
+    robot: RobotSpec, config: TaskConfig, sets: Sequence[Sequence[Pipe]], rng: np.random.Generator, stock: int = 1
 ) -> EpisodeSource:
-    """Episodes with random starts and targets in random pipes: first a set is drawn, each alike, then a pipe of it."""
+    """Episodes with random starts and targets in random pipes: first a set is drawn, each alike, then a pipe of it.
 
+    They are drawn at least `stock` at a time and then dealt out, since hundreds cost hardly more to draw than one;
+    those too few for the robots that ask next are dropped.
+    """
     sizes = np.array([len(pipes) for pipes in sets])
 
-    def source(robots: NDArray[np.intp]) -> Episodes:
-        chosen = rng.integers(len(sets), size=len(robots))
+    def draw(k: int) -> Episodes:
+        chosen = rng.integers(len(sets), size=k)
         places = rng.integers(sizes[chosen])
         pipes = [sets[i][j] for i, j in zip(chosen.tolist(), places.tolist(), strict=True)]
         return episode.sample(robot, config, pipes, rng)
+
+    held, dealt = draw(0), 0
+
+    def source(robots: NDArray[np.intp]) -> Episodes:
+        nonlocal held, dealt
+        if dealt + len(robots) > len(held.pipes):
+            held, dealt = draw(max(len(robots), stock)), 0
+        dealt += len(robots)
+        return held.part(slice(dealt - len(robots), dealt))
 
     return source

@@ -16,18 +16,21 @@ does not; ten milliseconds is also what a force gauge resolves.
 
 
 class Windows:
-    """The windows of a control period of so many physics steps."""
+    """The windows of a control period of so many physics steps; `count` of them."""
 
     def __init__(self, substeps: int, timestep: float) -> None:
-        self._starts = np.arange(0, substeps, max(1, round(FORCE_WINDOW / timestep)))
-        self._share = (1 / np.diff(self._starts, append=substeps))[:, None]
+        window = np.arange(substeps) // max(1, round(FORCE_WINDOW / timestep))
+        self.count = window[-1] + 1
+        member = window == np.arange(self.count)[:, None]  # (windows, substeps)
+        self._weights = member / member.sum(axis=1, keepdims=True)
 
     def means(self, records: Array) -> Array:
         """Mean over each window of values recorded in each physics step, (n, substeps, m) -> (n, windows, m)."""
-        return np.asarray(np.add.reduceat(records, self._starts, axis=1) * self._share)
+        return np.asarray(self._weights @ records)
 
 
 def strongest(forces: Array) -> Array:
     """The largest of each link's forces in the plane, (n, windows, links, 2) -> (n, links, 2) [N]."""
     peak = (forces[..., 0] ** 2 + forces[..., 1] ** 2).argmax(axis=1)  # (n, links)
-    return np.asarray(np.take_along_axis(forces, peak[:, None, :, None], axis=1)[:, 0])
+    robots, links = np.ogrid[: peak.shape[0], : peak.shape[1]]
+    return np.asarray(forces[robots, peak, links])

@@ -33,12 +33,13 @@ def forward(robot: RobotSpec, q: Array) -> ChainPose:
         robot: the chain.
         q: joint positions, (n, joints) [rad or m].
     """
-    q = np.asarray(q, float)
-    headings = np.cumsum(np.where(robot.hinges, q, 0.0), axis=1)
-    along = np.stack([np.cos(headings), np.sin(headings)], axis=-1)  # (n, links, 2)
+    q = np.asarray(q, float).T  # robots come last, the long axis along which numpy is fast
+    hinges, lengths = robot.hinges[:, None], robot.lengths[:, None]
+    headings = np.cumsum(np.where(hinges, q, 0.0), axis=0)  # (links, n)
+    along = np.array([np.cos(headings), np.sin(headings)])  # (2, links, n)
     # Way points in order: each link's start after its slide, then its end. Hinges add nothing to the first kind.
-    ways = np.empty((len(q), 2 * len(robot.links), 2))
-    ways[:, 0::2] = np.where(robot.hinges, 0.0, q)[..., None] * along
-    ways[:, 1::2] = robot.lengths[:, None] * along
+    ways = np.empty((2, 2 * len(headings), q.shape[1]))
+    ways[:, 0::2] = np.where(hinges, 0.0, q) * along
+    ways[:, 1::2] = lengths * along
     points = np.cumsum(ways, axis=1)
-    return ChainPose(points[:, 0::2], points[:, -1], headings)
+    return ChainPose(points[:, 0::2].transpose(2, 1, 0), points[:, -1].T, headings.T)

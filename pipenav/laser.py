@@ -23,11 +23,11 @@ def cast(origins: Array, headings: Array, segments: Array) -> Array:
     Returns:
         (n, beams) [m].
     """
-    # Robots come last, the long axis along which numpy is fast.
-    heading, wall = headings.T, segments.transpose(1, 2, 3, 0)  # (beams, n), (s, 2, 2, n)
+    # Robots come last, the long axis along which numpy is fast; no copy is made where they do so in memory already.
+    heading, (start, end) = np.ascontiguousarray(headings.T), segments.T.swapaxes(0, 1)  # (beams, n), (2, s, n) each
     ux, uy = np.cos(heading), np.sin(heading)
-    ax, ay = np.ascontiguousarray(wall[:, None, 0] - origins.T).transpose(2, 0, 1, 3)  # (s, 1, n) each
-    ex, ey = np.ascontiguousarray(wall[:, None, 1] - wall[:, None, 0]).transpose(2, 0, 1, 3)
+    ax, ay = np.ascontiguousarray(start - origins.T[:, None])[:, :, None]  # (s, 1, n) each
+    ex, ey = np.ascontiguousarray(end - start)[:, :, None]
     determinant = ux * ey - uy * ex  # (s, beams, n)
     with np.errstate(divide="ignore", invalid="ignore"):
         t = (ax * ey - ay * ex) / determinant
@@ -38,6 +38,5 @@ def cast(origins: Array, headings: Array, segments: Array) -> Array:
 
 def measure(laser: Laser, distances: Array) -> Array:
     """What the sensor returns for true distances: rounded to its resolution, clipped to its range. Any shape [m]."""
-    reachable = np.clip(distances, laser.range_min, laser.range_max)
-    rounded = np.round(reachable / laser.resolution) * laser.resolution
-    return np.asarray(np.clip(rounded, laser.range_min, laser.range_max))
+    reachable = np.asarray(distances).clip(laser.range_min, laser.range_max)
+    return np.asarray((np.rint(reachable / laser.resolution) * laser.resolution).clip(laser.range_min, laser.range_max))

@@ -62,7 +62,13 @@ class LocateConfig(BaseModel):
         0.015, gt=0, description="the target is known when all possible ones lie so close [m]; the tip reaches to 0.02"
     )
     votes: float = Field(4.0, ge=1, description="beams that must agree on the second leg's outer wall")
-    agreement: float = Field(0.5, gt=0, le=1, description="their least share of the beams that end beyond the corner")
+    agreement: float = Field(
+        0.4,
+        gt=0,
+        le=1,
+        description="their least share of the beams that end beyond the corner: where readings scatter by as much as "
+        "`tolerance`, right ones give half a vote each",
+    )
     scans: int = Field(2, ge=1, description="scans in a row that must say the same")
 
 
@@ -131,6 +137,7 @@ class MapLocator:
     """Straight along the axis until only one corner fits what the beams have met, and back.
 
     Where the way ahead ends before the corner is known, it goes back too, and looks again: no two scans are the same.
+    A reading at the laser's minimum may be none at all (`_without_dropouts`).
     """
 
     def __init__(self, robot: RobotSpec, config: LocateConfig, n: int) -> None:
@@ -138,12 +145,13 @@ class MapLocator:
         self._map = CornerMap(robot.laser, n, config.tolerance)
         self._advance, self._side, self._home = np.full(n, config.v0), np.ones(n), np.zeros(n)
         self._agreed, self._back = np.zeros(n, int), np.zeros(n, bool)
+        self._wall = np.full((n, robot.laser.beams), -np.inf)
         self._target, self._beam = np.full((n, 2), np.nan), np.full(n, -1)
 
     def start(self, robots: NDArray[np.intp], reading: Reading, side: Array) -> None:
         self._map.forget(robots)
         self._advance[robots], self._side[robots], self._home[robots] = self._config.v0, side, reading.q[:, 0]
-        self._agreed[robots], self._back[robots] = 0, False
+        self._agreed[robots], self._back[robots], self._wall[robots] = 0, False, -np.inf
         self._target[robots], self._beam[robots] = np.nan, -1
 
     def act(self, reading: Reading) -> Decision:
@@ -152,12 +160,23 @@ class MapLocator:
         if len(looking):
             self._look(looking, Reading(*(column[looking] for column in reading)))
         found, at_home = self._beam >= 0, reading.q[:, 0] <= self._home + HOME
-        self._advance = advance(robot, config, self._advance, reading.ranges)
+        self._advance = advance(robot, config, self._advance, self._without_dropouts(reading))
         self._back = found | np.where(self._back, ~at_home, self._advance < STOPPED)
         ahead = np.minimum(reading.q[:, 0] + self._advance, robot.upper[0])
         goal = np.zeros_like(reading.q)
         goal[:, 0] = np.where(self._back, np.maximum(reading.q[:, 0] - config.v0, self._home), ahead)
         return Decision(goal, found & at_home, self._target.copy(), self._beam.copy())
+
+    def _without_dropouts(self, reading: Reading) -> Array:
+        """Readings in which the laser's minimum is what the same beam read before, less the way since, (n, beams).
+
+        A scanner that faces open space may give its minimum (thesis 5.4.2), which must not stop the robot; a wall that
+        really is so near was seen while it came near. A beam that has read nothing else yet is taken at its word.
+        """
+        slide = reading.q[:, :1]
+        read = reading.ranges > self._robot.laser.range_min
+        self._wall = np.where(read, slide + reading.ranges, self._wall)
+        return np.where(read, reading.ranges, np.maximum(self._wall - slide, self._robot.laser.range_min))
 
     def _look(self, robots: NDArray[np.intp], reading: Reading) -> None:
         """Take in a scan of robots that have no target yet, and see whether the corner is known."""

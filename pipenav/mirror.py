@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from pipenav import kinematics
 from pipenav.backend import CONTROL_PERIOD, Backend
 from pipenav.errors import PipenavError
+from pipenav.follow import Follower
 from pipenav.outline import foremost
 from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
@@ -188,21 +189,12 @@ def is_out(robot: RobotSpec, pipe: Pipe, base: float, q: Array) -> NDArray[np.bo
     return np.asarray(base + foremost(robot, q) <= -pipe.inner_edge)
 
 
-def settling_steps(robot: RobotSpec) -> int:
-    """Control steps that a rear passage may take beyond its commands.
-
-    The time in which the slowest joint crosses its whole travel at no-load speed. An arm that only lags behind its
-    commands has caught up with the last one by then; one that has not is stuck.
-    """
-    return math.ceil(float(((robot.upper - robot.lower) / robot.speed_limits).max()) / CONTROL_PERIOD)
-
-
 class RearStage(Stage):
-    """The rear half leaves the corner: its motion is sent, row by row, to the position controllers.
+    """The rear half leaves the corner: its motion is sent, row by row, to the position controllers, see `Follower`.
 
     Every robot starts at rest in its motion's first row, the mirrored final pose of the front passage, and after the
-    last row holds it. REACHED: the whole arm is out of the corner, see `is_out`; that has to happen within the motion's
-    own length and `settling_steps`, else TIMEOUT. Joint limits and overlap are judged as in the front's task.
+    last row holds it. REACHED: the whole arm is out of the corner, see `is_out`; that has to happen within the
+    follower's patience, else TIMEOUT. Joint limits and overlap are judged as in the front's task.
     """
 
     def __init__(
@@ -212,6 +204,7 @@ class RearStage(Stage):
         self._backend, self._source, self._config = backend, source, config or TaskConfig()
         self._steps = np.zeros(n, np.intp)
         self._motions: list[Motion] = []
+        self._follower, self._q = Follower(robot, n, CONTROL_PERIOD), np.zeros((n, len(robot.joints)))
 
     @property
     def steps(self) -> NDArray[np.intp]:
@@ -224,21 +217,21 @@ class RearStage(Stage):
         for robot, motion in zip(robots, motions, strict=True):
             self._motions[robot] = motion
         first, base = np.array([motion.q[0] for motion in motions]), np.array([motion.base for motion in motions])
-        self._backend.reset(robots, [motion.pipe for motion in motions], first, base)
-        self._steps[robots] = 0
+        reading = self._backend.reset(robots, [motion.pipe for motion in motions], first, base)
+        self._follower.start(robots, [motion.q for motion in motions])
+        self._steps[robots], self._q[robots] = 0, reading.q
 
     def step(self) -> StageStep:
         self._steps += 1
-        rows = zip(self._motions, self._steps.tolist(), strict=True)
-        goal = np.array([motion.q[min(step, len(motion.q) - 1)] for motion, step in rows])
+        goal = self._follower.act(self._q)
         self._backend.step(Command("position", np.clip(goal, self.robot.lower, self.robot.upper)))
         reading, truth = self._backend.read(), self._backend.truth()
+        self._q = reading.q
         if truth is None:
             raise TypeError("a rear passage needs a simulator: this backend knows no truth")
         edges = np.array([motion.base + motion.pipe.inner_edge for motion in self._motions])
-        limits = np.array([len(motion.q) - 1 for motion in self._motions]) + settling_steps(self.robot)
         verdict = np.full(self.n, Verdict.RUNNING, np.int8)
-        verdict[self._steps >= limits] = Verdict.TIMEOUT
+        verdict[self._steps >= self._follower.patience] = Verdict.TIMEOUT
         verdict[foremost(self.robot, reading.q) + edges <= 0] = Verdict.REACHED
         verdict[at_limit(self.robot, self._config, reading.q)] = Verdict.LIMIT
         verdict[truth.penetration > self._config.max_penetration] = Verdict.PENETRATION

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipenav import kinematics
+from pipenav.follow import Follower
 from pipenav.locate import LocateConfig, MapLocator
 from pipenav.policy import Policy
 from pipenav.robot import RobotSpec
@@ -27,22 +28,9 @@ LOCATE_TICKS = 300
 HOME_TOLERANCE = 0.25
 """How close to its start pose every joint must come back, as a share of its fastest motion in a tick."""
 
-FOLLOWING = 1.0
-"""How close to a recorded pose every joint must be, in the same unit, before the pose before it is given: the arm
-follows the recorded path and cuts no corners."""
-
-CAUGHT = 2
-"""Ticks without coming close to the next pose after which the arm counts as caught."""
-
 PUSH = 0.01
 """How far a caught arm's slide goes forwards from where it is [m]: until then it pulls the shoulder of a link against
 the corner's edge, from which the hinges cannot lift it."""
-
-PATIENCE = 3
-"""Ticks that backing out may take, per tick of the recorded path."""
-
-SLACK = 30
-"""Ticks that backing out may take besides."""
 
 
 class Decision(NamedTuple):
@@ -117,39 +105,27 @@ class Reach:
 
 
 class Back:
-    """The recorded path backwards (thesis 3.5: the same joint positions, reversed in time).
-
-    An arm that catches on the corner's edge is freed as a person would do it: the slide pushes a little, from the
-    second time on the arm also goes forwards again along the path, each time farther; then back.
-    """
+    """The recorded path backwards (thesis 3.5: the same joint positions, reversed in time), see `Follower`; where it is
+    caught, the slide pushes a little before it pulls again."""
 
     def __init__(self, robot: RobotSpec, path: list[Array], period: float) -> None:
-        self._path, self._next = path, len(path) - 1
-        self._reach = robot.speed_limits * period
-        self._steps, self._most = 0, PATIENCE * len(path) + SLACK
-        self._waited, self._caught = 0, 0
+        self._follower = Follower(robot, 1, period)
+        self._follower.start(np.arange(1), [np.array(path[::-1])])
+        self._home = HOME_TOLERANCE * robot.speed_limits * period
+        self._steps = 0
 
     def decide(self, reading: Reading) -> Decision | str:
         """A command, or the outcome: `home` or `back-timeout`."""
-        away = np.abs(reading.q[0] - self._path[self._next])
-        if self._next == 0 and (away <= HOME_TOLERANCE * self._reach).all():
+        follower = self._follower
+        if follower.at_last[0] and (follower.away(reading.q) <= self._home).all():
             return "home"
-        if self._steps >= self._most:
+        if self._steps >= follower.patience[0]:
             return "back-timeout"
-        self._waited += 1
-        pushed = -np.inf
-        if self._next and (away <= FOLLOWING * self._reach).all():
-            self._next -= 1
-            self._waited = 0
-        elif self._next and self._waited >= CAUGHT:
-            self._next = min(self._next + self._caught, len(self._path) - 1)
-            self._caught += 1
-            self._waited = 0
-            pushed = reading.q[0, 0] + PUSH
         self._steps += 1
-        goal = self._path[self._next].copy()
-        goal[0] = max(goal[0], pushed)
-        return Decision("back", Command("position", goal[None]))
+        goal = follower.act(reading.q)
+        if follower.caught[0]:
+            goal[0, 0] = max(goal[0, 0], reading.q[0, 0] + PUSH)
+        return Decision("back", Command("position", goal))
 
 
 class Run:

@@ -39,10 +39,11 @@ class CornerVecEnv(VecEnv):  # type: ignore[misc]  # Stable-Baselines3 is import
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         ended = np.flatnonzero(done)
         info = step_info(result, ended)
+        truncated = result.verdict[ended] == Verdict.TIMEOUT.value
         for k, i in enumerate(ended.tolist()):
             infos[i] = one_info(info, k) | {
                 "terminal_observation": observation[i],
-                "TimeLimit.truncated": bool(result.verdict[i] == Verdict.TIMEOUT),
+                "TimeLimit.truncated": truncated[k].item(),
                 "episode": {"r": float(self._returns[i]), "l": int(self.batch.steps[i])},
             }
         if len(ended):

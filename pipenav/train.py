@@ -21,6 +21,9 @@ from pipenav.sb3_env import CornerVecEnv
 from pipenav.train_config import TrainConfig
 from pipenav.training_watch import Progress, Watch
 
+EPISODE_STOCK = 512
+"""How many episodes are drawn at a time."""
+
 LEARNING_RATE_FLOOR = 0.05
 """Share of the learning rate that is left at the end."""
 
@@ -55,7 +58,7 @@ def train(
     rng = np.random.default_rng(config.seed)
     simulator = open_backend(config.backend, robot, n, config.options, segments)
     backend = disturbed(simulator, robot, n, config.randomise, config.seed)
-    source = random_episodes(robot, config.randomise.starts(config.task), sets, rng)
+    source = random_episodes(robot, config.randomise.starts(config.task), sets, rng, EPISODE_STOCK)
     batch = CornerBatch(robot, config.task, backend, n, source)
     env = CornerVecEnv(batch)
     try:

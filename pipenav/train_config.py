@@ -36,7 +36,7 @@ class NetworkConfig(_Table):
 class LearnerConfig(_Table):
     """PPO (clip) with generalised advantage estimation."""
 
-    robots: int = Field(128, ge=1, le=4096, description="robots that are stepped together")
+    robots: int = Field(192, ge=1, le=4096, description="robots that are stepped together")
     rollout_steps: int = Field(16, ge=2, description="control steps of each robot between two updates")
     batch_size: int = Field(512, ge=2, description="samples of a gradient step")
     epochs: int = Field(8, ge=1, description="passes over a rollout")

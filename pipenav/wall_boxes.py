@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pipenav.errors import PipenavError
 from pipenav.pipe import Pipe
 
 Array = NDArray[np.float64]
@@ -61,20 +62,28 @@ def wall_boxes(pipes: Sequence[Pipe], slots: int, base: Array, edge: Edge = SHAR
 
     The robot never moves its mount: the walls come to it, so `base` (k,), where the robot's frame starts on the first
     leg's axis, is subtracted.
+
+    Raises:
+        PipenavError: a pipe has more wall segments than there are slots.
     """
-    walls = WallBoxes(*(np.array(parts) for parts in zip(*(_boxes(pipe, slots, edge) for pipe in pipes), strict=True)))
+    rows = np.array([_boxes(pipe, slots, edge) for pipe in pipes]).reshape(len(pipes), slots, -1)
+    walls = WallBoxes(rows[..., :3], rows[..., 3:7], rows[..., 7:10], rows[..., 10:].reshape(len(pipes), slots, 2, 2))
     walls.position[..., 0] -= base[:, None]
     walls.segments[..., 0] -= base[:, None, None]
     return walls
 
 
 @lru_cache(maxsize=4096)  # every pipe of the largest shipped training set
-def _boxes(pipe: Pipe, slots: int, edge: Edge) -> WallBoxes:
-    """The boxes of one pipe in its own frame.
+def _boxes(pipe: Pipe, slots: int, edge: Edge) -> Array:
+    """The boxes of one pipe in its own frame, one row each: position, quaternion, half size, both ends of the face.
 
     Where the free space is convex (the outer wall's vertices) a box runs on past the vertex by its thickness, so that
     no gap opens between neighbours; at the inner wall's edges boxes end at the vertex and are thin.
     """
+    if len(pipe.segments) > slots:
+        raise PipenavError(
+            f"pipe {pipe.name} has {len(pipe.segments)} wall segments, this backend was opened for {slots}."
+        )
     used = np.arange(slots) < len(pipe.segments)
     outer = np.arange(slots) < len(pipe.walls.outer) - 1
     segments = np.tile(pipe.segments[-1], (slots, 1, 1))
@@ -87,9 +96,7 @@ def _boxes(pipe: Pipe, slots: int, edge: Edge) -> WallBoxes:
     centre = (start + end) / 2 + behind * thickness[:, None] / 2
     yaw = np.arctan2(along[:, 1], along[:, 0])
     zero = np.zeros(slots)
-    return WallBoxes(
-        np.column_stack([centre, np.where(used, 0.0, PARKED)]),
-        np.stack([np.cos(yaw / 2), zero, zero, np.sin(yaw / 2)], axis=1),
-        np.stack([length / 2 + overlap, thickness / 2, zero + WALL_HALF_HEIGHT], axis=1),
-        segments,
-    )
+    position = [centre, np.where(used, 0.0, PARKED)]
+    quaternion = [np.cos(yaw / 2), zero, zero, np.sin(yaw / 2)]
+    half_size = [length / 2 + overlap, thickness / 2, zero + WALL_HALF_HEIGHT]
+    return np.column_stack([*position, *quaternion, *half_size, start, end])

@@ -122,7 +122,7 @@ def test_the_way_changes_by_no_more_than_the_tip_moves(seed: int, pipe: Pipe, st
     side = episodes.side[0]
     inside = pipe.contains(tips * [1, side]) & pipe.contains(moved * [1, side])
     inside &= pipe.contains((tips + moved) / 2 * [1, side])
-    goal, edge = (in_pipe(a, episodes.base[0], 1.0) for a in (episodes.goal, episodes.edge))
+    goal, edge = (np.tile(in_pipe(a, episodes.base[0], 1.0), (400, 1)) for a in (episodes.goal, episodes.edge))
     change = way_to_goal(moved, goal, edge) - way_to_goal(tips, goal, edge)
     assert np.all(np.abs(change[inside]) <= step + 1e-9)
 
@@ -135,7 +135,7 @@ def test_the_way_falls_to_zero_along_the_way(seed: int, pipe: Pipe) -> None:
     stations = [np.linspace(tip[0], episodes.edge[0], 50), np.linspace(episodes.edge[0], episodes.goal[0], 50)]
     path = np.concatenate(stations)
     path[:, 1] -= 1e-9  # on the free side of the edge
-    ways = way_to_goal(path, episodes.goal, episodes.edge)
+    ways = way_to_goal(path, np.tile(episodes.goal, (100, 1)), np.tile(episodes.edge, (100, 1)))
     assert np.all(np.diff(ways) <= 1e-8)
     assert ways[-1] == pytest.approx(0.0, abs=1e-8)
 

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from pipenav import mirror
+from pipenav import follow, mirror
 from pipenav.clearance import clearance
 from pipenav.controller import open_controller
 from pipenav.errors import PipenavError
@@ -175,7 +175,7 @@ def test_the_rear_leaves_the_corner(front: Trajectory) -> None:
     rear = rear_motion(ROBOT, front.motion)
     ends, steps = run(RearStage(ROBOT, open_backend("mujoco", ROBOT, 3, FAST), 3, lambda robots: [rear] * len(robots)))
     assert ends == ["reached"] * 3
-    assert max(steps) <= len(rear.q) - 1 + mirror.settling_steps(ROBOT)
+    assert max(steps) <= follow.PATIENCE * (len(rear.q) - 1) + follow.SLACK
 
 
 def test_each_robot_replays_its_own_motion_anew_after_each_start(front: Trajectory) -> None:
@@ -204,13 +204,7 @@ def test_an_arm_that_stays_in_the_corner_times_out() -> None:
     bent = np.tile([0.2, 0.3, 0.3, 0.3], (4, 1))
     motion = Motion(Pipe.of(120, 90), -0.5, bent)
     stage = RearStage(ROBOT, KinematicBackend(ROBOT, 1, KinematicOptions()), 1, lambda _: [motion])
-    assert run(stage) == (["timeout"], [3 + mirror.settling_steps(ROBOT)])
-
-
-def test_the_settling_time_lets_every_joint_cross_its_travel() -> None:
-    seconds = mirror.settling_steps(ROBOT) * 0.1
-    slowest = ((ROBOT.upper - ROBOT.lower) / ROBOT.speed_limits).max()
-    assert slowest <= seconds < slowest + 0.1
+    assert run(stage) == (["timeout"], [3 * follow.PATIENCE + follow.SLACK])
 
 
 def test_a_joint_at_its_limit_and_a_link_in_the_wall_end_it() -> None:

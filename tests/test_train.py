@@ -79,15 +79,15 @@ def copied(run: RunFolder, tmp_path: Path) -> RunFolder:
 
 def test_a_training_learns_to_pass_one_corner(tmp_path: Path) -> None:
     config = load_config(
-        options={"pipes": ["d=110,angle=110"], "steps": 14_336, "check.every": 14_336, "check.episodes": 32}
+        options={"pipes": ["d=110,angle=110"], "steps": 18_432, "check.every": 18_432, "check.episodes": 32}
     )
     folder, outcome = trained(tmp_path / "run", config)
-    assert (outcome.steps, outcome.stopped) == (14_336, False)
+    assert (outcome.steps, outcome.stopped) == (18_432, False)
     assert outcome.check_success >= 0.9
     rows = progress(folder)
     assert float(rows[0]["success"] or 0) < 0.5 < float(rows[-1]["success"])
     header = load_policy(folder.best).header
-    assert header.training["steps"] == 14_336
+    assert header.training["steps"] == 18_432
     assert header.task == config.task
 
 

@@ -32,5 +32,4 @@ def to_command(robot: RobotSpec, config: TaskConfig, action: Array, q: Array, si
 
 def position_step(robot: RobotSpec, config: TaskConfig) -> Array:
     """The set-point change of a full action, (joints,) [rad or m]."""
-    unit = np.array([config.slide_unit if joint.type == "slide" else 1.0 for joint in robot.joints])
-    return config.alpha * unit
+    return config.alpha * np.where(robot.hinges, 1.0, config.slide_unit)

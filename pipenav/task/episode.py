@@ -53,6 +53,11 @@ class Episodes(NamedTuple):
     goal: Array
     edge: Array
 
+    def part(self, which: slice) -> Episodes:
+        """Some of the episodes."""
+        pipes, *columns = self
+        return Episodes(pipes[which], *(column[which] for column in columns))
+
 
 def sample(robot: RobotSpec, config: TaskConfig, pipes: Sequence[Pipe], rng: np.random.Generator) -> Episodes:
     """Random start poses and targets, one episode for each of the given pipes."""
@@ -61,7 +66,7 @@ def sample(robot: RobotSpec, config: TaskConfig, pipes: Sequence[Pipe], rng: np.
     gap = rng.uniform(*config.start_gap, k)
     depth = rng.uniform(*config.target_depth, k)
     lateral = rng.uniform(-config.target_lateral, config.target_lateral, k)
-    side, turn, radius, inner = np.array([_corner(pipe) for pipe in pipes]).T
+    side, turn, radius, inner = np.array([_corner(pipe) for pipe in pipes]).reshape(k, 4).T
     q = bend * _room(robot, bend, radius)[:, None]
     base = -inner - gap - robot.length
     along, left = _second_leg(turn)
@@ -128,14 +133,10 @@ def way_to_goal(tip: Array, goal: Array, edge: Array) -> Array:
         goal: (n, 2) [m].
         edge: the inner edge, (n, 2) [m].
     """
-    hidden = _turn_from_wall(goal - edge) - _turn_from_wall(tip - edge) > np.pi
-    around = np.hypot(*(edge - tip).T) + np.hypot(*(goal - edge).T)
-    return np.asarray(np.where(hidden, around, np.hypot(*(goal - tip).T)))
-
-
-def _turn_from_wall(vector: Array) -> Array:
-    """Heading of vectors (n, 2), counted from `INSIDE_WALL` counter-clockwise: (n,) in [0, 2 pi)."""
-    return np.asarray(np.mod(np.arctan2(vector[:, 1], vector[:, 0]) - INSIDE_WALL, 2 * np.pi))
+    x, y = np.array([(goal - edge).T, (tip - edge).T, (goal - tip).T]).swapaxes(0, 1)  # (3, n) each
+    goal_distance, tip_distance, straight = np.hypot(x, y)
+    goal_turn, tip_turn = np.mod(np.arctan2(y[:2], x[:2]) - INSIDE_WALL, 2 * np.pi)  # counter-clockwise
+    return np.asarray(np.where(goal_turn - tip_turn > np.pi, tip_distance + goal_distance, straight))
 
 
 def at_limit(robot: RobotSpec, config: TaskConfig, q: Array) -> NDArray[np.bool_]:

@@ -49,12 +49,10 @@ class Snapshot(NamedTuple):
         """The snapshot of some robots, k of them."""
         return Snapshot(*(column[robots] for column in self))
 
-    def updated(self, robots: NDArray[np.intp], part: Snapshot) -> Snapshot:
-        """A copy in which some robots' rows are those of `part`."""
-        columns = [column.copy() for column in self]
-        for column, rows in zip(columns, part, strict=True):
+    def put(self, robots: NDArray[np.intp], part: Snapshot) -> None:
+        """Make some robots' rows those of `part`, in place."""
+        for column, rows in zip(self, part, strict=True):
             column[robots] = rows
-        return Snapshot(*columns)
 
 
 def canonical(robot: RobotSpec, reading: Reading, side: Array) -> Snapshot:
@@ -107,7 +105,7 @@ def observe(config: TaskConfig, now: Snapshot, before: Snapshot, action_before: 
     tip = now.tip
     if config.observation == "relative":
         goal_in_tip = _in_tip_frame(goal - tip, now.heading)
-        distance = np.linalg.norm(goal_in_tip, axis=1, keepdims=True)
+        distance = np.hypot(goal_in_tip[:, :1], goal_in_tip[:, 1:])
         near = goal_in_tip / (distance + NEAR)
         return np.concatenate([now.q, now.qd, now.ranges, goal_in_tip, near], axis=1)
     if config.observation == "basic":
@@ -121,7 +119,7 @@ def _in_tip_frame(vector: Array, heading: Array) -> Array:
     """World vectors (n, 2) in frames turned by `heading` (n,)."""
     cos, sin = np.cos(heading), np.sin(heading)
     x, y = vector[:, 0], vector[:, 1]
-    return np.stack([cos * x + sin * y, cos * y - sin * x], axis=1)
+    return np.array([cos * x + sin * y, cos * y - sin * x]).T
 
 
 def scale_of(robot: RobotSpec, config: TaskConfig) -> Array:

@@ -77,11 +77,13 @@ TARGET_TERMS = {"linear": target_linear, "huber": target_huber, "log": target_lo
 
 def total(config: RewardConfig, facts: StepFacts) -> Array:
     """Eq 3.12 (c3 = 0) and eq 3.15, and our own terms where their weights are not zero: (n,)."""
-    reward = config.c1 * TARGET_TERMS[config.target](facts.error)
+    reward = np.full(len(facts.error), config.step)
+    if config.c1:
+        reward = reward + config.c1 * TARGET_TERMS[config.target](facts.error)
     if config.c2:
         reward = reward + config.c2 * laser(facts.ranges, config.beta, config.d0)
     if config.c3:
         reward = reward + config.c3 * joint_change(facts.joint_change)
-    reward = reward + config.progress * facts.progress + config.reach * facts.reached + config.step
+    reward = reward + config.progress * facts.progress + config.reach * facts.reached
     reward = reward + config.force * facts.contact_force + config.penetration * 1e3 * facts.penetration
     return np.asarray(config.scale * np.where(facts.failed, config.limit, reward))

@@ -53,7 +53,7 @@ class MujocoBackend(backend.Backend):
         contact = Contact(options.contact_time_constant, options.contact_impedance)
         self._model = build_spec(robot, wall_segments, options.timestep, contact).compile()
         self._batch = mujoco.batch.Batch(self._model, n, options.threads)
-        self._segments = np.full((n, wall_segments, 2, 2), np.inf)
+        self._segments = np.full((2, 2, wall_segments, n), np.inf).T  # robots last in memory: see laser.cast
         self._base = np.zeros(n)
         self._control: Control | None = None
         self._pose: kinematics.ChainPose | None = None
@@ -77,12 +77,6 @@ class MujocoBackend(backend.Backend):
         self._windows = Windows(self._substeps, model.opt.timestep)
 
     def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> Reading:
-        for pipe in pipes:
-            if len(pipe.segments) > self._slots:
-                raise PipenavError(
-                    f"pipe {pipe.name} has {len(pipe.segments)} wall segments, "
-                    f"this backend was opened for {self._slots}."
-                )
         walls = wall_boxes(pipes, self._slots, base)
         self._wall_position[robots], self._wall_quaternion[robots] = walls.position, walls.quaternion
         self._wall_half_size[robots], self._segments[robots] = walls.half_size, walls.segments
@@ -100,11 +94,15 @@ class MujocoBackend(backend.Backend):
         self._ctrl[:] = command.values
         self._batch.rollout(self._substeps, record=("sensordata",), out=self._record)
         self._pose = None
-        sensors = self._record["sensordata"]  # (n, substeps, 3 per link + found + dist)
-        self._depth = np.maximum(-sensors[:, :, -1].min(axis=1), 0.0)
-        self._contact_share = np.count_nonzero(sensors[:, :, -2], axis=1) / self._substeps
-        means = self._windows.means(sensors)[..., :-2].reshape(len(sensors), -1, len(self._robot.links), 3)
-        self._link_forces = -strongest(means[..., :2])  # the sensors give what the link does to the wall
+        sensors = self._record["sensordata"]  # (n, substeps, 3 per link + 1)
+        distance = np.ascontiguousarray(sensors[:, :, -1].T)  # of the deepest contact, 0 where there is none
+        self._depth = np.maximum(-distance.min(axis=0), 0.0)
+        self._contact_share = (distance < 0).sum(axis=0) / self._substeps
+        touching = np.flatnonzero(self._depth)
+        shape = len(touching), self._windows.count, len(self._robot.links), 3
+        means = self._windows.means(sensors[touching])[..., :-1].reshape(shape)
+        self._link_forces = np.zeros_like(self._link_forces)
+        self._link_forces[touching] = -strongest(means[..., :2])  # the sensors give what the link does to the wall
 
     def _set_gains(self, robots: slice | NDArray[np.intp]) -> None:
         """Make the actuators position servos or plain drives; both share the motor's torque-speed line."""

@@ -133,7 +133,7 @@ def _surface(robot: RobotSpec, contact: Contact) -> dict[str, Any]:
 def _add_sensors(spec: Any, robot: RobotSpec) -> None:
     """Per link the net force of the walls, then the depth of the deepest contact."""
     kind, reduce = mujoco.mjtSensor.mjSENS_CONTACT, {"mindist": 1, "netforce": 3}
-    found, force, dist = 1 << 0, 1 << 1, 1 << 3
+    force, dist = 1 << 1, 1 << 3
     for link in robot.links:
         spec.add_sensor(
             name=f"force_{link.name}",
@@ -148,5 +148,5 @@ def _add_sensors(spec: Any, robot: RobotSpec) -> None:
         type=kind,
         objtype=mujoco.mjtObj.mjOBJ_UNKNOWN,
         reftype=mujoco.mjtObj.mjOBJ_UNKNOWN,
-        intprm=[found | dist, reduce["mindist"], 1],
+        intprm=[dist, reduce["mindist"], 1],
     )
