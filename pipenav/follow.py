@@ -38,13 +38,15 @@ class Follower:
 
     Attributes:
         rows: the pose that each arm was given last, counted from 0, (n,).
+        caught: which arms counted as caught in the last tick, (n,).
     """
 
     def __init__(self, robot: RobotSpec, n: int, period: float) -> None:
         self._near = FOLLOWING * robot.speed_limits * period
         self._paths: list[Array] = [np.zeros((1, len(robot.joints)))] * n
         self.rows, self._last = np.zeros(n, np.intp), np.zeros(n, np.intp)
-        self._waited, self._caught = np.zeros(n, np.intp), np.zeros(n, np.intp)
+        self._waited, self._times = np.zeros(n, np.intp), np.zeros(n, np.intp)
+        self.caught = np.zeros(n, bool)
 
     @property
     def patience(self) -> NDArray[np.intp]:
@@ -65,7 +67,7 @@ class Follower:
         """
         for robot, path in zip(robots, paths, strict=True):
             self._paths[robot], self._last[robot] = path, len(path) - 1
-        self.rows[robots], self._waited[robots], self._caught[robots] = 0, 0, 0
+        self.rows[robots], self._waited[robots], self._times[robots] = 0, 0, 0
 
     def away(self, q: Array) -> Array:
         """How far the arms are from the poses that they were given last, (n, joints) [rad or m]."""
@@ -79,10 +81,10 @@ class Follower:
         """
         near = (self.away(q) <= self._near).all(axis=1)
         self._waited = np.where(near, 0, self._waited + 1)
-        caught = self._waited >= CAUGHT
-        self._caught[caught] += 1
-        self._waited[caught] = 0
-        rows = np.where(caught, self.rows - self._caught, np.where(near, self.rows + 1, self.rows))
+        self.caught = self._waited >= CAUGHT
+        self._times[self.caught] += 1
+        self._waited[self.caught] = 0
+        rows = np.where(self.caught, self.rows - self._times, np.where(near, self.rows + 1, self.rows))
         self.rows = np.clip(rows, 0, self._last)
         return self._goal()
 

@@ -28,6 +28,10 @@ LOCATE_TICKS = 300
 HOME_TOLERANCE = 0.25
 """How close to its start pose every joint must come back, as a share of its fastest motion in a tick."""
 
+PUSH = 0.01
+"""How far a caught arm's slide goes forwards from where it is [m]: until then it pulls the shoulder of a link against
+the corner's edge, from which the hinges cannot lift it."""
+
 
 class Decision(NamedTuple):
     """What to do in one tick.
@@ -101,7 +105,8 @@ class Reach:
 
 
 class Back:
-    """The recorded path backwards (thesis 3.5: the same joint positions, reversed in time), see `Follower`."""
+    """The recorded path backwards (thesis 3.5: the same joint positions, reversed in time), see `Follower`; where it is
+    caught, the slide pushes a little before it pulls again."""
 
     def __init__(self, robot: RobotSpec, path: list[Array], period: float) -> None:
         self._follower = Follower(robot, 1, period)
@@ -117,7 +122,10 @@ class Back:
         if self._steps >= follower.patience[0]:
             return "back-timeout"
         self._steps += 1
-        return Decision("back", Command("position", follower.act(reading.q)))
+        goal = follower.act(reading.q)
+        if follower.caught[0]:
+            goal[0, 0] = max(goal[0, 0], reading.q[0, 0] + PUSH)
+        return Decision("back", Command("position", goal))
 
 
 class Run:

@@ -4,64 +4,29 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from emulated import PATIENCE, ROBOT, driver, switch_on, tick
 from pipenav_hardware import packets
 from pipenav_hardware.backend import HardwareBackend, HardwareOptions
-from pipenav_hardware.check import findings
 from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
 from pipenav_hardware.servos import Servos
 
 from pipenav.deploy import hold_until
 from pipenav.errors import PipenavError
-from pipenav.registry import open_backend
-from pipenav.robot import load_robot
 from pipenav.safety import Stopped
 from pipenav.state import Command
 
 pytestmark = pytest.mark.flaky(reruns=2)  # real time over a serial line: a busy machine may miss a deadline
-
-ROBOT = load_robot("basic")
-PATIENCE = 4.0
-"""Tests run on busy machines: their clocks' limits are wider, except where a limit is what is tested."""
 
 
 @pytest.fixture
 def emulator() -> Iterator[Emulator]:
     with Emulator(ROBOT, boot_time=0.0) as started:
         yield started
-
-
-@contextmanager
-def driver(emulator: Emulator, **options: Any) -> Iterator[HardwareBackend]:
-    settings = {"arm": str(emulator.arm_path), "patience": PATIENCE} | options
-    machine = open_backend("hardware", ROBOT, 1, settings)
-    assert isinstance(machine, HardwareBackend)
-    try:
-        yield machine
-    finally:
-        machine.close()
-
-
-def switch_on(machine: HardwareBackend) -> np.ndarray:
-    start = machine.read().q
-    machine.reset(np.array([0]), [], start, np.zeros(1))
-    return start
-
-
-def tick(machine: HardwareBackend, target: np.ndarray, count: int = 1) -> None:
-    for _ in range(count):
-        machine.read()
-        if machine.complete:
-            machine.send(Command("position", target))
-        else:
-            machine.hold()
-        machine.wait()
 
 
 def test_the_arm_goes_where_it_is_told_within_its_limits(emulator: Emulator) -> None:
@@ -193,6 +158,22 @@ def test_what_can_be_borne_is_borne(emulator: Emulator, order: dict[str, Any]) -
         emulator.order(clear=True)
         tick(machine, target, 2)
         assert machine.read().q == pytest.approx(target, abs=0.01)
+
+
+def test_a_lost_answer_does_not_spoil_the_start(emulator: Emulator) -> None:
+    with driver(emulator) as machine:
+        emulator.order(fault="drop", servo=2, count=2)  # the question and its repetition
+        target = switch_on(machine) + 0.02
+        emulator.order(fault="drop", servo=2, count=2)
+        machine.read()
+        assert not machine.complete, "the first tick is one like any other"
+        machine.hold()
+        machine.wait()
+        tick(machine, target)
+    with driver(emulator) as machine:
+        emulator.order(fault="drop", servo=2)
+        with pytest.raises(PipenavError, match=r"servo 2 \(theta1\) did not answer for 2 ticks"):
+            machine.read()
 
 
 def test_a_missing_answer_holds_the_arm_for_that_tick(emulator: Emulator) -> None:
@@ -357,70 +338,6 @@ def test_the_arm_must_be_where_a_reset_says(emulator: Emulator) -> None:
         with pytest.raises(PipenavError, match=r"joint theta2 is 0\.500 from its start position"):
             machine.reset(np.array([0]), [], start + np.array([[0, 0, 0.5, 0]]), np.zeros(1))
     assert judge.only_asked(emulator.log_path)
-
-
-def levels(emulator: Emulator) -> dict[str, str]:
-    return {finding.what: finding.level for finding in findings(emulator.arm)}
-
-
-def test_a_check_of_a_healthy_arm_finds_nothing_and_changes_nothing(emulator: Emulator) -> None:
-    found = levels(emulator)
-    assert set(found.values()) == {"ok"}
-    assert any("servo 4 (theta3): model 12, firmware 24, 12.0 V" in what for what in found)
-    assert judge.only_asked(emulator.log_path)
-
-
-@pytest.mark.parametrize(
-    ("order", "words", "remedy"),
-    [
-        ({"fault": "dead", "servo": 3}, "servo 3 (theta2) does not answer", "the cable from servo 2 (theta1) to it"),
-        ({"fault": "wheel", "servo": 1}, "in wheel mode", "pipenav calibrate --write-servos"),
-        ({"fault": "voltage", "value": 8.0}, "gets 8.0 V", "supply 9 to 12.6 V"),
-        ({"fault": "overload", "servo": 2}, "reports overload", "docs/hardware.md"),
-        ({"fault": "duplicate", "servo": 3, "value": 7.0}, "does not answer", "the one with id 7"),
-        ({"fault": "unplug", "device": "scanner"}, "there is no port", ""),
-    ],
-    ids=lambda value: value["fault"] if isinstance(value, dict) else "",
-)
-def test_a_check_names_what_is_wrong_and_what_to_do(
-    emulator: Emulator, order: dict[str, Any], words: str, remedy: str
-) -> None:
-    emulator.order(**order)
-    time.sleep(0.1)
-    problems = [finding for finding in findings(emulator.arm) if finding.level == "problem"]
-    assert any(words in problem.what and remedy in problem.remedy for problem in problems), problems
-    assert judge.only_asked(emulator.log_path)
-
-
-def test_a_calibration_finds_how_the_arm_is_mounted(tmp_path: Path) -> None:
-    """An arm whose second servo is mirrored and whose horn sits elsewhere, and whose pinion is another."""
-    with Emulator(ROBOT, front=False) as ideal:
-        servos = list(ideal.arm.servos)
-    limits = {"lower_deg": -137.0, "upper_deg": 136.0}
-    servos[1] = servos[1].model_copy(update={"sign": -1, "zero_count": 470.0} | limits)
-    mounted = ideal.arm.model_copy(update={"servos": tuple(servos)})
-    with Emulator(ROBOT, front=False, mounted=mounted) as emulator:
-        straight = [round(servo.to_counts(0.0)) for servo in mounted.servos]
-        emulator.order(place=straight)
-        made = HardwareBackend.calibrator(ROBOT, {"servos": emulator.arm.port, "scanner": emulator.arm.scanner.port})
-        made.set_zero()
-        for servo in mounted.servos:
-            turned = made.nudge(servo.joint)
-            assert 0.1 < turned < 0.25
-            positive = servo.sign > 0
-            moved = 1e3 * turned * servo.unit if servo.drive == "pinion" else None
-            made.set_direction(servo.joint, positive, moved)
-        emulator.order(place=straight)
-        written = made.write_servos()
-        made.close()
-        path = tmp_path / "arm.toml"
-        path.write_text(made.text())
-        assert len(written) == 4
-        with driver(emulator, arm=str(path)) as machine:
-            assert [s.sign for s in machine.arm.servos] == [1, -1, 1, 1]
-            assert machine.arm.servos[0].unit == pytest.approx(0.075, rel=0.05)
-            assert machine.read().q == pytest.approx(np.zeros((1, 4)), abs=0.01)
-        assert not any(on for on, _ in judge.torque(emulator.log_path, (1, 2, 3, 4)).values())
 
 
 def test_one_arm_only(emulator: Emulator) -> None:

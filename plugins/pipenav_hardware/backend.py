@@ -129,7 +129,7 @@ class HardwareBackend(Machine):
             self._servos.verify(told.settings)
         self._seconds["read"] = time.monotonic() - begun
         if self._reading is None:
-            raise PipenavError(f"no first reading: {self._codec.problem}; run pipenav hw-check.")
+            self._reading, self.complete = self._first_reading(), True
         return self._reading
 
     def step(self, command: Command) -> None:
@@ -157,12 +157,7 @@ class HardwareBackend(Machine):
         self._taken()
 
     def wait(self) -> None:
-        """Until the next tick is due.
-
-        Raises:
-            Stopped: this one, with what was recorded and shown of it, was late for the second time in a row, or much
-                too late.
-        """
+        """See `Machine.wait`; raises `Stopped` where the tick, with its recording, was late twice in a row or much."""
         self._deadlines.check(time.monotonic() - self._due)
         self._deadlines.begin()
         self._due += CONTROL_PERIOD - late_for_scan(self._due, self._scanner.latest())

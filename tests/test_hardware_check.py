@@ -1,0 +1,88 @@
+"""What a check of an arm finds, and what a calibration of one writes, on the emulator's process."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from emulated import ROBOT, driver
+from pipenav_hardware.backend import HardwareBackend
+from pipenav_hardware.check import findings
+from pipenav_hardware.emulator import judge
+from pipenav_hardware.emulator.client import Emulator
+
+pytestmark = pytest.mark.flaky(reruns=2)  # real time over a serial line: a busy machine may miss a deadline
+
+
+@pytest.fixture
+def emulator() -> Iterator[Emulator]:
+    with Emulator(ROBOT, boot_time=0.0) as started:
+        yield started
+
+
+def levels(emulator: Emulator) -> dict[str, str]:
+    return {finding.what: finding.level for finding in findings(emulator.arm)}
+
+
+def test_a_check_of_a_healthy_arm_finds_nothing_and_changes_nothing(emulator: Emulator) -> None:
+    found = levels(emulator)
+    assert set(found.values()) == {"ok"}
+    assert any("servo 4 (theta3): model 12, firmware 24, 12.0 V" in what for what in found)
+    assert judge.only_asked(emulator.log_path)
+
+
+@pytest.mark.parametrize(
+    ("order", "words", "remedy"),
+    [
+        ({"fault": "dead", "servo": 3}, "servo 3 (theta2) does not answer", "the cable from servo 2 (theta1) to it"),
+        ({"fault": "wheel", "servo": 1}, "in wheel mode", "pipenav calibrate --write-servos"),
+        ({"fault": "voltage", "value": 8.0}, "gets 8.0 V", "supply 9 to 12.6 V"),
+        ({"fault": "overload", "servo": 2}, "reports overload", "docs/hardware.md"),
+        ({"fault": "duplicate", "servo": 3, "value": 7.0}, "does not answer", "the one with id 7"),
+        ({"fault": "unplug", "device": "scanner"}, "there is no port", ""),
+    ],
+    ids=lambda value: value["fault"] if isinstance(value, dict) else "",
+)
+def test_a_check_names_what_is_wrong_and_what_to_do(
+    emulator: Emulator, order: dict[str, Any], words: str, remedy: str
+) -> None:
+    emulator.order(**order)
+    time.sleep(0.1)
+    problems = [finding for finding in findings(emulator.arm) if finding.level == "problem"]
+    assert any(words in problem.what and remedy in problem.remedy for problem in problems), problems
+    assert judge.only_asked(emulator.log_path)
+
+
+def test_a_calibration_finds_how_the_arm_is_mounted(tmp_path: Path) -> None:
+    """An arm whose second servo is mirrored and whose horn sits elsewhere, and whose pinion is another."""
+    with Emulator(ROBOT, front=False) as ideal:
+        servos = list(ideal.arm.servos)
+    limits = {"lower_deg": -137.0, "upper_deg": 136.0}
+    servos[1] = servos[1].model_copy(update={"sign": -1, "zero_count": 470.0} | limits)
+    mounted = ideal.arm.model_copy(update={"servos": tuple(servos)})
+    with Emulator(ROBOT, front=False, mounted=mounted) as emulator:
+        straight = [round(servo.to_counts(0.0)) for servo in mounted.servos]
+        emulator.order(place=straight)
+        made = HardwareBackend.calibrator(ROBOT, {"servos": emulator.arm.port, "scanner": emulator.arm.scanner.port})
+        made.set_zero()
+        for servo in mounted.servos:
+            turned = made.nudge(servo.joint)
+            assert 0.1 < turned < 0.25
+            positive = servo.sign > 0
+            moved = 1e3 * turned * servo.unit if servo.drive == "pinion" else None
+            made.set_direction(servo.joint, positive, moved)
+        emulator.order(place=straight)
+        written = made.write_servos()
+        made.close()
+        path = tmp_path / "arm.toml"
+        path.write_text(made.text())
+        assert len(written) == 4
+        with driver(emulator, arm=str(path)) as machine:
+            assert [s.sign for s in machine.arm.servos] == [1, -1, 1, 1]
+            assert machine.arm.servos[0].unit == pytest.approx(0.075, rel=0.05)
+            assert machine.read().q == pytest.approx(np.zeros((1, 4)), abs=0.01)
+        assert not any(on for on, _ in judge.torque(emulator.log_path, (1, 2, 3, 4)).values())
