@@ -68,10 +68,11 @@ def test_a_caught_arm_goes_back_each_time_farther() -> None:
 def test_a_pose_is_held_for_so_long() -> None:
     poses = path(8, step=0.9)
     one, rows = follower(poses), []
-    for _ in range(4 + CAUGHT):
+    first_too_far = int(FOLLOWING / 0.9) + 1
+    for _ in range(first_too_far + CAUGHT):
         one.act(poses[0][None])
         rows.append(int(one.rows[0]))
-    assert rows == [1, 2, 3, 4, *[4] * (CAUGHT - 1), 3]
+    assert rows == [*range(1, first_too_far + 1), *[first_too_far] * (CAUGHT - 1), first_too_far - 1]
 
 
 def test_arms_start_anew_one_by_one() -> None:
