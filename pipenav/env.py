@@ -120,6 +120,7 @@ class CornerEnv(gymnasium.Env[Float32s, Float32s]):
     | `basic` (eq 3.1) | q 4, qd 4, tip xy 2, target xy 2, laser 10 | 22 |
     | `history` (eq 3.2) | q 4, qd 4, laser 10, the same of the step before 18, last action 4, tip 2, target 2 | 44 |
     | `relative` | q 4, qd 4, laser 10, target seen from the tip 2, the same with its last centimetres wide 2 | 22 |
+    | `relative-history` | `relative` 22, laser of the step before 10, last action 4 | 36 |
 
     | unit before scaling | values |
     | --- | --- |

@@ -96,6 +96,9 @@ def test_our_own_terms() -> None:
     assert reward.total(config, facts()) == pytest.approx([2 * (0.2 + 5.0 - 0.1 - 0.1 - 1.0)])
 
 
+STATES = ("basic", "history", "relative", "relative-history")
+
+
 def names(config: TaskConfig) -> list[str]:
     return [part.name for part in layout(ROBOT, config)]
 
@@ -132,6 +135,16 @@ def test_relative_state_sees_the_target_from_the_tip() -> None:
     assert observation.NEAR == 0.03
 
 
+def test_relative_state_with_the_scan_before_and_the_last_action() -> None:
+    now, before = snapshot([0.1] * 4, [2.0] * 4, [0.3] * 10), snapshot([4.0] * 4, [5.0] * 4, [0.6] * 10)
+    config, goal, action = TaskConfig(observation="relative-history"), np.array([[0.6, 0.2]]), np.full((1, 4), 0.7)
+    seen = observe(config, now, before, action, goal)
+    alone = observe(TaskConfig(observation="relative"), now, before, action, goal)
+    assert seen[0] == pytest.approx([*alone[0], *[0.6] * 10, *[0.7] * 4])
+    assert seen.shape == (1, 36) == (1, len(scale_of(ROBOT, config)))
+    assert names(config) == ["q", "qd", "ranges", "goal_in_tip", "goal_near", "ranges_before", "action_before"]
+
+
 def test_torque_actions_eq_3_3() -> None:
     command = to_command(ROBOT, TaskConfig(control="torque"), np.array([[0.5, -3.0, 0, 1]]), np.zeros((1, 4)), LEFT)
     assert command.control == "torque"
@@ -150,7 +163,7 @@ def test_position_actions_eq_3_4_and_3_5() -> None:
 
 
 @settings(max_examples=40)
-@given(joint_values, joint_values, range_values, joint_values, st.sampled_from(["basic", "history", "relative"]))
+@given(joint_values, joint_values, range_values, joint_values, st.sampled_from(STATES))
 def test_a_right_turn_looks_like_the_left_turn_it_mirrors(q, qd, ranges, action, kind) -> None:  # type: ignore[no-untyped-def]
     reading = Reading(q, qd, ranges, np.zeros(1))
     signs = np.array([1.0, -1, -1, -1])  # the slide stays, the hinges turn to the other side

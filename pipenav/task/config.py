@@ -38,8 +38,10 @@ class RewardConfig(_Table):
 class TaskConfig(_Table):
     """The corner task."""
 
-    observation: Literal["basic", "history", "relative"] = Field(
-        "basic", description="state of eq 3.1, of eq 3.2, or of eq 3.1 with the target as the tip sees it"
+    observation: Literal["basic", "history", "relative", "relative-history"] = Field(
+        "basic",
+        description="state of eq 3.1, of eq 3.2, of eq 3.1 with the target as the tip sees it, or that and what a late "
+        "command or a lost beam hides: the last action and the scan before",
     )
     control: Control = Field("torque", description="actions are drives (eq 3.3) or position steps (eq 3.4)")
     alpha: float = Field(0.2, gt=0, le=1, description="position step of a full action, in units (eq 3.5; 5.2)")

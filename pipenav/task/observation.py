@@ -84,16 +84,21 @@ def layout(robot: RobotSpec, config: TaskConfig) -> list[Part]:
     scans = Part("ranges", "m", ranges)
     xy = np.full(2, POSITION_SCALE)
     tip, goal = Part("p_ee", "m", xy), Part("p_goal", "m", xy)
+    relative = [q, qd, scans, Part("goal_in_tip", "m", xy), Part("goal_near", "1", np.ones(2))]
     if config.observation == "relative":
-        return [q, qd, scans, Part("goal_in_tip", "m", xy), Part("goal_near", "1", np.ones(2))]
+        return relative
     if config.observation == "basic":
         return [q, qd, tip, goal, scans]
     before = [part._replace(name=f"{part.name}_before") for part in (q, qd, scans)]
-    return [q, qd, scans, *before, Part("action_before", "1", np.ones(joints)), tip, goal]
+    action = Part("action_before", "1", np.ones(joints))
+    if config.observation == "relative-history":
+        return [*relative, before[-1], action]
+    return [q, qd, scans, *before, action, tip, goal]
 
 
 def observe(config: TaskConfig, now: Snapshot, before: Snapshot, action_before: Array, goal: Array) -> Array:
-    """Unscaled observation, (n, size): eq 3.1 `[q, qd, p_ee, p_goal, D]`, eq 3.2 with the step before, or `relative`.
+    """Unscaled observation, (n, size): eq 3.1 `[q, qd, p_ee, p_goal, D]`, eq 3.2 with the step before, or
+    `relative`, of which `relative-history` also has the scan before and the last action.
 
     Args:
         config: names the state.
@@ -103,11 +108,13 @@ def observe(config: TaskConfig, now: Snapshot, before: Snapshot, action_before: 
         goal: the target in the canonical frame, (n, 2) [m].
     """
     tip = now.tip
-    if config.observation == "relative":
+    if config.observation in ("relative", "relative-history"):
         goal_in_tip = _in_tip_frame(goal - tip, now.heading)
         distance = np.hypot(goal_in_tip[:, :1], goal_in_tip[:, 1:])
         near = goal_in_tip / (distance + NEAR)
-        return np.concatenate([now.q, now.qd, now.ranges, goal_in_tip, near], axis=1)
+        seen = [now.q, now.qd, now.ranges, goal_in_tip, near]
+        memory = [before.ranges, action_before] if config.observation == "relative-history" else []
+        return np.concatenate([*seen, *memory], axis=1)
     if config.observation == "basic":
         return np.concatenate([now.q, now.qd, tip, goal, now.ranges], axis=1)
     return np.concatenate(
