@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from pipenav import kinematics
 from pipenav.kinematics import ChainPose
 from pipenav.pipe import Pipe
-from pipenav.robot import BoxPart, DiscPart, RobotSpec
+from pipenav.robot import RobotSpec
+from pipenav.robot_parts import BoxPart, DiscPart
 
 Array = NDArray[np.float64]
 

@@ -158,7 +158,7 @@ class MapLocator:
         robot, config = self._robot, self._config
         looking = np.flatnonzero(self._beam < 0)
         if len(looking):
-            self._look(looking, Reading(*(column[looking] for column in reading)))
+            self._look(looking, reading.part(looking))
         found, at_home = self._beam >= 0, reading.q[:, 0] <= self._home + HOME
         self._advance = advance(robot, config, self._advance, self._without_dropouts(reading))
         self._back = found | np.where(self._back, ~at_home, self._advance < STOPPED)

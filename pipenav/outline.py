@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipenav import kinematics
-from pipenav.robot import BoxPart, DiscPart, RobotSpec
+from pipenav.robot import RobotSpec
+from pipenav.robot_parts import BoxPart, DiscPart
 
 Array = NDArray[np.float64]
 

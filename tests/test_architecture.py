@@ -24,6 +24,7 @@ LAYERS = [
         "pipe_drawing",
         "pipe_set",
         "robot",
+        "robot_parts",
         "kinematics",
         "laser",
         "state",

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pipenav.backend import Array, Backend
 from pipenav.pipe import Pipe
 from pipenav.registry import availability, find_backends
+from pipenav.robot import load_robot
 from pipenav.state import Command, Reading, Truth
 from pipenav.testing import CONTRACT, VARIATION_LAWS, Bench, KinematicBackend
 
@@ -40,6 +41,11 @@ def test_our_backends_are_installed() -> None:
 @pytest.mark.parametrize("backend", _subjects())
 def test_contract(backend: str | type[Backend], check: Callable[[Bench], None]) -> None:
     check(Bench(backend))
+
+
+@pytest.mark.parametrize("check", [*CONTRACT, *VARIATION_LAWS], ids=lambda check: check.__name__[len("check_") :])
+def test_contract_holds_for_a_robot_on_wheels(check: Callable[[Bench], None]) -> None:
+    check(Bench("mujoco", load_robot("pirate")))
 
 
 @pytest.mark.parametrize("check", CONTRACT, ids=lambda check: check.__name__.removeprefix("check_"))

@@ -48,7 +48,7 @@ def test_an_actuator_is_a_torque_speed_line() -> None:
     # effort = limit * drive - damping * speed: nothing is left at full drive and the no-load speed.
     for actuator in load_robot("basic").joint_actuators:
         assert actuator.effort_limit - actuator.damping * actuator.speed_limit == pytest.approx(0.0)
-        assert actuator.position_gain * actuator.full_drive_error == pytest.approx(actuator.stall_effort)
+        assert actuator.controller_gain * actuator.full_drive_error == pytest.approx(actuator.stall_effort)
 
 
 def test_an_unknown_robot_is_answered_with_the_nearest() -> None:

@@ -41,6 +41,11 @@ class PybulletBackend(backend.Backend):
 
     def __init__(self, robot: RobotSpec, n: int, options: backend.BackendOptions, wall_segments: int = 4) -> None:
         assert isinstance(options, PybulletOptions)
+        if robot.free or robot.wheels:
+            raise PipenavError(
+                f"backend 'pybullet' moves arms on a mount; robot {robot.name!r} stands on its wheels: "
+                "choose --backend mujoco."
+            )
         self._robot, self._n, self._slots = robot, n, wall_segments
         substeps = round(backend.CONTROL_PERIOD / options.timestep)
         if abs(substeps * options.timestep - backend.CONTROL_PERIOD) > 1e-9:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from pipenav.robot import Actuator, BoxPart, DiscPart, Link, RobotSpec
+from pipenav.robot import RobotSpec
+from pipenav.robot_parts import Actuator, BoxPart, DiscPart, Link
 
 ROTOR_SHARE = 0.75
 """Share of a hinge's rotor that its link carries [1].
@@ -38,24 +39,24 @@ def robot_urdf(robot: RobotSpec) -> str:
     root = ElementTree.Element("robot", name=robot.name)
     _add_inertial(ElementTree.SubElement(root, "link", name="mount"), Body(1.0, 0.0, 0.0, 1.0))  # fixed: any will do
     parent, offset = "mount", 0.0
-    for link, actuator in zip(robot.links, robot.joint_actuators, strict=True):
-        _add_link(root, link, body(link, actuator))
-        hinge = link.joint.type == "hinge"
+    for link, driven, actuator in zip(robot.links, robot.joints, robot.joint_actuators, strict=True):
+        hinge = driven.type == "hinge"
+        _add_link(root, link, body(link, actuator, hinge))
         kind = "revolute" if hinge else "prismatic"
-        joint = ElementTree.SubElement(root, "joint", name=link.joint.name, type=kind)
+        joint = ElementTree.SubElement(root, "joint", name=driven.name, type=kind)
         ElementTree.SubElement(joint, "parent", link=parent)
         ElementTree.SubElement(joint, "child", link=link.name)
         ElementTree.SubElement(joint, "origin", xyz=f"{offset!r} 0 0")
         ElementTree.SubElement(joint, "axis", xyz="0 0 1" if hinge else "1 0 0")
         ElementTree.SubElement(joint, "dynamics", damping="0", friction="0")
-        limits = {"lower": link.joint.lower, "upper": link.joint.upper}
+        limits = {"lower": driven.lower, "upper": driven.upper}
         bounds = limits | {"effort": actuator.effort_limit, "velocity": actuator.speed_limit}
         ElementTree.SubElement(joint, "limit", {key: repr(value) for key, value in bounds.items()})
         parent, offset = link.name, link.length
     return ElementTree.tostring(root, encoding="unicode")
 
 
-def body(link: Link, actuator: Actuator) -> Body:
+def body(link: Link, actuator: Actuator, hinge: bool) -> Body:
     """A link, its parts of one density, with the rotor of its joint: of a slide as mass, of a hinge as inertia."""
     parts = link.parts
     volume = sum(part.volume for part in parts)
@@ -66,7 +67,7 @@ def body(link: Link, actuator: Actuator) -> Body:
     for mass, part in zip(masses, parts, strict=True):
         own = (part.length**2 + part.width**2) / 12 if isinstance(part, BoxPart) else part.diameter**2 / 8
         inertia += mass * (own + (part.x - x) ** 2 + (part.y - y) ** 2)
-    if link.joint.type == "slide":
+    if not hinge:
         return Body(link.mass + actuator.armature, x, y, inertia)
     return Body(link.mass, x, y, inertia + ROTOR_SHARE * actuator.armature)
 

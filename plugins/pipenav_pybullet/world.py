@@ -113,7 +113,7 @@ class World:
         self._storey = {arm: i for i, arm in enumerate(self._arms)}
         self._around: list[list[int]] = [[] for _ in range(k)]
         self._shapes: dict[Pipe, tuple[int, int]] = {}
-        efforts = [(a.effort_limit, a.position_gain) for a in robot.joint_actuators]
+        efforts = [(a.effort_limit, a.controller_gain) for a in robot.joint_actuators]
         self._motors = np.array(efforts).T[:, None]  # (2, 1, joints)
         self._effort, self._stiffness = np.repeat(self._motors, k, axis=1)
         self._damping = np.array([a.damping for a in robot.joint_actuators])
@@ -176,7 +176,7 @@ class World:
                     j = self._joints.index(link)
                     description = self._robot.links[j]
                     heavier = description.model_copy(update={"mass": description.mass * variation.mass[row, j]})
-                    itself = body(heavier, self._robot.joint_actuators[j])
+                    itself = body(heavier, self._robot.joint_actuators[j], bool(self._robot.hinges[j]))
                     changes |= {"mass": itself.mass, "localInertiaDiagonal": [itself.inertia] * 3}
                 pybullet.changeDynamics(self._arms[i], link, physicsClientId=self._client, **changes)
 
