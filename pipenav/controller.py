@@ -7,12 +7,12 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from pipenav.batch import CornerBatch
 from pipenav.centreline import CentrelineController
 from pipenav.errors import UnknownName
 from pipenav.policy import Policy, load_policy, resolve_policy
 from pipenav.robot import RobotSpec, load_robot
 from pipenav.task.config import TaskConfig
+from pipenav.tasks import AnyTask, TaskBatch
 
 Array = NDArray[np.float64]
 
@@ -20,7 +20,7 @@ BASELINE = "baseline:"
 
 
 class Controller(Protocol):
-    """Anything that can act in the corner task.
+    """Anything that can act in a task.
 
     Attributes:
         robot: the robot that it acts for.
@@ -31,10 +31,10 @@ class Controller(Protocol):
     def robot(self) -> RobotSpec: ...
 
     @property
-    def task(self) -> TaskConfig: ...
+    def task(self) -> AnyTask: ...
 
-    def act(self, observation: Array, batch: CornerBatch) -> Array:
-        """Canonical actions in [-1, 1], (n, joints).
+    def act(self, observation: Array, batch: TaskBatch) -> Array:
+        """Canonical actions in [-1, 1], (n, action_size).
 
         Args:
             observation: scaled, (n, size), as `batch` gave it.
@@ -50,7 +50,7 @@ class PolicyController:
         self.policy = policy
         self.robot, self.task = policy.header.robot, policy.header.task
 
-    def act(self, observation: Array, batch: CornerBatch) -> Array:  # noqa: ARG002  # the seam's signature
+    def act(self, observation: Array, batch: TaskBatch) -> Array:  # noqa: ARG002  # the seam's signature
         return self.policy.act(observation).astype(float)
 
 
@@ -61,7 +61,7 @@ class RandomController:
         self.robot, self.task = robot, task or TaskConfig()
         self._rng = np.random.default_rng(seed)
 
-    def act(self, observation: Array, batch: CornerBatch) -> Array:  # noqa: ARG002  # the seam's signature
+    def act(self, observation: Array, batch: TaskBatch) -> Array:  # noqa: ARG002  # the seam's signature
         return self._rng.uniform(-1.0, 1.0, (len(observation), len(self.robot.joints)))
 
 

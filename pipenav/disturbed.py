@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipenav import laser
-from pipenav.backend import Backend, BackendOptions, Variable, Variation
+from pipenav.backend import Backend, BackendOptions, Inclinable, Variable, Variation
 from pipenav.disturbance import MAX_LATENCY, Disturbance
 from pipenav.errors import PipenavError
 from pipenav.pipe import Pipe
@@ -73,6 +73,17 @@ class DisturbedBackend(Backend):
         self._start[robots, : reading.q.shape[1]], self._age[robots] = reading.q, 0
         self._ranges[robots] = self._seen(robots, reading.ranges)
         return reading._replace(ranges=self._ranges[robots])
+
+    def incline(self, robots: NDArray[np.intp], gravity: Array) -> None:
+        """See `pipenav.backend.Inclinable`.
+
+        Raises:
+            PipenavError: the backend behind this one knows no gravity.
+        """
+        if not isinstance(self._inner, Inclinable):
+            name = type(self._inner).__name__
+            raise PipenavError(f"{name} knows no gravity along the pipe: choose another backend.")
+        self._inner.incline(robots, gravity)
 
     def step(self, command: Command) -> None:
         self._commands = np.concatenate([command.values[:, None], self._commands[:, :-1]], axis=1)

@@ -44,7 +44,8 @@ class ConfigError(PipenavError):
             known: the keys that exist, to suggest the nearest one for an unknown key.
         """
         first = error.errors()[0]
-        key = ".".join(str(part) for part in first["loc"]) or "the value"
+        # Parts in angle brackets tell kinds of one thing apart (a union's tags), which no file spells out.
+        key = ".".join(part for part in map(str, first["loc"]) if not part.startswith("<")) or "the value"
         if first["type"] == "extra_forbidden":
             return cls(f"{where}: {UnknownName('key', key, known)}")
         more = f" ({error.error_count() - 1} more)" if error.error_count() > 1 else ""

@@ -28,6 +28,10 @@ class Verdict(IntEnum):
     PENETRATION = 3
     TIMEOUT = 4
     MISPLACED = 5
+    SLID_BACK = 6
+    JAM = 7
+    SLIP = 8
+    FOLD = 9
 
     @property
     def label(self) -> str:
