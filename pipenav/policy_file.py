@@ -13,7 +13,7 @@ import safetensors.numpy
 from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
-from pipenav.errors import ConfigError, PipenavError
+from pipenav.errors import ConfigError, PipenavError, dotted
 from pipenav.policy_header import FORMAT_VERSION, RATE_HZ, PolicyHeader, action_parts, observation_parts
 from pipenav.tasks import scale_of
 
@@ -118,7 +118,7 @@ def _parse_header(path: Path, text: bytes) -> PolicyHeader:
     except ValidationError as error:
         first = error.errors()[0]
         if first["type"] == "extra_forbidden":
-            problem = f"holds the unknown key {'.'.join(map(str, first['loc']))!r} in {HEADER_MEMBER}"
+            problem = f"holds the unknown key {dotted(first['loc'])!r} in {HEADER_MEMBER}"
         else:
             problem = f"holds an unusable {ConfigError.from_validation(HEADER_MEMBER, error)}".rstrip(".")
         raise PolicyFileError(path, problem, "get it from its maker again") from error

@@ -119,7 +119,7 @@ class Stopped(KinematicBackend):
         (DeadBeam, "tip_and_ranges_fit_the_pose", "beams miss the walls"),
         (RemembersItsPast, "reset_forgets_the_past", "a used and a new backend under the same commands"),
         (Shaky, "same_seed_same_trajectory", "two backends under the same commands"),
-        (ReadsOthers, "reset_reads_what_read_reads", "what a reset returns and what is read after it"),
+        (ReadsOthers, "reset_reads_what_read_reads", "what a reset returns and what is read after"),
         (Unfelt, "contact_force_is_the_largest_of_the_links", "contact force"),
         (Stopped, "time_counts", "Not equal"),
     ],

@@ -84,7 +84,7 @@ def check_reset_reads_what_read_reads(bench: Bench) -> None:
             subject.step(command)
         again, chosen = starts(bench, seed=1), np.arange(0, bench.n, 2)
         given = subject.reset(chosen, [again.pipes[k] for k in chosen], again.q[chosen], again.base[chosen])
-        _same(given.measured(), subject.read().part(chosen).measured(), "what a reset returns and is read after it")
+        _same(given.measured(), subject.read().part(chosen).measured(), "what a reset returns and what is read after")
 
 
 def check_contact_force_is_the_largest_of_the_links(bench: Bench) -> None:
