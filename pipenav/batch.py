@@ -43,9 +43,14 @@ class StepResult(NamedTuple):
 
 
 class CornerBatch:
-    """n episodes of the corner task, stepped together. Who calls `step` also says, by `reset`, who starts anew."""
+    """n episodes of the corner task, stepped together. Who calls `step` also says, by `reset`, who starts anew.
+
+    Raises:
+        PipenavError: a robot that hangs on no mount.
+    """
 
     def __init__(self, robot: RobotSpec, config: TaskConfig, backend: Backend, n: int, source: EpisodeSource) -> None:
+        episode.check_robot(robot)
         self.robot, self.config, self.n = robot, config, n
         self._backend, self._source = backend, source
         self._scale = observation.scale_of(robot, config)

@@ -11,8 +11,7 @@ from pipenav.centreline import CentrelineController
 from pipenav.errors import UnknownName
 from pipenav.policy import Policy, load_policy, resolve_policy
 from pipenav.robot import RobotSpec, load_robot
-from pipenav.task.config import TaskConfig
-from pipenav.tasks import AnyTask, TaskBatch
+from pipenav.tasks import AnyTask, TaskBatch, default_task
 
 Array = NDArray[np.float64]
 
@@ -57,12 +56,12 @@ class PolicyController:
 class RandomController:
     """Uniform random actions, for a floor under every comparison."""
 
-    def __init__(self, robot: RobotSpec, seed: int, task: TaskConfig | None = None) -> None:
-        self.robot, self.task = robot, task or TaskConfig()
+    def __init__(self, robot: RobotSpec, seed: int, task: AnyTask | None = None) -> None:
+        self.robot, self.task = robot, task or default_task(robot)
         self._rng = np.random.default_rng(seed)
 
     def act(self, observation: Array, batch: TaskBatch) -> Array:  # noqa: ARG002  # the seam's signature
-        return self._rng.uniform(-1.0, 1.0, (len(observation), len(self.robot.joints)))
+        return self._rng.uniform(-1.0, 1.0, (len(observation), len(self.robot.drives)))
 
 
 def open_controller(text: str, robot_name: str | None = None, seed: int = 0) -> Controller:

@@ -212,7 +212,12 @@ def require_arm(robot: RobotSpec) -> None:
 
 
 def robot_for(robot: RobotSpec, variant: Variant) -> RobotSpec:
-    """The robot whose fan the variant wants: the printed method counts on the printed fan of eq 3.16."""
+    """The robot whose fan the variant wants: the printed method counts on the printed fan of eq 3.16.
+
+    Raises:
+        PipenavError: as `require_arm`.
+    """
+    require_arm(robot)
     if variant != "thesis":
         return robot
     return robot.model_copy(update={"laser": robot.laser.model_copy(update={"fan": "printed"})})

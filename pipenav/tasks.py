@@ -73,10 +73,11 @@ class TaskBatch(Protocol):
 
 
 class Kind(NamedTuple):
-    """What a kind of task is made of; each function takes the robot and the task's settings first.
+    """What a kind of task is made of; the functions take the robot and the task's settings first.
 
     Attributes:
         stage: name of the part of a passage that it is.
+        check_robot: refuses a robot that cannot do it; takes the robot alone.
         layout: parts of the observation.
         action_scale: what a full action is, (drives,).
         sample: episodes in given pipes.
@@ -84,6 +85,7 @@ class Kind(NamedTuple):
     """
 
     stage: Literal["front", "traverse"]
+    check_robot: Callable[[RobotSpec], None]
     layout: Callable[..., list[Part]]
     action_scale: Callable[..., Array]
     sample: Callable[..., Any]
@@ -91,9 +93,16 @@ class Kind(NamedTuple):
 
 
 KINDS: dict[type, Kind] = {
-    TaskConfig: Kind("front", corner_observation.layout, action.full_action, episode.sample, CornerBatch),
+    TaskConfig: Kind(
+        "front", episode.check_robot, corner_observation.layout, action.full_action, episode.sample, CornerBatch
+    ),
     TraverseConfig: Kind(
-        "traverse", traverse_observation.layout, traverse_observation.action_scale, start.sample, TraverseBatch
+        "traverse",
+        start.check_robot,
+        traverse_observation.layout,
+        traverse_observation.action_scale,
+        start.sample,
+        TraverseBatch,
     ),
 }
 
@@ -101,6 +110,11 @@ KINDS: dict[type, Kind] = {
 def kind_of(task: TaskConfig | TraverseConfig) -> Kind:
     """What this task is made of."""
     return KINDS[type(task)]
+
+
+def default_task(robot: RobotSpec) -> TaskConfig | TraverseConfig:
+    """What a robot does where nothing else is said: an arm on a mount reaches, a whole robot traverses."""
+    return TraverseConfig(kind="traverse") if robot.free else TaskConfig()
 
 
 def reaching(task: TaskConfig | TraverseConfig, who: str) -> TaskConfig:

@@ -86,6 +86,18 @@ def _corner(pipe: Pipe) -> tuple[float, ...]:
     return pipe.side, abs(pipe.heading_change), pipe.radius, pipe.inner_edge
 
 
+def check_robot(robot: RobotSpec) -> None:
+    """Refuse a robot that cannot do the task.
+
+    Raises:
+        PipenavError: it stands free.
+    """
+    if robot.free:
+        raise PipenavError(
+            f"robot {robot.name!r} stands free, and this task moves an arm on a mount: choose --preset pirate."
+        )
+
+
 START_CLEARANCE = 0.002
 """Least room between the robot and the wall at the start [m]."""
 

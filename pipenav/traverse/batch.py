@@ -18,7 +18,7 @@ from pipenav.task.episode import Verdict
 from pipenav.traverse import observation
 from pipenav.traverse.config import TraverseConfig
 from pipenav.traverse.judge import Judge, reward
-from pipenav.traverse.start import TraverseEpisodes
+from pipenav.traverse.start import TraverseEpisodes, check_robot
 from pipenav.traverse.way import Ways, waypoints
 
 Array = NDArray[np.float64]
@@ -36,10 +36,7 @@ class TraverseBatch:
     def __init__(
         self, robot: RobotSpec, config: TraverseConfig, backend: Backend, n: int, source: TraverseSource
     ) -> None:
-        if not (robot.free and robot.wheels):
-            raise PipenavError(
-                f"robot {robot.name!r} hangs on a mount and cannot traverse a pipe: choose --robot pirate."
-            )
+        check_robot(robot)
         if config.inclination_deg is not None and not isinstance(backend, Inclinable):
             raise PipenavError(f"{type(backend).__name__} knows no gravity along the pipe: choose --backend mujoco.")
         self.robot, self.config, self.n = robot, config, n

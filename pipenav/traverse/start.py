@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipenav import kinematics
+from pipenav.errors import PipenavError
 from pipenav.pipe import Pipe
 from pipenav.robot import BASE, RobotSpec
 from pipenav.traverse.config import TraverseConfig
@@ -69,6 +70,16 @@ def sample(
         direction = low + (high - low) * angle
         gravity = GRAVITY * np.stack([np.cos(direction), np.sin(direction)], axis=1)
     return TraverseEpisodes(long, q, base, side, gravity)
+
+
+def check_robot(robot: RobotSpec) -> None:
+    """Refuse a robot that cannot do the task.
+
+    Raises:
+        PipenavError: it hangs on a mount, or has no wheels.
+    """
+    if not (robot.free and robot.wheels):
+        raise PipenavError(f"robot {robot.name!r} hangs on a mount and cannot traverse a pipe: choose --robot pirate.")
 
 
 def with_room(robot: RobotSpec, pipe: Pipe) -> Pipe:
