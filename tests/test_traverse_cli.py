@@ -85,7 +85,6 @@ def test_a_view_is_the_evaluations_episode_and_can_be_read_again(trained: Path, 
         (["eval", "--policy", "arm", "--stage", "traverse"], "reaches a target around the corner"),
         (["eval", "--stage", "locate", "--robot", "pirate"], "drives a slide followed by hinges"),
         (["eval", "--policy", "baseline:centreline", "--robot", "pirate"], "drives a slide followed by hinges"),
-        (["eval", "--policy", "baseline:random", "--robot", "pirate", "--backend", "pybullet"], "stands on its wheels"),
     ],
 )
 def test_what_does_not_fit_is_said_and_nothing_is_left_behind(

@@ -19,8 +19,8 @@ Array = NDArray[np.float64]
 LIMIT_SLACK = 0.02
 """Share of a joint's travel by which a backend may overstep its limits: those of simulators are soft."""
 
-SPEED_SLACK = 1.0
-"""Share of the no-load speed by which a joint may exceed it, swept along by its neighbours."""
+SPEED_SLACK = 2.0
+"""Share of the no-load speed by which a joint may exceed it, swept along by its neighbours or let go by a wall."""
 
 TIP_TOLERANCE = 1e-4
 """How far a simulator's tip may be from the tip of its own joint positions [m, rad]; room for single precision."""
