@@ -124,15 +124,35 @@ def test_the_observation_has_the_size_and_the_order_that_its_layout_says() -> No
     assert list(seen[0]) == [1.0] * 6 + [2.0] * 6 + [3.0] * 6 + [1.0] * 12 + [4.0] * 10 + [5.0] * 12
 
 
-@given(seeds)
-def test_a_full_action_never_leaves_the_limits_and_mirrors_into_itself(seed: int) -> None:
+@given(seeds, st.sampled_from(["measured", "held"]))
+def test_a_command_keeps_to_the_limits_and_near_the_joints_and_is_mirrored(seed: int, set_points: str) -> None:
+    config = CONFIG.model_copy(update={"set_points": set_points})
     rng = np.random.default_rng(seed)
-    action, q = rng.uniform(-1.5, 1.5, (2, 12)), rng.uniform(ROBOT.lower, ROBOT.upper, (2, 6))
-    left = observation.to_command(ROBOT, CONFIG, action, q, np.ones(2)).values
-    right = observation.to_command(ROBOT, CONFIG, action, q * ROBOT.mirror_signs, -np.ones(2)).values
+    action, (q, before) = rng.uniform(-1.5, 1.5, (2, 12)), rng.uniform(ROBOT.lower, ROBOT.upper, (2, 2, 6))
+    left = observation.to_command(ROBOT, config, action, q, before, np.ones(2)).values
+    signs = ROBOT.mirror_signs
+    right = observation.to_command(ROBOT, config, action, q * signs, before * signs, -np.ones(2)).values
     assert right == pytest.approx(left * ROBOT.mirror_drives)
     assert np.all((left[:, :6] >= ROBOT.lower) & (left[:, :6] <= ROBOT.upper))
+    assert np.abs(left[:, :6] - q).max() <= config.alpha + 1e-12
     assert np.abs(left[:, 6:]).max() <= observation.wheel_limits(ROBOT).max()
+
+
+def test_held_set_points_stay_and_measured_ones_follow_the_joints() -> None:
+    q, before, still = np.full((1, 6), 0.3), np.full((1, 6), 0.4), np.zeros((1, 12))
+    for name, expected in (("held", before), ("measured", q)):
+        config = CONFIG.model_copy(update={"set_points": name})
+        assert observation.to_command(ROBOT, config, still, q, before, np.ones(1)).values[:, :6] == pytest.approx(
+            expected
+        )
+
+
+def test_wheels_roll_forwards_on_the_wall_that_their_bend_presses_them_on() -> None:
+    q = np.array([[-0.5, 0.5, -0.05, 0.0, 0.5, -0.5]])  # a bend to the right presses its wheel to the left
+    ahead = np.concatenate([np.zeros((1, 6)), np.ones((1, 6))], axis=1)
+    limit = observation.wheel_limits(ROBOT)[0]
+    speeds = observation.to_command(ROBOT, CONFIG, ahead, q, q, np.ones(1)).values[0, 6:]
+    assert speeds == pytest.approx(limit * np.array([1.0, -1.0, 0.5, 0.0, -1.0, 1.0]))
 
 
 class Course:
@@ -233,22 +253,18 @@ def test_unclamped_in_an_upright_pipe_it_falls_freely(steps: int) -> None:
         assert height - _tip_x(simulator) == pytest.approx(GRAVITY / 2 * (0.1 * steps) ** 2, rel=0.03)
 
 
-def test_clamped_there_it_stays_and_its_wheels_carry_it_up() -> None:
-    pipe, n = Pipe.of(80, 90, leg_mm=2000), 1
-    start = sample(ROBOT, CONFIG.model_copy(update={"start_spread": (1.0, 1.0)}), [pipe], np.random.default_rng(0))
-    press = np.sign(start.q[:, 3:]) * 0.1
-    left = np.sign(waypoints(ROBOT, start.q)[0, 1:-1, 1])
-    with closing(open_backend("mujoco", ROBOT, n, {"threads": 1})) as simulator:
-        simulator.incline(np.arange(n), np.array([[-GRAVITY, 0.0]]))  # type: ignore[attr-defined]
-        simulator.reset(np.arange(n), start.pipes, start.q, start.base)
-        heights = [_tip_x(simulator)]
-        for speed in (0.0, 5.0):
+def test_held_clamped_in_an_upright_pipe_it_stays_and_its_wheels_carry_it_up() -> None:
+    upright = {"set_points": "held", "start_spread": (1.0, 1.0), "start_press": 0.16, "inclination_deg": (180.0, 180.0)}
+    config, pipes = CONFIG.model_copy(update=upright), [Pipe.of(70, 90), Pipe.of(100, 90, "right")]
+    with batch(episodes(config, pipes=pipes), config) as robots:
+        heights = [robots.q[:, 0]]
+        for forwards in (0.0, 0.5):
+            action = np.concatenate([np.zeros((2, 6)), np.full((2, 6), forwards)], axis=1)
             for _ in range(10):
-                values = np.concatenate([start.q[:, 3:] + press, speed * left[None]], axis=1)
-                simulator.step(Command("position", values))
-            heights.append(_tip_x(simulator))
-    assert heights[1] - heights[0] == pytest.approx(0.0, abs=0.01)
-    assert heights[2] - heights[1] > 0.02
+                robots.step(action)
+            heights.append(robots.q[:, 0])
+    assert heights[1] - heights[0] == pytest.approx(0.0, abs=0.02)
+    assert np.all(heights[2] - heights[1] > 0.03)
 
 
 def _tip_x(simulator: Backend) -> float:

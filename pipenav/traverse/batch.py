@@ -48,6 +48,7 @@ class TraverseBatch:
         self._ways = Ways(np.tile([1.0, 0.0], (n, 1)), np.zeros(n))
         self._judge = Judge(robot, config, n)
         self._action, self._q = np.zeros((n, len(robot.drives))), np.zeros((n, robot.coordinates))
+        self._set_points = np.zeros((n, len(robot.joints)))
         self._observation = np.zeros((n, len(self._scale)))
 
     @property
@@ -75,6 +76,7 @@ class TraverseBatch:
         self.steps[robots], self._ages[robots] = self._ages[robots], 0
         self._side[robots], self._base[robots] = episodes.side, episodes.base
         self._action[robots], self._q[robots] = 0.0, episodes.q
+        self._set_points[robots] = reading.q + self.config.start_press * np.sign(reading.q)
         self._ways.put(robots, Ways.of(episodes.pipes))
         self._judge.start(robots, self._along()[robots])
         observed = observation.observe(self.robot, reading, self._action[robots], episodes.side)
@@ -92,8 +94,10 @@ class TraverseBatch:
         Args:
             action: canonical actions in [-1, 1], (n, drives).
         """
-        joints = self._q[:, -len(self.robot.joints) :]
-        self._backend.step(observation.to_command(self.robot, self.config, action, joints, self._side))
+        joints = self._q[:, -self._set_points.shape[1] :]
+        command = observation.to_command(self.robot, self.config, action, joints, self._set_points, self._side)
+        self._set_points = command.values[:, : joints.shape[1]].copy()
+        self._backend.step(command)
         self.steps += 1
         self._action = np.clip(action, -1.0, 1.0)
         reading, truth = self._backend.read(), self._backend.truth()

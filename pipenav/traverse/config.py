@@ -31,12 +31,17 @@ class TraverseConfig(_Table):
     kind: Literal["traverse"]
     observation: Literal["body"] = Field("body", description="what the robot's own sensors give, and the last action")
     control: Literal["position"] = Field("position", description="set-points for the on-board controllers")
+    set_points: Literal["measured", "held"] = Field(
+        "measured",
+        description="a bending joint's set-point moves on from where the joint is (eq 3.5), or from where it was set "
+        "before, so that an action of 0 goes on pressing",
+    )
     alpha: float = Field(
         0.25,
         gt=0,
         le=1,
-        description="set-point change of a bending joint at a full action [rad]; more than full_drive_error, so that "
-        "a policy can ask for all of a joint's effort",
+        description="set-point change of a bending joint at a full action, and how far set-points may be from where "
+        "joints are [rad]; more than full_drive_error, so that a policy can ask for all of a joint's effort",
     )
     max_steps: int = Field(300, ge=1, description="control steps until an episode times out; a passage takes 70 to 100")
     patience: int = Field(
@@ -58,6 +63,12 @@ class TraverseConfig(_Table):
         (0.0, 1.0),
         strict=False,
         description="how far off the axis wheels start, to either side by turns, as a share of the room that they have",
+    )
+    start_press: float = Field(
+        0.0,
+        ge=0,
+        description="how much further than the joints are bent their set-points are at the start, where they are held "
+        "[rad]: so the robot clamps from the first moment",
     )
     inclination_deg: tuple[float, float] | None = Field(
         None,

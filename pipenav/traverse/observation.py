@@ -12,6 +12,10 @@ from pipenav.traverse.config import TraverseConfig
 
 Array = NDArray[np.float64]
 
+STRAIGHT = 0.1
+"""Bend below which a wheel rolls more slowly than asked, down to not at all at a straight joint [rad]: there it moves
+from one wall to the other, and its forwards turns round."""
+
 
 def layout(robot: RobotSpec, config: TraverseConfig) -> list[Part]:  # noqa: ARG001  # as the corner task's
     """The observation's parts in order, with the scale that each value is divided by."""
@@ -32,7 +36,7 @@ def wheel_limits(robot: RobotSpec) -> Array:
 
 
 def action_scale(robot: RobotSpec, config: TraverseConfig) -> Array:
-    """What a full action is: a joint's set-point change [rad], then a wheel's speed [rad/s], (drives,)."""
+    """What a full action is: a joint's set-point change [rad], then a wheel's speed forwards [rad/s], (drives,)."""
     return np.concatenate([np.full(len(robot.joints), config.alpha), wheel_limits(robot)])
 
 
@@ -68,17 +72,33 @@ def observe(robot: RobotSpec, reading: Reading, action_before: Array, side: Arra
     return np.concatenate([*own, reading.loads * signs, ranges, action_before], axis=1)
 
 
-def to_command(robot: RobotSpec, config: TraverseConfig, action: Array, q: Array, side: Array) -> Command:
-    """The command for canonical actions: bending joints go on from where they are, wheels turn at a speed.
+def to_command(
+    robot: RobotSpec, config: TraverseConfig, action: Array, q: Array, set_points: Array, side: Array
+) -> Command:
+    """The command for canonical actions: bending joints go on from where they are or were set, wheels roll forwards.
+
+    A joint's bend presses its wheel against the wall on the bend's outside, so the bend says which way round is
+    forwards; the wheel of a straight joint stands.
 
     Args:
         robot: the robot.
         config: sizes of a full action.
         action: canonical actions, (n, drives); clipped to [-1, 1].
         q: measured joint positions in the robot's own frame, (n, joints).
+        set_points: those of the command before, (n, joints).
         side: +1 for a left turn, -1 for a right one, (n,).
     """
-    values = np.clip(action, -1.0, 1.0) * drive_signs(robot, side) * action_scale(robot, config)
-    joints = q.shape[1]
-    values[:, :joints] = np.clip(q + values[:, :joints], robot.lower, robot.upper)
-    return Command("position", values)
+    asked, joints = np.clip(action, -1.0, 1.0) * action_scale(robot, config), q.shape[1]
+    bends = asked[:, :joints] * drive_signs(robot, side)[:, :joints]
+    bends += q if config.set_points == "measured" else set_points
+    bends = np.clip(np.clip(bends, q - config.alpha, q + config.alpha), robot.lower, robot.upper)
+    # A bend to the right presses its wheel on the left wall, where turning to the left rolls forwards.
+    forwards = -np.clip(q[:, wheel_joints(robot)] / STRAIGHT, -1.0, 1.0)
+    rolls = asked[:, joints:] * forwards
+    return Command("position", np.concatenate([bends, rolls], axis=1))
+
+
+def wheel_joints(robot: RobotSpec) -> list[int]:
+    """Which joint each wheel sits on, (wheels,)."""
+    jointed = [link for link in robot.links if link.joint is not None]
+    return [i for i, link in enumerate(jointed) if link.wheel is not None]
