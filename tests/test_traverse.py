@@ -291,7 +291,7 @@ def test_both_tasks_are_described_alike() -> None:
     for robot, task in ((arm, TaskConfig()), (ROBOT, CONFIG)):
         kind, pipes = kind_of(task), [Pipe.of(90, 90)]
         assert len(kind.action_scale(robot, task)) == len(robot.drives)
-        source = random_episodes(robot, task, [pipes], np.random.default_rng(0), kind.sample)
+        source = random_episodes(robot, task, [pipes], np.random.default_rng(0), sample=kind.sample)
         with closing(kind.batch(robot, task, open_backend("mujoco", robot, 2, {}), 2, source)) as made:
             assert made.reset().shape == (2, made.observation_size) == (2, len(scale_of(robot, task)))
             result = made.step(np.zeros((2, made.action_size)))
