@@ -14,7 +14,7 @@ from pipenav.task.episode import Verdict
 from pipenav.tasks import TaskBatch
 
 
-class CornerVecEnv(VecEnv):  # type: ignore[misc]  # Stable-Baselines3 is imported untyped
+class TaskVecEnv(VecEnv):  # type: ignore[misc]  # Stable-Baselines3 is imported untyped
     """n episodes; an ended one starts anew at once, with its last observation in `terminal_observation`.
 
     Attributes:

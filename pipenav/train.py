@@ -17,7 +17,7 @@ from pipenav.pipe_set import parse_pipes
 from pipenav.registry import open_backend
 from pipenav.robot import load_robot
 from pipenav.run_folder import RunFolder
-from pipenav.sb3_env import CornerVecEnv
+from pipenav.sb3_env import TaskVecEnv
 from pipenav.tasks import kind_of
 from pipenav.train_config import TrainConfig
 from pipenav.training_watch import Progress, Watch
@@ -62,7 +62,7 @@ def train(
     kind = kind_of(config.task)
     source = random_episodes(robot, config.randomise.starts(config.task), sets, rng, EPISODE_STOCK, kind.sample)
     batch = kind.batch(robot, config.task, backend, n, source)
-    env = CornerVecEnv(batch)
+    env = TaskVecEnv(batch)
     try:
         model = new_model(config, env)
         state = resume.load_state(folder.resume, model) if resumed else resume.State(0, 0.0, -1.0)
@@ -88,7 +88,7 @@ class LearningRate:
         return self.start * max(remaining, LEARNING_RATE_FLOOR)
 
 
-def new_model(config: TrainConfig, env: CornerVecEnv) -> PPO:
+def new_model(config: TrainConfig, env: TaskVecEnv) -> PPO:
     """A fresh learner, as the configuration says."""
     learner = config.learner
     model = PPO(
