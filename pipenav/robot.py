@@ -187,6 +187,6 @@ def load_robot(name: str) -> RobotSpec:
 def _known_beside(error: ValidationError) -> list[str]:
     """The keys that exist where pydantic found its first problem."""
     first, *rest = place = error.errors()[0]["loc"][:-1] or ("",)
-    tables: dict[str, type[BaseModel]] = {"links": Link, "actuators": Actuator, "laser": Laser}
-    known = Joint if "joint" in rest else tables.get(str(first), RobotSpec)
+    tables: dict[str, type[BaseModel]] = {"links": Link, "actuators": Actuator, "laser": Laser, "roll": Roll}
+    known = Joint if "joint" in rest else Wheel if "wheel" in rest else tables.get(str(first), RobotSpec)
     return [".".join(map(str, [*filter(None, map(str, place)), key])) for key in known.model_fields]

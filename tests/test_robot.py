@@ -152,3 +152,9 @@ def test_wheels_and_roll_name_what_is_described() -> None:
         {"links": [links[0], links[1] | {"wheel": wheel}, *links[2:]]}
     )
     assert "the roll joint divides link 'nose'" in whole({"roll": roll | {"link": "nose"}})
+
+
+def test_an_unknown_key_of_a_wheel_is_answered_with_the_nearest(tmp_path: Path) -> None:
+    text = (robots_dir() / "pirate" / "robot.toml").read_text(encoding="utf-8")
+    said = message(tmp_path, text.replace('name = "wheel2", diameter', 'name = "wheel2", diametre = 0.03, diameter'))
+    assert "did you mean 'links.2.wheel.diameter'" in said
