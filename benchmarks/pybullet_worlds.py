@@ -51,7 +51,7 @@ def plain_loop(episodes: int) -> float:
     rng = np.random.default_rng(0)
     single = world.World(ROBOT, 1, SETTING)  # only to set the scene
     arm, joints, client = single._arms[0], single._joints, single._client
-    motors = [(a.position_gain, a.effort_limit, a.damping) for a in ROBOT.joint_actuators]
+    motors = [(a.controller_gain, a.effort_limit, a.damping) for a in ROBOT.joint_actuators]
     substeps = round(0.1 / OPTIONS.timestep)
     seconds = 0.0
     for _ in range(episodes):

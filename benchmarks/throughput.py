@@ -33,7 +33,7 @@ from pipenav.batch import CornerBatch, random_episodes
 from pipenav.pipe_set import parse_pipes
 from pipenav.registry import open_backend
 from pipenav.robot import load_robot
-from pipenav.sb3_env import CornerVecEnv
+from pipenav.sb3_env import TaskVecEnv
 from pipenav.task import episode
 from pipenav.task.episode import Verdict
 from pipenav.train import EPISODE_STOCK, new_model
@@ -63,7 +63,7 @@ class SideBySide:
 
     def __init__(self, config: TrainConfig, actor: PPO) -> None:
         self.batch = make_batch(config, seed=1)
-        self.env, self.actor = CornerVecEnv(self.batch), actor
+        self.env, self.actor = TaskVecEnv(self.batch), actor
         self.observation = self.env.reset()
         backend = self.batch._backend
         self.physics, self.substeps = backend._batch, backend._substeps
@@ -152,7 +152,7 @@ def main() -> None:
 
 def measure_rates(config: TrainConfig, repeats: int) -> dict[str, float]:
     n, steps = config.learner.robots, config.learner.rollout_steps
-    ours = new_model(config, CornerVecEnv(make_batch(config, seed=4)))
+    ours = new_model(config, TaskVecEnv(make_batch(config, seed=4)))
     plain = PPO("MlpPolicy", DummyVecEnv([baseline_env]), device="cpu", seed=0)
     ours.learn(10 * n * steps)  # past the first flailing
     plain.learn(256)
@@ -178,7 +178,7 @@ def measure_rates(config: TrainConfig, repeats: int) -> dict[str, float]:
 
 
 def measure_times(config: TrainConfig, limit: float) -> dict[str, float]:
-    ours = new_model(config, CornerVecEnv(make_batch(config, seed=5)))
+    ours = new_model(config, TaskVecEnv(make_batch(config, seed=5)))
     fast = UntilSolved(config, 4096, limit, set_noise=True)
     ours.learn(config.steps, callback=fast)
     plain = PPO("MlpPolicy", DummyVecEnv([baseline_env]), device="cpu", seed=0)

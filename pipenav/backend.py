@@ -48,7 +48,8 @@ class Backend(ABC):
         Args:
             robots: which robots, sorted and unique, (k,).
             pipes: the pipe of each, k of them.
-            q: joint positions, (k, joints) [rad or m].
+            q: configurations in the robots' frames: joint positions, of a free robot its first link's pose before them,
+                (k, coordinates) [rad or m].
             base: where each robot's frame starts on the first leg's axis, x in the pipe's frame, (k,) [m].
         """
 
@@ -76,8 +77,8 @@ class Variation(NamedTuple):
         friction: on the friction coefficient, (k,).
         mass: on the mass and the inertia of each link, (k, links).
         strength: on what each actuator makes of a drive, as a higher supply voltage gives a motor: the effort limit and
-            the speed limit change alike, (k, joints).
-        gain: on the drive that each on-board position controller asks for at an error, (k, joints).
+            the speed limit change alike, (k, drives).
+        gain: on the drive that each on-board controller asks for at an error, (k, drives).
     """
 
     friction: Array
@@ -102,6 +103,22 @@ class Variable(Protocol):
         Args:
             robots: which robots, sorted and unique, (k,).
             variation: of these.
+        """
+        ...
+
+
+@runtime_checkable
+class Inclinable(Protocol):
+    """What a simulator may offer besides, for pipes that are not level."""
+
+    def incline(self, robots: NDArray[np.intp], gravity: Array) -> None:
+        """Let gravity act along the plane of some robots' pipes until they are inclined again; it does not at first.
+
+        To be called right before a reset of the same robots, after `Variable.vary` where that is called too.
+
+        Args:
+            robots: which robots, sorted and unique, (k,).
+            gravity: its part in the pipe's plane, axes of the pipe's frame, (k, 2) [m/s^2].
         """
         ...
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,7 @@ class StepResult(NamedTuple):
         verdict: a `Verdict` for each, (n,); other than RUNNING ends the episode.
         clearance: smallest laser reading, (n,) [m].
         truth: what the simulator knows.
+        cut_off: whether the episode ended for want of time alone, so that it might have gone on, (n,).
     """
 
     observation: Array
@@ -38,12 +39,18 @@ class StepResult(NamedTuple):
     verdict: NDArray[np.int8]
     clearance: Array
     truth: Truth
+    cut_off: NDArray[np.bool_]
 
 
 class CornerBatch:
-    """n episodes of the corner task, stepped together. Who calls `step` also says, by `reset`, who starts anew."""
+    """n episodes of the corner task, stepped together. Who calls `step` also says, by `reset`, who starts anew.
+
+    Raises:
+        PipenavError: a robot that hangs on no mount.
+    """
 
     def __init__(self, robot: RobotSpec, config: TaskConfig, backend: Backend, n: int, source: EpisodeSource) -> None:
+        episode.check_robot(robot)
         self.robot, self.config, self.n = robot, config, n
         self._backend, self._source = backend, source
         self._scale = observation.scale_of(robot, config)
@@ -65,6 +72,10 @@ class CornerBatch:
     @property
     def observation_size(self) -> int:
         return len(self._scale)
+
+    @property
+    def action_size(self) -> int:
+        return len(self.robot.joints)
 
     @property
     def goal(self) -> Array:
@@ -129,7 +140,8 @@ class CornerBatch:
         result = reward.total(self.config.reward, facts)
         observed = observation.observe(self.config, self._now, self._before, self._action, self._goal)
         self._observation = observed / self._scale
-        return StepResult(self._observation, result, verdict, self._now.ranges.min(axis=1), truth)
+        cut_off = verdict == Verdict.TIMEOUT.value
+        return StepResult(self._observation, result, verdict, self._now.ranges.min(axis=1), truth, cut_off)
 
     def close(self) -> None:
         self._backend.close()
@@ -161,24 +173,36 @@ class CornerBatch:
 
 
 def random_episodes(
-    robot: RobotSpec, config: TaskConfig, sets: Sequence[Sequence[Pipe]], rng: np.random.Generator, stock: int = 1
-) -> EpisodeSource:
+    robot: RobotSpec,
+    config: Any,
+    sets: Sequence[Sequence[Pipe]],
+    rng: np.random.Generator,
+    stock: int = 1,
+    sample: Callable[..., Any] = episode.sample,
+) -> Callable[[NDArray[np.intp]], Any]:
     """Episodes with random starts and targets in random pipes: first a set is drawn, each alike, then a pipe of it.
 
     They are drawn at least `stock` at a time and then dealt out, since hundreds cost hardly more to draw than one;
     those too few for the robots that ask next are dropped.
+
+    Args:
+        robot, config: what the episodes are for.
+        sets: the pipes.
+        rng: of all that is random.
+        stock: how many episodes are drawn at least.
+        sample: draws one episode of the task in each of some pipes.
     """
     sizes = np.array([len(pipes) for pipes in sets])
 
-    def draw(k: int) -> Episodes:
+    def draw(k: int) -> Any:
         chosen = rng.integers(len(sets), size=k)
         places = rng.integers(sizes[chosen])
         pipes = [sets[i][j] for i, j in zip(chosen.tolist(), places.tolist(), strict=True)]
-        return episode.sample(robot, config, pipes, rng)
+        return sample(robot, config, pipes, rng)
 
     held, dealt = draw(0), 0
 
-    def source(robots: NDArray[np.intp]) -> Episodes:
+    def source(robots: NDArray[np.intp]) -> Any:
         nonlocal held, dealt
         if dealt + len(robots) > len(held.pipes):
             held, dealt = draw(max(len(robots), stock)), 0

@@ -22,6 +22,7 @@ from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
 from pipenav.task import action
 from pipenav.task.config import TaskConfig
+from pipenav.tasks import TaskBatch
 
 Array = NDArray[np.float64]
 
@@ -83,7 +84,8 @@ class CentrelineController:
         self._lines: dict[Pipe, tuple[float, ...]] = {}
         self._ways: dict[int, tuple[object, Array]] = {}
 
-    def act(self, observation: Array, batch: CornerBatch) -> Array:  # noqa: ARG002  # it knows more than that
+    def act(self, observation: Array, batch: TaskBatch) -> Array:  # noqa: ARG002  # it knows more than that
+        assert isinstance(batch, CornerBatch)  # its task is no other
         """Canonical actions in [-1, 1], (n, joints)."""
         q, goal, edge = batch.snapshot.q, batch.goal, batch.edge
         step = action.position_step(self.robot, self.task)

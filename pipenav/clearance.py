@@ -8,13 +8,14 @@ from numpy.typing import NDArray
 from pipenav import kinematics
 from pipenav.kinematics import ChainPose
 from pipenav.pipe import Pipe
-from pipenav.robot import BoxPart, DiscPart, RobotSpec
+from pipenav.robot import RobotSpec
+from pipenav.robot_parts import BoxPart, DiscPart
 
 Array = NDArray[np.float64]
 
 
 def clearance(robot: RobotSpec, pipe: Pipe, q: Array, base: float) -> Array:
-    """Smallest signed distance of any link to any wall, (...) [m]; negative where they overlap.
+    """Smallest signed distance of any link or wheel to any wall, (...) [m]; negative where they overlap.
 
     The outer wall bounds a convex space: every point of a part is on the near side of each of its lines. The inner wall
     bounds a convex obstacle: a box and it are as far apart as along the best of their edges' normals. That is the exact
@@ -23,14 +24,14 @@ def clearance(robot: RobotSpec, pipe: Pipe, q: Array, base: float) -> Array:
     Args:
         robot: the robot.
         pipe: the pipe.
-        q: joint positions in the pipe's turn, (..., joints) [m, rad].
+        q: configurations in the pipe's turn, (..., coordinates) [m, rad].
         base: where the robot's frame starts on the first leg's axis, x in the pipe's frame [m].
     """
     chain = kinematics.forward(robot, q.reshape(-1, q.shape[-1]))
     distances = []
     for i, link in enumerate(robot.links):
-        boxes = [part for part in link.parts if isinstance(part, BoxPart)]
-        discs = [part for part in link.parts if isinstance(part, DiscPart)]
+        boxes = [part for part in link.outline if isinstance(part, BoxPart)]
+        discs = [part for part in link.outline if isinstance(part, DiscPart)]
         distances += [_box_clearance(pipe, *_place(chain, i, part, base), part) for part in boxes]
         distances += [_disc_clearance(pipe, _place(chain, i, part, base)[0], part) for part in discs]
     return np.asarray(np.min(distances, axis=0).reshape(q.shape[:-1]))

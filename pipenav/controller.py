@@ -7,12 +7,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from pipenav.batch import CornerBatch
 from pipenav.centreline import CentrelineController
 from pipenav.errors import UnknownName
 from pipenav.policy import Policy, load_policy, resolve_policy
 from pipenav.robot import RobotSpec, load_robot
-from pipenav.task.config import TaskConfig
+from pipenav.tasks import AnyTask, TaskBatch, default_task
 
 Array = NDArray[np.float64]
 
@@ -20,7 +19,7 @@ BASELINE = "baseline:"
 
 
 class Controller(Protocol):
-    """Anything that can act in the corner task.
+    """Anything that can act in a task.
 
     Attributes:
         robot: the robot that it acts for.
@@ -31,10 +30,10 @@ class Controller(Protocol):
     def robot(self) -> RobotSpec: ...
 
     @property
-    def task(self) -> TaskConfig: ...
+    def task(self) -> AnyTask: ...
 
-    def act(self, observation: Array, batch: CornerBatch) -> Array:
-        """Canonical actions in [-1, 1], (n, joints).
+    def act(self, observation: Array, batch: TaskBatch) -> Array:
+        """Canonical actions in [-1, 1], (n, action_size).
 
         Args:
             observation: scaled, (n, size), as `batch` gave it.
@@ -50,19 +49,19 @@ class PolicyController:
         self.policy = policy
         self.robot, self.task = policy.header.robot, policy.header.task
 
-    def act(self, observation: Array, batch: CornerBatch) -> Array:  # noqa: ARG002  # the seam's signature
+    def act(self, observation: Array, batch: TaskBatch) -> Array:  # noqa: ARG002  # the seam's signature
         return self.policy.act(observation).astype(float)
 
 
 class RandomController:
     """Uniform random actions, for a floor under every comparison."""
 
-    def __init__(self, robot: RobotSpec, seed: int, task: TaskConfig | None = None) -> None:
-        self.robot, self.task = robot, task or TaskConfig()
+    def __init__(self, robot: RobotSpec, seed: int, task: AnyTask | None = None) -> None:
+        self.robot, self.task = robot, task or default_task(robot)
         self._rng = np.random.default_rng(seed)
 
-    def act(self, observation: Array, batch: CornerBatch) -> Array:  # noqa: ARG002  # the seam's signature
-        return self._rng.uniform(-1.0, 1.0, (len(observation), len(self.robot.joints)))
+    def act(self, observation: Array, batch: TaskBatch) -> Array:  # noqa: ARG002  # the seam's signature
+        return self._rng.uniform(-1.0, 1.0, (len(observation), len(self.robot.drives)))
 
 
 def open_controller(text: str, robot_name: str | None = None, seed: int = 0) -> Controller:

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipenav.robot import Laser
+from pipenav.robot_parts import Laser
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

@@ -8,11 +8,11 @@ from typing import Annotated, TypeVar
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
 from pipenav import assets
-from pipenav.errors import ConfigError, UnknownName
+from pipenav.errors import ConfigError, PipenavError, UnknownName
 from pipenav.files import read_toml
-from pipenav.task.config import TaskConfig
 
 Number = TypeVar("Number", int, float)
+Task = TypeVar("Task", bound=BaseModel)
 
 MAX_LATENCY = 5
 """Control steps; half a second is more than any bus needs."""
@@ -63,10 +63,17 @@ class Disturbance(BaseModel):
         """Whether anything is disturbed once an episode has begun."""
         return self.model_copy(update={"start_bend": None, "start_gap": None}) != Disturbance()
 
-    def starts(self, task: TaskConfig) -> TaskConfig:
-        """The task with the start poses that are wanted here."""
-        wanted = {"start_bend": self.start_bend, "start_gap": self.start_gap}
-        return task.model_copy(update={key: value for key, value in wanted.items() if value is not None})
+    def starts(self, task: Task) -> Task:
+        """The task with the start poses that are wanted here.
+
+        Raises:
+            PipenavError: a task whose robot does not start as is wanted.
+        """
+        given = {"start_bend": self.start_bend, "start_gap": self.start_gap}
+        wanted = {key: value for key, value in given.items() if value is not None}
+        for key in wanted.keys() - type(task).model_fields.keys():
+            raise PipenavError(f"the disturbance sets {key}, which this policy's task does not have: leave it out.")
+        return task.model_copy(update=wanted)
 
 
 UNDISTURBED = Disturbance()

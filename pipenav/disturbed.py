@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipenav import laser
-from pipenav.backend import Backend, BackendOptions, Variable, Variation
+from pipenav.backend import Backend, BackendOptions, Inclinable, Variable, Variation
 from pipenav.disturbance import MAX_LATENCY, Disturbance
 from pipenav.errors import PipenavError
 from pipenav.pipe import Pipe
@@ -51,11 +51,11 @@ class DisturbedBackend(Backend):
                 f"{type(inner).__name__} cannot change friction, mass, strength or gain of single robots: leave them "
                 "out of the disturbance, or choose another backend."
             )
-        joints, beams = len(robot.joints), robot.laser.beams
+        drives, beams = len(robot.drives), robot.laser.beams
         self._generators = [np.random.default_rng(seed) for _ in range(n)]
         self._latency, self._age = np.zeros(n, int), np.zeros(n, int)
-        self._commands = np.zeros((n, MAX_LATENCY + 1, joints))  # the latest first
-        self._start = np.zeros((n, joints))
+        self._commands = np.zeros((n, MAX_LATENCY + 1, drives))  # the latest first
+        self._start = np.zeros((n, drives))  # set-points that hold the start pose, wheels standing
         self._noise, self._dropouts, self._missing = np.zeros(n), np.zeros(n), np.zeros((n, beams), bool)
         self._ranges = np.zeros((n, beams))
 
@@ -70,9 +70,20 @@ class DisturbedBackend(Backend):
         if self._simulator is not None and d.varies_robots:
             self._simulator.vary(robots, Variation(*map(np.array, zip(*spans, strict=True))))
         reading = self._inner.reset(robots, pipes, q, base)
-        self._start[robots], self._age[robots] = reading.q, 0
+        self._start[robots, : reading.q.shape[1]], self._age[robots] = reading.q, 0
         self._ranges[robots] = self._seen(robots, reading.ranges)
         return reading._replace(ranges=self._ranges[robots])
+
+    def incline(self, robots: NDArray[np.intp], gravity: Array) -> None:
+        """See `pipenav.backend.Inclinable`.
+
+        Raises:
+            PipenavError: the backend behind this one knows no gravity.
+        """
+        if not isinstance(self._inner, Inclinable):
+            name = type(self._inner).__name__
+            raise PipenavError(f"{name} knows no gravity along the pipe: choose another backend.")
+        self._inner.incline(robots, gravity)
 
     def step(self, command: Command) -> None:
         self._commands = np.concatenate([command.values[:, None], self._commands[:, :-1]], axis=1)
@@ -113,8 +124,8 @@ def _generator(seed: int, pipe: Pipe, q: Array, base: float) -> np.random.Genera
 
 def _variation(robot: RobotSpec, d: Disturbance, rng: np.random.Generator) -> Variation:
     """One robot's; its friction is a number."""
-    links, joints = len(robot.links), len(robot.joints)
+    links, drives = len(robot.links), len(robot.drives)
     friction = np.asarray(rng.uniform(*d.friction))
     return Variation(
-        friction, rng.uniform(*d.mass, links), rng.uniform(*d.strength, joints), rng.uniform(*d.gain, joints)
+        friction, rng.uniform(*d.mass, links), rng.uniform(*d.strength, drives), rng.uniform(*d.gain, drives)
     )

@@ -23,6 +23,7 @@ from pipenav.pipe_set import parse_pipes
 from pipenav.robot import load_robot
 from pipenav.task.config import RewardConfig, TaskConfig
 from pipenav.task.episode import Episodes, Verdict
+from pipenav.tasks import TaskBatch
 from pipenav.top_view import Scene, scene_pixels
 
 Float32s = NDArray[np.float32]
@@ -82,14 +83,14 @@ def _task_config(task: TaskConfig | Mapping[str, Any] | None) -> TaskConfig:
         raise ConfigError.from_validation("task", error, known) from error
 
 
-def observation_space(batch: CornerBatch) -> spaces.Space[Float32s]:
+def observation_space(batch: TaskBatch) -> spaces.Space[Float32s]:
     """Of one robot. Unbounded: no sensor limits what an impact does to a joint's speed."""
     return cast("spaces.Space[Float32s]", spaces.Box(-np.inf, np.inf, (batch.observation_size,), np.float32))
 
 
-def action_space(batch: CornerBatch) -> spaces.Space[Float32s]:
+def action_space(batch: TaskBatch) -> spaces.Space[Float32s]:
     """Of one robot: every actuator's share in [-1, 1]."""
-    return cast("spaces.Space[Float32s]", spaces.Box(-1.0, 1.0, (len(batch.robot.joints),), np.float32))
+    return cast("spaces.Space[Float32s]", spaces.Box(-1.0, 1.0, (batch.action_size,), np.float32))
 
 
 def step_info(result: StepResult, robots: NDArray[np.intp] | slice = slice(None)) -> dict[str, NDArray[Any]]:

@@ -15,13 +15,16 @@ from pipenav.registry import open_backend
 from pipenav.robot import RobotSpec
 from pipenav.stage import Stage, StageStep
 from pipenav.task import episode
-from pipenav.task.config import TaskConfig
 from pipenav.task.episode import Episodes, Verdict
+from pipenav.tasks import AnyTask, kind_of
+from pipenav.traverse.start import TraverseEpisodes
 from pipenav.units import m_to_mm, rad_to_deg
 
 Array = NDArray[np.float64]
 Episode = TypeVar("Episode")
-"""What a stage's episode starts from: `Episodes` of k = 1, or a motion to replay."""
+"""What a stage's episode starts from: a task's episodes of k = 1, or a motion to replay."""
+
+Starting = TypeVar("Starting", Episodes, TraverseEpisodes)
 
 MAX_ROBOTS = 256
 """Robots stepped together: enough to keep every core busy, few enough that the last ones to finish cost little."""
@@ -40,7 +43,7 @@ class EpisodeResults(NamedTuple):
         penetration: deepest overlap with the wall, (k,) [m].
         force: peak contact force, (k,) [N].
         contact_share: share of the time in contact, (k,).
-        q: joint positions at the end, in the robot's own frame, (k, joints) [m, rad].
+        q: configurations at the end, in the robot's own frame, (k, coordinates) [m, rad].
     """
 
     verdict: NDArray[np.int8]
@@ -81,15 +84,15 @@ class EpisodeQueue(Generic[Episode]):
         return started
 
 
-def joined(parts: Sequence[Episodes]) -> Episodes:
-    """Several episodes as one, in order."""
-    arrays = [np.concatenate([part[i] for part in parts]) for i in range(1, len(Episodes._fields))]
-    return Episodes(tuple(part.pipes[0] for part in parts), *arrays)
+def joined(parts: Sequence[Starting]) -> Starting:
+    """Several episodes of a task as one, in order."""
+    pipes, *arrays = zip(*parts, strict=True)
+    return type(parts[0])(tuple(one for (one,) in pipes), *map(np.concatenate, arrays))
 
 
 def random_start(
-    robot: RobotSpec, task: TaskConfig, pipes: Sequence[Pipe], episodes: int, seed: int
-) -> Callable[[int], Episodes]:
+    robot: RobotSpec, task: AnyTask, pipes: Sequence[Pipe], episodes: int, seed: int
+) -> Callable[[int], Any]:
     """Episodes by number: all of the first pipe, then of the next.
 
     Start and target of an episode depend on the seed, the pipe and the episode's number in it alone, so that results
@@ -100,11 +103,11 @@ def random_start(
     """
     episode.check_fits(robot, pipes)
 
-    def start(job: int) -> Episodes:
+    def start(job: int) -> Any:
         pipe, number = pipes[job // episodes], job % episodes
         diameter, angle = round(m_to_mm(pipe.diameter) * 1e3), round(rad_to_deg(pipe.angle) * 1e3)
         rng = np.random.default_rng([seed, diameter, angle, int(pipe.side > 0), number])
-        return episode.sample(robot, task, [pipe], rng)
+        return kind_of(task).sample(robot, task, [pipe], rng)
 
     return start
 
@@ -165,7 +168,7 @@ def drain(
     """Step until every episode of the queue, which is the stage's source, has ended."""
     total = queue.total
     clearance, penetration, force, contact_share = np.zeros((4, total))
-    verdict, steps, q = np.zeros(total, np.int8), np.zeros(total, np.intp), np.zeros((total, len(stage.robot.joints)))
+    verdict, steps, q = np.zeros(total, np.int8), np.zeros(total, np.intp), np.zeros((total, stage.robot.coordinates))
     results = EpisodeResults(verdict, steps, clearance, penetration, force, contact_share, q)
     peaks = _Peaks(stage.n)
     stage.start(np.arange(stage.n))

@@ -44,7 +44,7 @@ class ConfigError(PipenavError):
             known: the keys that exist, to suggest the nearest one for an unknown key.
         """
         first = error.errors()[0]
-        key = ".".join(str(part) for part in first["loc"]) or "the value"
+        key = dotted(first["loc"]) or "the value"
         if first["type"] == "extra_forbidden":
             return cls(f"{where}: {UnknownName('key', key, known)}")
         more = f" ({error.error_count() - 1} more)" if error.error_count() > 1 else ""
@@ -66,6 +66,12 @@ class BackendUnavailable(PipenavError):
 
     def __init__(self, name: str, missing: str, remedy: str) -> None:
         super().__init__(f"backend {name!r} cannot run: {missing}; {remedy}.")
+
+
+def dotted(place: Iterable[str | int]) -> str:
+    """A place in a configuration as pydantic gives it, as its key; without parts in angle brackets, the tags that tell
+    kinds of one thing apart, which no file spells out."""
+    return ".".join(part for part in map(str, place) if not part.startswith("<"))
 
 
 def _either(names: list[str]) -> str:

@@ -19,10 +19,12 @@ from pipenav.registry import check_options, load_backend
 from pipenav.robot import load_robot
 from pipenav.task.config import TaskConfig
 from pipenav.task.episode import Verdict, check_fits
+from pipenav.tasks import AnyTask, kind_of
 from pipenav.thesis import thesis_best
+from pipenav.traverse.config import TraverseConfig
 from pipenav.units import m_to_mm, rad_to_deg
 
-StageName = Literal["front", "front-rear", "locate", "passage"]
+StageName = Literal["front", "front-rear", "locate", "passage", "traverse"]
 
 
 class EvaluationRun:
@@ -33,7 +35,7 @@ class EvaluationRun:
         pipes: as `pipenav.pipe_set.parse_pipes` takes them.
         episodes: in each pipe.
         seed: of starts and targets.
-        stage: what to run.
+        stage: what to run; by default what the policy was trained for, a front passage or a traverse.
         robot: of the stage locate and of baselines, `basic` where none is named; a policy brings its own.
         variant: of approach I.
         backend: name of a simulator backend.
@@ -51,7 +53,7 @@ class EvaluationRun:
         pipes: Sequence[str],
         episodes: int,
         seed: int,
-        stage: StageName = "front",
+        stage: StageName | None = None,
         robot: str | None = None,
         variant: Variant = "map",
         backend: str = "mujoco",
@@ -64,16 +66,25 @@ class EvaluationRun:
                 if policy is None
                 else "stage locate runs without a policy: leave out --policy."
             )
-        self._policy, self._stage, self._variant = policy, stage, variant
+        self._policy, self._variant = policy, variant
         self._episodes, self._seed = episodes, seed
         self._controller = None if policy is None else open_controller(policy, robot, seed)
         self._robot = load_robot(robot or "basic") if self._controller is None else self._controller.robot
-        self._task = TaskConfig() if self._controller is None else self._controller.task
+        self._task: AnyTask = TaskConfig() if self._controller is None else self._controller.task
+        self._stage: StageName = stage or kind_of(self._task).stage
+        self._check_stage()
         self._pipes = parse_pipes(pipes)
         self._backend, self._options = backend, dict(options or {})
         check_options(backend, load_backend(backend), self._options)
         check_fits(self._robot, self._pipes)
         self._disturb, self._disturbance = disturb, UNDISTURBED if disturb is None else load_disturbance(disturb)
+
+    def _check_stage(self) -> None:
+        traverses = isinstance(self._task, TraverseConfig)
+        if self._controller is not None and traverses != (self._stage == "traverse"):
+            does = "traverses the pipe as a whole" if traverses else "reaches a target around the corner"
+            fits = "traverse" if traverses else "front, front-rear or passage"
+            raise PipenavError(f"policy {self._policy} {does}: its stage is {fits}, given {self._stage}.")
 
     def run(self, progress: Progress = lambda _part, _total, _done, _successes: None) -> Evaluation:
         """Every stage over all episodes, one after the other."""
@@ -93,7 +104,7 @@ class EvaluationRun:
         if self._stage in ("locate", "passage"):
             parts["locate"] = runs.locate(self._variant)
         if controller is not None:
-            parts["front"] = runs.front(controller, parts.get("locate"))
+            parts[kind_of(self._task).stage] = runs.task(controller, parts.get("locate"))
         if self._stage in ("front-rear", "passage"):
             parts["rear"] = runs.rear(parts["front"], parts.get("locate"))
         deepest = np.zeros(len(pipes) * episodes)
@@ -128,9 +139,9 @@ def _pipe_record(pipe: Pipe, parts: dict[str, Part], first: int, episodes: int) 
         else:
             counts |= {f"{name}_attempts": len(passed), f"{name}_successes": int(passed.sum())}
         for verdict in results.verdict[~passed]:
-            reason = Verdict(verdict).label if name == "front" else f"{name} {Verdict(verdict).label}"
+            reason = Verdict(verdict).label if name in ("front", "traverse") else f"{name} {Verdict(verdict).label}"
             failures[reason] = failures.get(reason, 0) + 1
-    main = parts.get("front") or parts["locate"]
+    main = parts.get("front") or parts.get("traverse") or parts["locate"]
     timed = main.results.select((main.jobs >= first) & (main.jobs < first + episodes))
     reached = timed.verdict == Verdict.REACHED
     steps = np.concatenate([results.steps for results in seen])

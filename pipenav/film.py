@@ -201,9 +201,17 @@ def _frame(axes: Axes, trajectory: Trajectory, row: int, box: Box, size: float) 
         axes.set_title(outcome, loc="right", fontsize=size, fontweight="bold", color="white", pad=5, bbox=frame)
 
 
+STAGE_WORDS = {
+    "front": "front half",
+    "locate": "locating a target",
+    "rear": "rear half, mirrored pipe",
+    "traverse": "whole robot",
+}
+
+
 def _title(figure: Any, trajectory: Trajectory, y: float) -> None:
     header = trajectory.header
-    what = {"front": "front half", "locate": "locating a target", "rear": "rear half, mirrored pipe"}[header.stage]
+    what = STAGE_WORDS[header.stage]
     by = " · ".join(part for part in (header.controller, header.robot, header.backend) if part)
     figure.text(0.012, y, f"{header.pipe.label}: {what}", fontsize=12, fontweight="bold", color=INK, va="center")
     figure.text(0.988, y, by, fontsize=9.5, color=INK, ha="right", va="center")

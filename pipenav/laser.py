@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pipenav.robot import Laser
+from pipenav.robot_parts import Laser
 
 Array = NDArray[np.float64]
 

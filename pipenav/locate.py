@@ -158,7 +158,7 @@ class MapLocator:
         robot, config = self._robot, self._config
         looking = np.flatnonzero(self._beam < 0)
         if len(looking):
-            self._look(looking, Reading(*(column[looking] for column in reading)))
+            self._look(looking, reading.part(looking))
         found, at_home = self._beam >= 0, reading.q[:, 0] <= self._home + HOME
         self._advance = advance(robot, config, self._advance, self._without_dropouts(reading))
         self._back = found | np.where(self._back, ~at_home, self._advance < STOPPED)
@@ -212,7 +212,12 @@ def require_arm(robot: RobotSpec) -> None:
 
 
 def robot_for(robot: RobotSpec, variant: Variant) -> RobotSpec:
-    """The robot whose fan the variant wants: the printed method counts on the printed fan of eq 3.16."""
+    """The robot whose fan the variant wants: the printed method counts on the printed fan of eq 3.16.
+
+    Raises:
+        PipenavError: as `require_arm`.
+    """
+    require_arm(robot)
     if variant != "thesis":
         return robot
     return robot.model_copy(update={"laser": robot.laser.model_copy(update={"fan": "printed"})})

@@ -72,8 +72,7 @@ class LocateStage(Stage):
             self._pipes[i] = pipe
         self._steps[robots], self._base[robots], self._side[robots] = 0, episodes.base, episodes.side
         self.target[robots], self.beam[robots] = np.nan, -1
-        for column, rows in zip(self.reading, reading, strict=True):
-            column[robots] = rows
+        self.reading.put(robots, reading)
         self._locator.start(robots, reading, episodes.side)
 
     def step(self) -> StageStep:

@@ -129,6 +129,8 @@ def plan_rear(parts: Sequence[Trajectory]) -> Trajectory:
                 "front passage can be mirrored."
             )
     last = parts[-1]
+    if last.header.stage == "traverse":
+        raise PipenavError("a whole robot passes in one motion: no rear half is left to follow it.")
     if last.header.stage != "front":
         raise PipenavError(f"the passage ends with a part of stage {last.header.stage!r}: give its front part last.")
     front = join([part.motion for part in parts])

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipenav import kinematics
-from pipenav.robot import BoxPart, DiscPart, RobotSpec
+from pipenav.robot import RobotSpec
+from pipenav.robot_parts import BoxPart, DiscPart
 
 Array = NDArray[np.float64]
 
@@ -17,11 +18,11 @@ DISC_POINTS = 48
 
 
 def link_outlines(robot: RobotSpec, q: Array) -> list[list[Array]]:
-    """For every link the convex polygons of its parts, each (n, points, 2) [m] in the robot's frame.
+    """For every link the convex polygons of its parts and its wheel, each (n, points, 2) [m] in the robot's frame.
 
     Args:
         robot: the robot.
-        q: joint positions, (n, joints) [rad or m].
+        q: configurations, (n, coordinates) [rad or m].
     """
     pose = kinematics.forward(robot, q)
     along = np.stack([np.cos(pose.headings), np.sin(pose.headings)], axis=-1)  # (n, links, 2)
@@ -29,7 +30,7 @@ def link_outlines(robot: RobotSpec, q: Array) -> list[list[Array]]:
     outlines = []
     for i, link in enumerate(robot.links):
         placed = []
-        for x, y in map(_part_outline, link.parts):
+        for x, y in map(_part_outline, link.outline):
             sideways = x[:, None] * along[:, i, None] + y[:, None] * across[:, i, None]
             placed.append(pose.joints[:, i, None] + sideways)  # (n, points, 2)
         outlines.append(placed)

@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipenav.backend import Backend
-from pipenav.batch import CornerBatch
 from pipenav.controller import Controller
 from pipenav.disturbance import UNDISTURBED, Disturbance
 from pipenav.disturbed import disturbed
@@ -24,9 +23,9 @@ from pipenav.locate_stage import LocateStage
 from pipenav.mirror import RearStage, join, rear_motion
 from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
-from pipenav.stage import FrontStage, Stage, StageStep
-from pipenav.task.config import TaskConfig
+from pipenav.stage import Stage, StageStep, TaskStage
 from pipenav.task.episode import Episodes, Verdict
+from pipenav.tasks import AnyTask, kind_of, reaching
 from pipenav.trajectory import Motion
 
 Array = NDArray[np.float64]
@@ -64,7 +63,7 @@ class _Recorded(Stage):
     ) -> None:
         self.robot, self.n = stage.robot, stage.n
         self._stage, self._queue, self._start = stage, queue, start
-        self._rows = np.zeros((stage.n, rows, len(stage.robot.joints)))
+        self._rows = np.zeros((stage.n, rows, stage.robot.coordinates))
         self.motions: dict[int, Array] = {}
         self.targets: dict[int, Array] = {}
 
@@ -98,7 +97,7 @@ class Passages:
 
     Args:
         robot: the robot.
-        task: the front's task; its starts and time limits hold for every stage.
+        task: the front's or the traverse's; its starts and time limits hold for every stage.
         pipes: where.
         episodes: in each pipe.
         seed: of starts and, where none is located, of targets.
@@ -111,7 +110,7 @@ class Passages:
     def __init__(
         self,
         robot: RobotSpec,
-        task: TaskConfig,
+        task: AnyTask,
         pipes: Sequence[Pipe],
         episodes: int,
         seed: int,
@@ -121,40 +120,43 @@ class Passages:
         disturbance: Disturbance = UNDISTURBED,
     ) -> None:
         self._robot, self._task, self._seed, self._disturbance = robot, task, seed, disturbance
+        self._kind = kind_of(task)
         self._pipes = [pipe for pipe in pipes for _ in range(episodes)]
         self._given = random_start(robot, disturbance.starts(task), pipes, episodes, seed)
         self._backend, self._options, self._progress = backend, dict(options or {}), progress
 
     def locate(self, variant: Variant = "map") -> Part:
         """Approach I in every episode."""
-        robot, config = robot_for(self._robot, variant), LocateConfig()
+        robot, config, task = robot_for(self._robot, variant), LocateConfig(), reaching(self._task, "locating a target")
 
         def make(simulator: Backend, queue: EpisodeQueue[Episodes]) -> Stage:
             n = len(queue.running)
-            return LocateStage(robot, config, variant, self._task, simulator, n, lambda r: joined(queue.take(r)))
+            return LocateStage(robot, config, variant, task, simulator, n, lambda r: joined(queue.take(r)))
 
         return self._run("locating", make, robot, np.arange(len(self._pipes)), self._given)
 
-    def front(self, controller: Controller, located: Part | None = None) -> Part:
-        """The front half in every episode, or in those where a target was located."""
+    def task(self, controller: Controller, located: Part | None = None) -> Part:
+        """The task, a front passage or a traverse, in every episode, or in those where a target was located."""
         jobs = np.arange(len(self._pipes)) if located is None else located.jobs[located.passed]
         start = self._given
         if located is not None:
             found = {int(job): k for k, job in enumerate(located.jobs)}
 
             def start(job: int) -> Episodes:
-                k, given = found[job], self._given(job)
+                k = found[job]
+                given: Episodes = self._given(job)
                 return given._replace(q=located.results.q[k : k + 1], goal=located.targets[k : k + 1])
 
         def make(simulator: Backend, queue: EpisodeQueue[Episodes]) -> Stage:
             n = len(queue.running)
-            batch = CornerBatch(self._robot, self._task, simulator, n, lambda r: joined(queue.take(r)))
-            return FrontStage(batch, controller)
+            batch = self._kind.batch(self._robot, self._task, simulator, n, lambda r: joined(queue.take(r)))
+            return TaskStage(batch, controller)
 
-        return self._run("front", make, self._robot, jobs, start)
+        return self._run(self._kind.stage, make, self._robot, jobs, start)
 
     def rear(self, front: Part, located: Part | None = None) -> Part:
         """The rear half after every successful front."""
+        task = reaching(self._task, "the rear half's passage")
         jobs = front.jobs[front.passed]
         before = {int(job): k for k, job in enumerate(located.jobs)} if located is not None else {}
         motions = {}
@@ -167,7 +169,7 @@ class Passages:
 
         def make(simulator: Backend, queue: EpisodeQueue[Motion]) -> Stage:
             n = len(queue.running)
-            return RearStage(self._robot, self._disturbed(simulator, n), n, queue.take, self._task)
+            return RearStage(self._robot, self._disturbed(simulator, n), n, queue.take, task)
 
         if not len(jobs):
             return _nothing(self._robot)
@@ -224,12 +226,12 @@ def _nothing(robot: RobotSpec) -> Part:
     """The part of a stage that no episode came to."""
     none = np.zeros(0)
     results = EpisodeResults(
-        none.astype(np.int8), none.astype(np.intp), none, none, none, none, np.zeros((0, len(robot.joints)))
+        none.astype(np.int8), none.astype(np.intp), none, none, none, none, np.zeros((0, robot.coordinates))
     )
     return Part(none.astype(np.intp), results, [], np.zeros((0, 2)))
 
 
-def run_fronts(
+def run_task(
     controller: Controller,
     pipes: Sequence[Pipe],
     episodes: int,
@@ -238,7 +240,7 @@ def run_fronts(
     options: dict[str, Any] | None = None,
     disturbance: Disturbance = UNDISTURBED,
 ) -> EpisodeResults:
-    """Front passages alone, to given targets: see `Passages`."""
+    """The controller's task alone, a front passage to a given target or a traverse: see `Passages`."""
     robot, task = controller.robot, controller.task
     runs = Passages(robot, task, pipes, episodes, seed, backend, options, disturbance=disturbance)
-    return runs.front(controller).results
+    return runs.task(controller).results

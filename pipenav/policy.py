@@ -24,8 +24,7 @@ from pipenav.files import atomic_write
 from pipenav.policy_file import HEADER_MEMBER, MAX_FILE, WEIGHTS_MEMBER, Array32, Layer, PolicyFileError, parse
 from pipenav.policy_header import PolicyHeader, action_parts, header_for, robot_difference
 from pipenav.robot import RobotSpec
-from pipenav.task import observation
-from pipenav.task.config import TaskConfig
+from pipenav.tasks import AnyTask, scale_of
 
 if TYPE_CHECKING:
     from stable_baselines3 import PPO
@@ -75,7 +74,7 @@ class Policy:
         actions: Array32 = np.clip(np.einsum("ni,io->no", x, weight) + bias, -1.0, 1.0)
         return actions
 
-    def require(self, robot: RobotSpec | None = None, task: TaskConfig | None = None) -> None:
+    def require(self, robot: RobotSpec | None = None, task: AnyTask | None = None) -> None:
         """Check that the policy was made for this robot and for these observations and actions.
 
         Raises:
@@ -88,7 +87,7 @@ class Policy:
         if robot is not None and (difference := robot_difference(own.robot, robot)):
             problem = f"was made for another robot of the name {robot.name!r}; there, {difference}"
             raise PolicyFileError(self.path, problem, "use that description, or train a policy for this one")
-        for key in ("observation", "control"):
+        for key in ("kind", "observation", "control"):
             made, asked = getattr(own.task, key), getattr(task, key)
             if made != asked:
                 problem = f"was made for {key} {made!r}, not {asked!r}"
@@ -130,7 +129,7 @@ def save_policy(path: Path, model: PPO, header: PolicyHeader) -> None:
         PipenavError: an actor of another kind.
         FileProblem: the file cannot be written.
     """
-    scale = observation.scale_of(header.robot, header.task).astype(np.float32)
+    scale = scale_of(header.robot, header.task).astype(np.float32)
     weights = safetensors.numpy.save({"observation_scale": scale, **_actor_weights(model)})
     saved, buffer = io.BytesIO(), io.BytesIO()
     model.save(saved, exclude=TRANSIENT)

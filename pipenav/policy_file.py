@@ -13,9 +13,9 @@ import safetensors.numpy
 from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
-from pipenav.errors import ConfigError, PipenavError
+from pipenav.errors import ConfigError, PipenavError, dotted
 from pipenav.policy_header import FORMAT_VERSION, RATE_HZ, PolicyHeader, action_parts, observation_parts
-from pipenav.task import observation
+from pipenav.tasks import scale_of
 
 Array32 = NDArray[np.float32]
 
@@ -118,7 +118,7 @@ def _parse_header(path: Path, text: bytes) -> PolicyHeader:
     except ValidationError as error:
         first = error.errors()[0]
         if first["type"] == "extra_forbidden":
-            problem = f"holds the unknown key {'.'.join(map(str, first['loc']))!r} in {HEADER_MEMBER}"
+            problem = f"holds the unknown key {dotted(first['loc'])!r} in {HEADER_MEMBER}"
         else:
             problem = f"holds an unusable {ConfigError.from_validation(HEADER_MEMBER, error)}".rstrip(".")
         raise PolicyFileError(path, problem, "get it from its maker again") from error
@@ -161,7 +161,7 @@ def _chain(path: Path, header: PolicyHeader, tensors: dict[str, Array32]) -> lis
         raise PolicyFileError(path, problem, "save it again")
     size, joints = sum(part.size for part in header.observation), len(header.action)
     _check_shape(path, "observation_scale", tensors["observation_scale"], (size,))
-    scale = observation.scale_of(header.robot, header.task)
+    scale = scale_of(header.robot, header.task)
     if not np.allclose(tensors["observation_scale"], scale, rtol=1e-5, atol=0.0):
         problem = "was made with another observation scale than this pipenav's"
         raise PolicyFileError(path, problem, "train it again with this version")

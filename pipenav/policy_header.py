@@ -14,8 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field
 import pipenav
 from pipenav.backend import CONTROL_PERIOD
 from pipenav.robot import RobotSpec
-from pipenav.task import action, observation
-from pipenav.task.config import TaskConfig
+from pipenav.tasks import AnyTask, kind_of
 
 FORMAT_VERSION = 1
 RATE_HZ = 1 / CONTROL_PERIOD
@@ -40,10 +39,10 @@ class ObservationPart(_Table):
 class ActionPart(_Table):
     """What one action value does; a full action is 1."""
 
-    joint: str
+    joint: str = Field(description="name of the joint, or of a wheel")
     unit: str
     scale: float = Field(
-        gt=0, description="of a full action: effort at standstill (torque) or set-point step (position)"
+        gt=0, description="of a full action: effort at standstill (torque), set-point step or speed (position)"
     )
 
 
@@ -53,7 +52,7 @@ class PolicyHeader(_Table):
     format: Literal["pipenav-policy"] = "pipenav-policy"
     version: Literal[1] = 1
     robot: RobotSpec
-    task: TaskConfig
+    task: AnyTask
     observation: tuple[ObservationPart, ...]
     action: tuple[ActionPart, ...]
     rate_hz: float = Field(gt=0, description="control rate that the policy was trained at [Hz]")
@@ -63,7 +62,7 @@ class PolicyHeader(_Table):
 
 
 def header_for(
-    robot: RobotSpec, task: TaskConfig, train_pipes: Sequence[str], training: dict[str, str | int | float | bool]
+    robot: RobotSpec, task: AnyTask, train_pipes: Sequence[str], training: dict[str, str | int | float | bool]
 ) -> PolicyHeader:
     """The header of a policy that this installation trained for this robot and task."""
     return PolicyHeader(
@@ -78,19 +77,20 @@ def header_for(
     )
 
 
-def observation_parts(robot: RobotSpec, task: TaskConfig) -> tuple[ObservationPart, ...]:
+def observation_parts(robot: RobotSpec, task: AnyTask) -> tuple[ObservationPart, ...]:
     """The observation's parts, in order."""
-    parts = observation.layout(robot, task)
+    parts = kind_of(task).layout(robot, task)
     return tuple(ObservationPart(name=part.name, unit=part.unit, size=len(part.scale)) for part in parts)
 
 
-def action_parts(robot: RobotSpec, task: TaskConfig) -> tuple[ActionPart, ...]:
-    """What each action value means, in joint order."""
+def action_parts(robot: RobotSpec, task: AnyTask) -> tuple[ActionPart, ...]:
+    """What each action value means: the joints' in order, then the wheels'."""
     torque = task.control == "torque"
-    scale = robot.effort_limits if torque else action.position_step(robot, task)
     units = {"slide": "N", "hinge": "N m"} if torque else {"slide": "m", "hinge": "rad"}
-    joints = zip(robot.joints, scale, strict=True)
-    return tuple(ActionPart(joint=joint.name, unit=units[joint.type], scale=float(s)) for joint, s in joints)
+    named = [(joint.name, units[joint.type]) for joint in robot.joints]
+    named += [(wheel.name, "N m" if torque else "rad/s") for wheel in robot.wheels]
+    scales = zip(named, kind_of(task).action_scale(robot, task), strict=True)
+    return tuple(ActionPart(joint=name, unit=unit, scale=float(scale)) for (name, unit), scale in scales)
 
 
 def installed_versions() -> dict[str, str]:

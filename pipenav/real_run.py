@@ -28,6 +28,7 @@ from pipenav.run_parts import Place, parts, place_of
 from pipenav.run_picture import run_picture
 from pipenav.safety import Stopped
 from pipenav.state import Reading
+from pipenav.tasks import reaching
 from pipenav.telemetry import Telemetry
 from pipenav.trajectory import write_trajectory
 
@@ -122,6 +123,7 @@ def _shipped_policy(robot: RobotSpec) -> Policy:
 def _require_drivable(policy: Policy) -> None:
     require_arm(policy.header.robot)
     header = policy.header
+    reaching(header.task, "a run on an arm")
     if header.task.control != "position":
         raise PipenavError(
             f"policy {policy.path} commands torques, and the arm's servos take positions: "

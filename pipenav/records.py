@@ -77,9 +77,10 @@ class PipeRecord(_Record):
         front_attempts: front passages begun.
         front_successes: front passages that reached their target.
         rear_attempts, rear_successes: the same of rear passages, which succeed by leaving the corner.
+        traverse_attempts, traverse_successes: the same of whole robots, which succeed once their tail is through.
         failures: how many episodes ended by each reason other than success.
-        mean_steps: mean control steps of a successful front passage, or of finding a target where no front passage was
-            run; None without one.
+        mean_steps: mean control steps of a successful front passage or traverse, or of finding a target where neither
+            was run; None without one.
         min_clearance_m: smallest laser reading of all episodes [m].
         max_penetration_m: deepest overlap of robot and wall of all episodes [m].
         peak_force_n: largest contact force of all episodes [N].
@@ -95,6 +96,8 @@ class PipeRecord(_Record):
     front_successes: Count | None = None
     rear_attempts: Count | None = None
     rear_successes: Count | None = None
+    traverse_attempts: Count | None = None
+    traverse_successes: Count | None = None
     failures: dict[str, Count] = Field(default_factory=dict)
     mean_steps: Amount | None = None
     min_clearance_m: float | None = None
@@ -111,7 +114,9 @@ class PipeRecord(_Record):
             if count is not None and count > left:
                 raise ValueError(f"{name} is {count}, more than the {left} before it")
             left = left if count is None else count
-        for stage in ("front", "rear"):
+        if self.traverse_attempts is not None and not (self.traverse_successes or 0) <= self.traverse_attempts <= left:
+            raise ValueError(f"traverse_attempts must lie between traverse_successes and the {left} episodes")
+        for stage in ("front", "rear", "traverse"):
             if (getattr(self, f"{stage}_attempts") is None) != (getattr(self, f"{stage}_successes") is None):
                 raise ValueError(f"{stage}_attempts and {stage}_successes must be given together")
         return self
@@ -137,7 +142,7 @@ class PipeRecord(_Record):
     @property
     def successes(self) -> int:
         """Episodes that passed every stage that was run."""
-        counts = (self.rear_successes, self.front_successes, self.located)
+        counts = (self.traverse_successes, self.rear_successes, self.front_successes, self.located)
         return next((count for count in counts if count is not None), 0)
 
     @property
@@ -158,6 +163,8 @@ class DiameterRecord(_Record):
             the angles).
         front_success_low, front_success_high: its 95 % interval, over all attempts together.
         rear_success: share of the rear attempts that succeeded, mean over the pipes that had any.
+        traverse_success: share of the traverses that succeeded, mean over the pipes.
+        traverse_success_low, traverse_success_high: its 95 % interval, over all of them together.
         thesis_percent: the thesis's best front success [percent]; None unless the pipes are those of the thesis.
     """
 
@@ -169,6 +176,9 @@ class DiameterRecord(_Record):
     front_success_low: Share | None = None
     front_success_high: Share | None = None
     rear_success: Share | None = None
+    traverse_success: Share | None = None
+    traverse_success_low: Share | None = None
+    traverse_success_high: Share | None = None
     thesis_percent: float | None = None
 
     @classmethod
@@ -179,9 +189,9 @@ class DiameterRecord(_Record):
             records: at least one, all of the same diameter.
             thesis_percent: the thesis's figure for this diameter, kept only if the angles are the thesis's.
         """
-        fronts = [(r.front_successes, r.front_attempts) for r in records if r.front_successes is not None]
-        tried = sum(attempts or 0 for _, attempts in fronts)
-        interval = wilson(sum(successes for successes, _ in fronts), tried) if fronts else None
+        fronts = [(r.front_successes, r.front_attempts) for r in records]
+        traverses = [(r.traverse_successes, r.traverse_attempts) for r in records]
+        front, traverse = _pooled_interval(fronts), _pooled_interval(traverses)
         located = [r.located for r in records if r.located is not None]
         episodes = sum(r.episodes for r in records)
         return cls(
@@ -189,10 +199,13 @@ class DiameterRecord(_Record):
             pipes=len(records),
             episodes=episodes,
             located_share=sum(located) / episodes if located else None,
-            front_success=_mean_rate((r.front_successes, r.front_attempts) for r in records),
-            front_success_low=interval and interval.low,
-            front_success_high=interval and interval.high,
+            front_success=_mean_rate(fronts),
+            front_success_low=front and front.low,
+            front_success_high=front and front.high,
             rear_success=_mean_rate((r.rear_successes, r.rear_attempts) for r in records),
+            traverse_success=_mean_rate(traverses),
+            traverse_success_low=traverse and traverse.low,
+            traverse_success_high=traverse and traverse.high,
             thesis_percent=thesis_percent if is_thesis_set(r.angle_deg for r in records) else None,
         )
 
@@ -295,6 +308,12 @@ def read_evaluation(path: Path) -> Evaluation:
         raise FileProblem(file, "read", error) from error
     except ValidationError as error:
         raise ConfigError.from_validation(str(file), error, Evaluation.model_fields) from error
+
+
+def _pooled_interval(counts: Sequence[tuple[int | None, int | None]]) -> Interval | None:
+    """95 % interval of successes and attempts of all pipes together; None where there were none."""
+    known = [(successes, attempts) for successes, attempts in counts if successes is not None and attempts is not None]
+    return wilson(sum(s for s, _ in known), sum(a for _, a in known)) if known else None
 
 
 def _mean_rate(counts: Iterable[tuple[int | None, int | None]]) -> float | None:

@@ -101,17 +101,20 @@ def _successes(evaluation: Evaluation) -> Table:
     located = any(record.located is not None for record in pipes)
     front = any(record.front_attempts is not None for record in pipes)
     rear = any(record.rear_attempts is not None for record in pipes)
+    traverse = any(record.traverse_attempts is not None for record in pipes)
     headings = ["diameter\nmm", "episodes\n"]
     headings += ["located\n%"] * located
     headings += [f"{'front' if located or rear else 'success'}\n%", "95 %\ninterval", "thesis\n%"] * front
-    headings += ["rear\n%"] * rear
+    headings += ["rear\n%"] * rear + ["success\n%", "95 %\ninterval"] * traverse
     table = _table("Success by diameter", headings, ["failed episodes\n"])
 
     def cells(row: DiameterRecord) -> list[str]:
         found = [_percent(row.located_share)] * located
         interval = _interval(row.front_success_low, row.front_success_high)
         passed = [_percent(row.front_success), interval, _number(row.thesis_percent, 0)] * front
-        return [f"{row.episodes:,}", *found, *passed, *[_percent(row.rear_success)] * rear]
+        through = _interval(row.traverse_success_low, row.traverse_success_high)
+        traversed = [_percent(row.traverse_success), through] * traverse
+        return [f"{row.episodes:,}", *found, *passed, *[_percent(row.rear_success)] * rear, *traversed]
 
     for row, records in zip(evaluation.diameters, by_diameter(pipes).values(), strict=True):
         table.add_row(f"{row.diameter_mm:g}", *cells(row), _failures(records))

@@ -1,179 +1,34 @@
-"""A robot as its `robot.toml` describes it: links, joints, actuators and laser, each physical number once."""
+"""A robot as its `robot.toml` describes it, each physical number once."""
 
 from __future__ import annotations
 
-import math
 import tomllib
-from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Literal, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from numpy.typing import NDArray
+from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from pipenav import assets
 from pipenav.errors import ConfigError, FileProblem, UnknownName
+from pipenav.robot_parts import Actuator, Joint, Laser, Link, Roll, Table, Wheel, constant
 
 Array = NDArray[np.float64]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
-
-    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """A copy that computes its own cached properties."""
-        copied = super().model_copy(update=update, deep=deep)
-        for name in copied.__dict__.keys() - type(self).model_fields.keys():
-            del copied.__dict__[name]
-        return copied
+BASE = ("x", "y", "heading")
+"""Coordinates of a robot without a mount before its joints': pose of its first link's rear end [m, m, rad]."""
 
 
-class Actuator(_Table):
-    """A geared DC motor under a voltage limit: effort = limit * (drive - speed / speed limit), drive in [-1, 1].
+class RobotSpec(Table):
+    """A planar chain of links, from the rear to the one that carries the laser.
 
-    That is the straight torque-speed line of a brushed motor: full effort only at standstill, none at the no-load
-    speed. The on-board position controller drives in proportion to the position error, saturated.
+    The first link hangs by its joint on a mount in the first leg, or has none: then the robot stands on its wheels and
+    is free to move in its plane. A robot's configuration is where all of it is: the joint positions, and of a free
+    robot the pose of its first link before them.
     """
-
-    source: str
-    stall_effort: float = Field(gt=0, description="effort at standstill under full voltage [N m, or N for a slide]")
-    noload_speed: float = Field(gt=0, description="speed without load under full voltage [rad/s, or m/s]")
-    output_limit: float = Field(gt=0, le=1, description="share of full voltage that the driver allows")
-    full_drive_error: float = Field(gt=0, description="position error at which the controller asks for full voltage")
-    armature: float = Field(ge=0, description="inertia of rotor and gear seen at the joint [kg m^2, or kg]")
-
-    @property
-    def effort_limit(self) -> float:
-        """Largest effort, at standstill [N m, or N]."""
-        return self.output_limit * self.stall_effort
-
-    @property
-    def speed_limit(self) -> float:
-        """Largest speed, without load [rad/s, or m/s]."""
-        return self.output_limit * self.noload_speed
-
-    @property
-    def damping(self) -> float:
-        """Slope of the torque-speed line [N m s/rad, or N s/m]."""
-        return self.stall_effort / self.noload_speed
-
-    @property
-    def position_gain(self) -> float:
-        """Stiffness of the position controller [N m/rad, or N/m]."""
-        return self.stall_effort / self.full_drive_error
-
-
-class Joint(_Table):
-    """A joint and its actuator; a slide moves along its parent's x axis, a hinge turns about z."""
-
-    name: str
-    type: Literal["slide", "hinge"]
-    lower: float = Field(description="smallest position [rad, or m]")
-    upper: float = Field(description="largest position [rad, or m]")
-    limit_source: str
-    actuator: str = Field(description="key of the actuator in the file's [actuators]")
-
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
-        if not self.lower < 0 < self.upper:
-            raise ValueError("the straight start pose, 0, must lie strictly between lower and upper")
-        return self
-
-
-class BoxPart(_Table):
-    """A box, its sides along the link's axes."""
-
-    shape: Literal["box"] = "box"
-    x: float = Field(description="of its middle, along the link from its joint [m]")
-    y: float = Field(0.0, description="of its middle, to the left [m]")
-    length: float = Field(gt=0, description="along x [m]")
-    width: float = Field(gt=0, description="along y, in the robot's plane [m]")
-    height: float = Field(gt=0, description="across the robot's plane, half of it on either side [m]")
-
-    @property
-    def volume(self) -> float:
-        """[m^3]."""
-        return self.length * self.width * self.height
-
-
-class DiscPart(_Table):
-    """A round part, its axis across the robot's plane: a wheel, or the end of a link around a joint."""
-
-    shape: Literal["disc"]
-    x: float = Field(description="of its middle, along the link from its joint [m]")
-    y: float = Field(0.0, description="of its middle, to the left [m]")
-    diameter: float = Field(gt=0, description="in the robot's plane [m]")
-    height: float = Field(gt=0, description="across the robot's plane, half of it on either side [m]")
-
-    @property
-    def volume(self) -> float:
-        """[m^3]."""
-        return math.pi / 4 * self.diameter**2 * self.height
-
-    @property
-    def width(self) -> float:
-        """Across the link [m]."""
-        return self.diameter
-
-
-Part = Annotated[BoxPart | DiscPart, Field(discriminator="shape")]
-
-
-class Link(_Table):
-    """One link from its joint (x = 0) to the next joint (x = length): its parts, or one box where none are given."""
-
-    name: str
-    length: float = Field(gt=0, description="along x, to the next joint or the tip [m]")
-    width: float = Field(gt=0, description="across, in the robot's plane; no part is wider [m]")
-    height: float = Field(gt=0, description="across the robot's plane; no part is higher [m]")
-    mass: float = Field(gt=0, description="[kg]")
-    joint: Joint
-    shape: tuple[Part, ...] = Field((), strict=False, description="the parts that it is made of")
-
-    @model_validator(mode="after")
-    def _parts_fit(self) -> Self:
-        for i, part in enumerate(self.shape):
-            if abs(part.y) + part.width / 2 > self.width / 2 + 1e-9 or part.height > self.height + 1e-9:
-                raise ValueError(f"part {i} of link {self.name!r} sticks out of the link's width or height")
-        return self
-
-    @property
-    def parts(self) -> tuple[BoxPart | DiscPart, ...]:
-        """What it is made of, at least one part."""
-        whole = BoxPart(x=self.length / 2, length=self.length, width=self.width, height=self.height)
-        return self.shape or (whole,)
-
-
-class Laser(_Table):
-    """A fan of beams at the tip, symmetric about the tip link's axis."""
-
-    source: str
-    beams: int = Field(ge=2, le=1081)
-    fan_deg: float = Field(gt=0, le=360)
-    fan: Literal["centred", "printed"] = Field(
-        "centred", description="beams at the centres of equal sectors, or as the thesis's eq 3.16 prints them"
-    )
-    range_min: float = Field(ge=0, description="smallest reading [m]")
-    range_max: float = Field(gt=0, description="largest reading, also that of a beam that meets nothing [m]")
-    resolution: float = Field(gt=0, description="readings are multiples of this [m]")
-
-    @cached_property
-    def angles(self) -> Array:
-        """Angle of each beam from the tip link's axis, from right to left [rad], (beams,).
-
-        Eq 3.16 puts beam 1 on the fan's right edge and the last one a sector short of the left edge; `centred` turns
-        the same fan by half a sector, so that left and right see the same.
-        """
-        fan = math.radians(self.fan_deg)
-        sector = fan / self.beams
-        first = -fan / 2 + (sector / 2 if self.fan == "centred" else 0.0)
-        return _constant(first + sector * np.arange(self.beams, dtype=float))
-
-
-class RobotSpec(_Table):
-    """A planar chain of links, from the one that slides along the first leg to the one that carries the laser."""
 
     schema_version: Literal[1]
     name: str
@@ -182,26 +37,64 @@ class RobotSpec(_Table):
     friction: float = Field(ge=0, le=2, description="Coulomb friction coefficient between robot and pipe")
     friction_source: str
     links: tuple[Link, ...] = Field(min_length=1, strict=False)
+    roll: Roll | None = None
     actuators: dict[str, Actuator]
     laser: Laser
 
     @model_validator(mode="after")
     def _named(self) -> Self:
-        for joint in self.joints:
-            if joint.actuator not in self.actuators:
-                raise ValueError(f"joint {joint.name!r} names actuator {joint.actuator!r}, which is not described")
-        if len({joint.name for joint in self.joints}) < len(self.joints):
+        driven: list[Joint | Wheel] = [*self.joints, *self.wheels, *([self.roll.joint] if self.roll else [])]
+        for one in driven:
+            if one.actuator not in self.actuators:
+                kind = "wheel" if isinstance(one, Wheel) else "joint"
+                raise ValueError(f"{kind} {one.name!r} names actuator {one.actuator!r}, which is not described")
+        if len({one.name for one in driven}) < len(driven):
             raise ValueError("joint names must differ")
+        if self.roll and self.roll.link not in [link.name for link in self.links]:
+            raise ValueError(f"the roll joint divides link {self.roll.link!r}, which is not described")
+        return self
+
+    @model_validator(mode="after")
+    def _chained(self) -> Self:
+        for link in self.links[1:]:
+            if link.joint is None:
+                raise ValueError(f"link {link.name!r} has no joint: only the first link may stand free")
         return self
 
     @property
+    def free(self) -> bool:
+        """Whether no mount holds the first link."""
+        return self.links[0].joint is None
+
+    @property
     def joints(self) -> tuple[Joint, ...]:
-        return tuple(link.joint for link in self.links)
+        """Of the links, in order."""
+        return tuple(link.joint for link in self.links if link.joint is not None)
+
+    @property
+    def wheels(self) -> tuple[Wheel, ...]:
+        """Of the links, in order."""
+        return tuple(link.wheel for link in self.links if link.wheel is not None)
+
+    @property
+    def coordinates(self) -> int:
+        """Numbers of a configuration."""
+        return len(BASE) * self.free + len(self.joints)
 
     @property
     def joint_actuators(self) -> tuple[Actuator, ...]:
         """The actuator of each joint, in joint order."""
         return tuple(self.actuators[joint.actuator] for joint in self.joints)
+
+    @property
+    def driven(self) -> tuple[Joint | Wheel, ...]:
+        """All that is commanded: the joints, then the wheels."""
+        return self.joints + self.wheels
+
+    @property
+    def drives(self) -> tuple[Actuator, ...]:
+        """The actuator of all that is commanded, in order."""
+        return tuple(self.actuators[one.actuator] for one in self.driven)
 
     @property
     def length(self) -> float:
@@ -210,8 +103,8 @@ class RobotSpec(_Table):
 
     @property
     def width(self) -> float:
-        """Of the widest link [m]."""
-        return max(link.width for link in self.links)
+        """Of the widest link or wheel [m]."""
+        return max([link.width for link in self.links] + [wheel.diameter for wheel in self.wheels])
 
     @cached_property
     def hinges(self) -> NDArray[np.bool_]:
@@ -219,40 +112,49 @@ class RobotSpec(_Table):
         return np.array([joint.type == "hinge" for joint in self.joints])
 
     @cached_property
+    def link_turns(self) -> NDArray[np.bool_]:
+        """Which links are turned by their joint or, the first one of a free robot, by themselves, (links,)."""
+        return np.array([link.joint is None or link.joint.type == "hinge" for link in self.links])
+
+    @cached_property
     def lengths(self) -> Array:
         """Of the links, (links,) [m]."""
-        return _constant([link.length for link in self.links])
+        return constant([link.length for link in self.links])
 
     @cached_property
     def lower(self) -> Array:
         """Joint limits, (joints,)."""
-        return _constant([joint.lower for joint in self.joints])
+        return constant([joint.lower for joint in self.joints])
 
     @cached_property
     def upper(self) -> Array:
         """Joint limits, (joints,)."""
-        return _constant([joint.upper for joint in self.joints])
+        return constant([joint.upper for joint in self.joints])
 
     @cached_property
     def speed_limits(self) -> Array:
         """No-load speed of each joint, (joints,) [rad/s or m/s]."""
-        return _constant([actuator.speed_limit for actuator in self.joint_actuators])
+        return constant([actuator.speed_limit for actuator in self.joint_actuators])
 
     @cached_property
     def effort_limits(self) -> Array:
-        """Stall effort of each joint, (joints,) [N m or N]."""
-        return _constant([actuator.effort_limit for actuator in self.joint_actuators])
+        """Stall effort of all that is driven, (drives,) [N m or N]."""
+        return constant([actuator.effort_limit for actuator in self.drives])
 
     @cached_property
     def mirror_signs(self) -> Array:
         """What a reflection about the first leg's axis does to joint positions: +1 slide, -1 hinge, (joints,)."""
-        return _constant(np.where(self.hinges, -1.0, 1.0))
+        return constant(np.where(self.hinges, -1.0, 1.0))
 
+    @cached_property
+    def mirror_coordinates(self) -> Array:
+        """What it does to configurations, (coordinates,)."""
+        return constant([*([1.0, -1.0, -1.0] if self.free else []), *self.mirror_signs])
 
-def _constant(values: ArrayLike) -> Array:
-    array = np.array(values, float)
-    array.flags.writeable = False
-    return array
+    @cached_property
+    def mirror_drives(self) -> Array:
+        """What it does to commands: as to the joints; a wheel's rolling side is the other one, -1, (drives,)."""
+        return constant([*self.mirror_signs, *[-1.0] * len(self.wheels)])
 
 
 def robot_names() -> list[str]:
@@ -285,6 +187,6 @@ def load_robot(name: str) -> RobotSpec:
 def _known_beside(error: ValidationError) -> list[str]:
     """The keys that exist where pydantic found its first problem."""
     first, *rest = place = error.errors()[0]["loc"][:-1] or ("",)
-    tables: dict[str, type[BaseModel]] = {"links": Link, "actuators": Actuator, "laser": Laser}
-    known = Joint if "joint" in rest else tables.get(str(first), RobotSpec)
+    tables: dict[str, type[BaseModel]] = {"links": Link, "actuators": Actuator, "laser": Laser, "roll": Roll}
+    known = Joint if "joint" in rest else Wheel if "wheel" in rest else tables.get(str(first), RobotSpec)
     return [".".join(map(str, [*filter(None, map(str, place)), key])) for key in known.model_fields]

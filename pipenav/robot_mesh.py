@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipenav.files import atomic_write_all, prepare_folder
-from pipenav.robot import BoxPart, Link, RobotSpec
+from pipenav.robot import RobotSpec
+from pipenav.robot_parts import BoxPart, Link
 from pipenav.units import m_to_mm
 
 if TYPE_CHECKING:

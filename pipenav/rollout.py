@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from pipenav import kinematics
 from pipenav.backend import Backend
-from pipenav.batch import CornerBatch
 from pipenav.controller import Controller
 from pipenav.episode_runner import random_start
 from pipenav.locate import LocateConfig, Variant, robot_for
@@ -21,9 +20,10 @@ from pipenav.mirror import RearStage
 from pipenav.pipe import Pipe
 from pipenav.registry import open_backend
 from pipenav.robot import RobotSpec
-from pipenav.stage import FrontStage, Stage
+from pipenav.stage import Stage, TaskStage
 from pipenav.task.config import TaskConfig
-from pipenav.task.episode import Verdict
+from pipenav.task.episode import Episodes, Verdict
+from pipenav.tasks import kind_of
 from pipenav.trajectory import Trajectory, TrajectoryHeader
 
 Array = NDArray[np.float64]
@@ -76,7 +76,7 @@ def record(stage: Stage, backend: Backend, header: TrajectoryHeader, start: Arra
         stage: its next episode is run, and it is closed afterwards.
         backend: what the stage runs on.
         header: what is known of the episode; its outcome is filled in.
-        start: the joint positions that the episode starts in, (joints,).
+        start: the configuration that the episode starts in, (coordinates,).
         watch: see `Watch`.
     """
     look = watch or (lambda _: None)
@@ -96,10 +96,10 @@ def record(stage: Stage, backend: Backend, header: TrajectoryHeader, start: Arra
     return Trajectory(ended, stage.robot, np.array(q), np.array(force), np.array(links))
 
 
-def record_front(
+def record_task(
     controller: Controller, name: str, pipe: Pipe, seed: int, episode: int, simulator: Simulator
 ) -> Trajectory:
-    """A front passage: the same episode that an evaluation with this seed runs as its number `episode` in this pipe.
+    """A controller's task: the episode that an evaluation with this seed runs as its number `episode` in this pipe.
 
     Args:
         controller: what acts.
@@ -110,22 +110,26 @@ def record_front(
         simulator: on what.
     """
     robot, task = controller.robot, controller.task
+    kind = kind_of(task)
     one = random_start(robot, task, [pipe], episode + 1, seed)(episode)
     base = float(one.base[0])
-    x, y = one.goal[0] * [1.0, one.side[0]] + [base, 0.0]
+    goal = None
+    if isinstance(one, Episodes):
+        x, y = one.goal[0] * [1.0, one.side[0]] + [base, 0.0]
+        goal = (float(x), float(y))
     header = TrajectoryHeader(
         robot=robot.name,
-        pipe=pipe,
+        pipe=one.pipes[0],
         base_m=base,
-        goal_m=(float(x), float(y)),
-        stage="front",
+        goal_m=goal,
+        stage=kind.stage,
         backend=simulator.backend,
         controller=name,
         options=dict(simulator.options),
         seed=seed,
     )
     backend = open_backend(simulator.backend, robot, 1, simulator.options, len(pipe.segments))
-    stage = FrontStage(CornerBatch(robot, task, backend, 1, lambda _: one), controller)
+    stage = TaskStage(kind.batch(robot, task, backend, 1, lambda _: one), controller)
     return record(stage, backend, header, one.q[0], simulator.watch)
 
 

@@ -19,6 +19,7 @@ from pipenav.state import Command, Reading
 from pipenav.task import action as actions
 from pipenav.task import episode, observation
 from pipenav.task.observation import Snapshot
+from pipenav.tasks import reaching
 
 Array = NDArray[np.float64]
 
@@ -80,7 +81,7 @@ class Reach:
     def __init__(self, policy: Policy, side: float, goal: Array) -> None:
         self._policy, self._side = policy, np.array([side])
         self._goal = (goal * np.array([1.0, side]))[None]  # canonical
-        self._robot, self._task = policy.header.robot, policy.header.task
+        self._robot, self._task = policy.header.robot, reaching(policy.header.task, "a run on an arm")
         self._before: Snapshot | None = None
         self._action = np.zeros((1, len(self._robot.joints)))
         self._steps = 0

@@ -1,4 +1,4 @@
-"""The corner task as a Stable-Baselines3 VecEnv: a thin adapter over CornerBatch."""
+"""A task as a Stable-Baselines3 VecEnv: a thin adapter over its batch."""
 
 from __future__ import annotations
 
@@ -9,20 +9,26 @@ import numpy as np
 from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import VecEnv
 
-from pipenav.batch import CornerBatch
 from pipenav.env import action_space, observation_space, one_info, step_info
 from pipenav.task.episode import Verdict
+from pipenav.tasks import TaskBatch
 
 
-class CornerVecEnv(VecEnv):  # type: ignore[misc]  # Stable-Baselines3 is imported untyped
-    """n corner episodes; an ended one starts anew at once, with its last observation in `terminal_observation`."""
+class TaskVecEnv(VecEnv):  # type: ignore[misc]  # Stable-Baselines3 is imported untyped
+    """n episodes; an ended one starts anew at once, with its last observation in `terminal_observation`.
+
+    Attributes:
+        batch: the robots.
+        clearance: each one's smallest laser reading after the last step, (n,) [m].
+    """
 
     render_mode: str | None = None
 
-    def __init__(self, batch: CornerBatch) -> None:
+    def __init__(self, batch: TaskBatch) -> None:
         self.batch = batch
         super().__init__(batch.n, observation_space(batch), action_space(batch))
         self._returns = np.zeros(batch.n)
+        self.clearance = np.zeros(batch.n)
 
     def reset(self) -> np.ndarray:
         self._returns[:] = 0.0
@@ -35,15 +41,16 @@ class CornerVecEnv(VecEnv):  # type: ignore[misc]  # Stable-Baselines3 is import
         result = self.batch.step(self._actions)
         observation = result.observation.astype(np.float32)
         self._returns += result.reward
+        self.clearance = result.clearance
         done = result.verdict != Verdict.RUNNING.value
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         ended = np.flatnonzero(done)
         info = step_info(result, ended)
-        truncated = result.verdict[ended] == Verdict.TIMEOUT.value
+        cut_off = result.cut_off[ended]
         for k, i in enumerate(ended.tolist()):
             infos[i] = one_info(info, k) | {
                 "terminal_observation": observation[i],
-                "TimeLimit.truncated": truncated[k].item(),
+                "TimeLimit.truncated": cut_off[k].item(),
                 "episode": {"r": float(self._returns[i]), "l": int(self.batch.steps[i])},
             }
         if len(ended):

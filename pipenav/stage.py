@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipenav.batch import CornerBatch
 from pipenav.controller import Controller
 from pipenav.robot import RobotSpec
 from pipenav.state import Truth
+from pipenav.tasks import TaskBatch
 
 Array = NDArray[np.float64]
 
@@ -23,7 +23,7 @@ class StageStep(NamedTuple):
         verdict: a `Verdict` for each, (n,); other than RUNNING ends the episode, REACHED is the stage's success.
         clearance: smallest laser reading, (n,) [m].
         truth: what the simulator knows.
-        q: joint positions after the step in the robot's own frame, (n, joints): where a next stage starts.
+        q: configurations after the step in the robot's own frame, (n, coordinates): where a next stage starts.
     """
 
     verdict: NDArray[np.int8]
@@ -64,10 +64,10 @@ class Stage(ABC):
         """Release the backend."""
 
 
-class FrontStage(Stage):
-    """The front half reaches a target around the corner: the corner task under a controller."""
+class TaskStage(Stage):
+    """A task under a controller: the front half reaches a target, or the whole robot traverses the pipe."""
 
-    def __init__(self, batch: CornerBatch, controller: Controller) -> None:
+    def __init__(self, batch: TaskBatch, controller: Controller) -> None:
         self.robot, self.n = batch.robot, batch.n
         self._batch, self._controller = batch, controller
         self._observation = np.zeros((batch.n, batch.observation_size))

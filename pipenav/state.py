@@ -19,16 +19,31 @@ class Reading(NamedTuple):
         qd: joint speeds, (n, joints) [rad/s or m/s].
         ranges: laser readings from right to left, (n, beams) [m].
         time: time since each robot's reset, (n,) [s].
+        wheel_speeds: of the wheels, to the left about their axles, (n, wheels) [rad/s]; None where there are none.
+        loads: drive that each on-board controller asks for, as a share of full voltage in [-1, 1]: the joints', then
+            the wheels', (n, drives); None where it is not measured.
     """
 
     q: Array
     qd: Array
     ranges: Array
     time: Array
+    wheel_speeds: Array | None = None
+    loads: Array | None = None
 
     def part(self, robots: NDArray[np.intp]) -> Reading:
         """The readings of some robots, k of them."""
-        return Reading(*(column[robots] for column in self))
+        return Reading(**{name: column[robots] for name, column in self.measured().items()})
+
+    def put(self, robots: NDArray[np.intp], part: Reading) -> None:
+        """Overwrite the rows of some robots, k of them, by `part`."""
+        for name, rows in part.measured().items():
+            if (column := getattr(self, name)) is not None:
+                column[robots] = rows
+
+    def measured(self) -> dict[str, Array]:
+        """All that is measured, by name."""
+        return {name: column for name, column in self._asdict().items() if column is not None}
 
 
 class Truth(NamedTuple):
@@ -58,8 +73,8 @@ class Command(NamedTuple):
 
     Attributes:
         control: `torque`: values are drives, the share of each actuator's effort limit in [-1, 1];
-            `position`: values are set-points for the on-board position controllers.
-        values: (n, joints) [1, or rad and m].
+            `position`: values are set-points for the on-board controllers, positions of joints and speeds of wheels.
+        values: the joints', then the wheels', (n, drives) [1, or rad and m, and rad/s].
     """
 
     control: Control

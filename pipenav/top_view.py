@@ -46,7 +46,7 @@ class Scene(NamedTuple):
         pipe: where it is.
         robot: what it is.
         base: x of the robot's frame in the pipe's frame [m].
-        q: joint positions in the robot's own frame, (joints,) [rad or m].
+        q: configuration in the robot's own frame, (coordinates,) [rad or m].
         ranges: laser readings from right to left, (beams,) [m].
         goal: the target in the pipe's frame, (2,) [m]; None where there is none.
         link_forces: forces of the pipe on the links, (links, 2) [N]; None where they are not known.
@@ -83,7 +83,8 @@ def draw_scene(axes: Axes, scene: Scene) -> None:
     outlines = [[polygon[0] + offset for polygon in link] for link in link_outlines(scene.robot, scene.q[None])]
     for polygon in (polygon for link in outlines for polygon in link):
         axes.fill(*m_to_mm(1.0) * polygon.T, facecolor=LINK, edgecolor=LINK_EDGE, linewidth=0.9, zorder=5)
-    hinges = (pose.joints[0] + offset)[scene.robot.hinges]
+    turning = [link.joint is not None and link.joint.type == "hinge" for link in scene.robot.links]
+    hinges = (pose.joints[0] + offset)[turning]
     axes.plot(*m_to_mm(1.0) * hinges.T, "o", color="white", markersize=4.5, markeredgecolor=LINK_EDGE, zorder=6)
     if scene.link_forces is not None:
         for link, force in zip(outlines, scene.link_forces, strict=True):

@@ -1,4 +1,4 @@
-"""Training: Stable-Baselines3's PPO on the batched corner task, with a run folder that survives anything."""
+"""Training: Stable-Baselines3's PPO on a batched task, with a run folder that survives anything."""
 
 from __future__ import annotations
 
@@ -11,13 +11,14 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.logger import configure
 
 from pipenav import resume
-from pipenav.batch import CornerBatch, random_episodes
+from pipenav.batch import random_episodes
 from pipenav.disturbed import disturbed
 from pipenav.pipe_set import parse_pipes
 from pipenav.registry import open_backend
 from pipenav.robot import load_robot
 from pipenav.run_folder import RunFolder
-from pipenav.sb3_env import CornerVecEnv
+from pipenav.sb3_env import TaskVecEnv
+from pipenav.tasks import kind_of
 from pipenav.train_config import TrainConfig
 from pipenav.training_watch import Progress, Watch
 
@@ -58,9 +59,10 @@ def train(
     rng = np.random.default_rng(config.seed)
     simulator = open_backend(config.backend, robot, n, config.options, segments)
     backend = disturbed(simulator, robot, n, config.randomise, config.seed)
-    source = random_episodes(robot, config.randomise.starts(config.task), sets, rng, EPISODE_STOCK)
-    batch = CornerBatch(robot, config.task, backend, n, source)
-    env = CornerVecEnv(batch)
+    kind = kind_of(config.task)
+    source = random_episodes(robot, config.randomise.starts(config.task), sets, rng, EPISODE_STOCK, kind.sample)
+    batch = kind.batch(robot, config.task, backend, n, source)
+    env = TaskVecEnv(batch)
     try:
         model = new_model(config, env)
         state = resume.load_state(folder.resume, model) if resumed else resume.State(0, 0.0, -1.0)
@@ -86,7 +88,7 @@ class LearningRate:
         return self.start * max(remaining, LEARNING_RATE_FLOOR)
 
 
-def new_model(config: TrainConfig, env: CornerVecEnv) -> PPO:
+def new_model(config: TrainConfig, env: TaskVecEnv) -> PPO:
     """A fresh learner, as the configuration says."""
     learner = config.learner
     model = PPO(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
@@ -15,6 +15,7 @@ from pipenav.disturbance import UNDISTURBED, Disturbance
 from pipenav.errors import ConfigError, PipenavError, UnknownName
 from pipenav.files import read_toml
 from pipenav.task.config import TaskConfig
+from pipenav.tasks import AnyTask
 
 DEFAULT_PRESET = "arm"
 
@@ -78,7 +79,7 @@ class TrainConfig(_Table):
     pipes: tuple[str, ...] = Field(("thesis-train",), strict=False, min_length=1, description="pipe sets to train in")
     steps: int = Field(120_000, ge=1, description="control steps of all robots together")
     seed: int = Field(0, ge=0, lt=2**32)
-    task: TaskConfig = TaskConfig()
+    task: AnyTask = TaskConfig()
     network: NetworkConfig = NetworkConfig()
     learner: LearnerConfig = LearnerConfig()
     check: CheckConfig = CheckConfig()
@@ -140,11 +141,17 @@ def _keys(model: type[BaseModel], prefix: str = "") -> list[str]:
     """Every dotted key of a nested model."""
     keys = []
     for name, field in model.model_fields.items():
-        inner = field.annotation
         keys.append(prefix + name)
-        if isinstance(inner, type) and issubclass(inner, BaseModel):
+        for inner in _models(field.annotation):
             keys += _keys(inner, f"{prefix}{name}.")
-    return keys
+    return list(dict.fromkeys(keys))
+
+
+def _models(annotation: Any) -> list[type[BaseModel]]:
+    """The models that a field may hold."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [model for part in get_args(annotation) for model in _models(part)]
 
 
 def _overlay(below: dict[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:

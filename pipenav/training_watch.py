@@ -16,7 +16,7 @@ from pipenav import resume
 from pipenav.controller import PolicyController
 from pipenav.errors import PipenavError
 from pipenav.files import atomic_write
-from pipenav.passage import run_fronts
+from pipenav.passage import run_task
 from pipenav.pipe_set import parse_pipes
 from pipenav.policy import load_policy, save_policy
 from pipenav.policy_header import PolicyHeader, header_for
@@ -105,7 +105,7 @@ class Watch(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3 is importe
         rewards, observations = self.locals["rewards"], self.locals["new_obs"]
         if not (np.isfinite(observations).all() and np.isfinite(rewards).all()):
             self._diverge(observations, rewards)
-        self._clearance += float(env.batch.snapshot.ranges.min(axis=1).sum())
+        self._clearance += float(env.clearance.sum())
         self._reward += float(rewards.sum())
         self._samples += len(rewards)
         for info in self.locals["infos"]:
@@ -195,7 +195,7 @@ class Watch(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3 is importe
         seed = self._config.seed + CHECK_SEED
         controller = PolicyController(load_policy(self._folder.last))
         config = self._config
-        results = run_fronts(controller, chosen, each, seed, config.backend, config.options, config.randomise)
+        results = run_task(controller, chosen, each, seed, config.backend, config.options, config.randomise)
         return float((results.verdict == Verdict.REACHED).mean())
 
     def _header(self) -> PolicyHeader:

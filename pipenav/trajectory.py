@@ -114,7 +114,7 @@ class TrajectoryHeader(BaseModel):
     pipe: PipeInFile
     base_m: float
     goal_m: Annotated[tuple[float, float] | None, Field(strict=False)] = None
-    stage: Literal["front", "locate", "rear"]
+    stage: Literal["front", "locate", "rear", "traverse"]
     outcome: Annotated[str | None, AfterValidator(_known_verdict)] = None
     backend: str | None = None
     controller: str | None = None
@@ -129,7 +129,7 @@ class Trajectory:
     Attributes:
         header: what the file's first line says.
         robot: the robot that moved.
-        q: joint positions in the robot's own frame, (rows, joints) [rad or m]; the first row is the start pose.
+        q: configurations in the robot's own frame, (rows, coordinates) [rad or m]; the first row is the start pose.
         contact_force: largest net force of the pipe on any one link, peak of each control step, (rows,) [N]; None
             where nothing measured it.
         link_forces: that force on every link in the pipe's axes, (rows, links, 2) [N]; None where it is not known.
@@ -155,9 +155,10 @@ class Trajectory:
         return self.header.outcome == Verdict.REACHED.label
 
 
-def joint_columns(robot: RobotSpec) -> list[str]:
-    """The columns of the joints: `l_m` of a slide l, `theta1_rad` of a hinge theta1."""
-    return [f"{joint.name}_{'m' if joint.type == 'slide' else 'rad'}" for joint in robot.joints]
+def coordinate_columns(robot: RobotSpec) -> list[str]:
+    """The columns of a configuration: `l_m` of a slide l, `theta1_rad` of a hinge theta1; before them a free base's."""
+    base = ["x_m", "y_m", "heading_rad"] if robot.free else []
+    return base + [f"{joint.name}_{'m' if joint.type == 'slide' else 'rad'}" for joint in robot.joints]
 
 
 def link_force_columns(robot: RobotSpec) -> list[str]:
@@ -171,7 +172,7 @@ def write_trajectory(path: Path, trajectory: Trajectory) -> None:
     Raises:
         FileProblem: it cannot be written.
     """
-    columns, parts = [TIME, *joint_columns(trajectory.robot)], [trajectory.time[:, None], trajectory.q]
+    columns, parts = [TIME, *coordinate_columns(trajectory.robot)], [trajectory.time[:, None], trajectory.q]
     if trajectory.contact_force is not None:
         columns, parts = [*columns, FORCE], [*parts, trajectory.contact_force[:, None]]
     if trajectory.link_forces is not None:
@@ -209,7 +210,7 @@ def read_trajectory(path: Path, robot: RobotSpec | None = None) -> Trajectory:
             path, f"is of robot {header.robot!r}, not of {robot.name!r}", "give one that this robot recorded"
         )
     table = _table(path, lines[1:], robot)
-    q = np.stack([table[name] for name in joint_columns(robot)], axis=1)
+    q = np.stack([table[name] for name in coordinate_columns(robot)], axis=1)
     _check_rows(path, robot, table, q)
     forces = link_force_columns(robot)
     has_links = forces[0] in table
@@ -251,7 +252,7 @@ def _header(path: Path, text: str) -> TrajectoryHeader:
 def _table(path: Path, lines: list[str], robot: RobotSpec) -> dict[str, Array]:
     """The columns by name. Line numbers in messages are those of the file, whose first line is the header's."""
     names = lines[0].split(",") if lines else []
-    required, forces = [TIME, *joint_columns(robot)], link_force_columns(robot)
+    required, forces = [TIME, *coordinate_columns(robot)], link_force_columns(robot)
     if any(name in forces for name in names):
         required += forces
     for name in required:
@@ -297,11 +298,13 @@ def _check_rows(path: Path, robot: RobotSpec, table: dict[str, Array], q: Array)
         what = f"{table[TIME][row]:g} where {due[row]:g} is due, rows being {CONTROL_PERIOD:g} s apart from 0"
         refuse(row, f"{TIME}: {what}")
     spare = LIMIT_TOLERANCE * (robot.upper - robot.lower)
-    beyond = np.argwhere((q < robot.lower - spare) | (q > robot.upper + spare))
+    joints = q[:, -len(robot.joints) :]
+    beyond = np.argwhere((joints < robot.lower - spare) | (joints > robot.upper + spare))
     if beyond.size:
         row, joint = (int(index) for index in beyond[0])
         limits = f"{robot.lower[joint]:g} to {robot.upper[joint]:g}"
-        refuse(row, f"{joint_columns(robot)[joint]}: {q[row, joint]:g} lies outside the joint's limits, {limits}")
+        name = coordinate_columns(robot)[joint - len(robot.joints)]
+        refuse(row, f"{name}: {joints[row, joint]:g} lies outside the joint's limits, {limits}")
     negative = np.flatnonzero(table.get(FORCE, np.zeros(1)) < 0)
     if negative.size:
         row = int(negative[0])

@@ -34,6 +34,7 @@ LAYERS = [
         "scenes",
         "drafting",
         "robot",
+        "robot_parts",
         "kinematics",
         "laser",
         "state",

@@ -20,11 +20,16 @@ def test_clearance_is_the_distance_of_the_shapes(name: str, diameter: float, ang
     base = -pipe.inner_edge - 0.32
     model = static_spec(robot, pipe, 0.0025, Contact(0.005, (0.95, 0.99, 0.001)), base).compile()
     data = mujoco.MjData(model)
+    wheels = {wheel.name for wheel in robot.wheels}
+    places = [i for i in range(model.njnt) if model.joint(i).name not in wheels]
     pairs = [(a, b) for a in range(model.ngeom) for b in range(model.ngeom) if _meet(model, a, b)]
     errors = []
     for _ in range(500):
-        q = rng.uniform([0.0, -0.2, -0.2, -0.2], [0.1, 0.5, 0.5, 0.5])
-        data.qpos[:] = q
+        q = rng.uniform(-0.2, 0.5, robot.coordinates)
+        q[0] = rng.uniform(0.0, 0.1)
+        if robot.free:
+            q[:3], q[3:] = [-0.23, 0.0, 0.0] + 0.1 * q[:3], 0.5 * (q[3:] - 0.1)
+        data.qpos[places] = q
         mujoco.mj_kinematics(model, data)
         distance = min(mujoco.mj_geomDistance(model, data, a, b, 1.0, None) for a, b in pairs)
         if distance > 1e-3:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pipenav.backend import Array, Backend
 from pipenav.pipe import Pipe
 from pipenav.registry import availability, find_backends
+from pipenav.robot import load_robot
 from pipenav.state import Command, Reading, Truth
 from pipenav.testing import CONTRACT, VARIATION_LAWS, Bench, KinematicBackend
 
@@ -40,6 +41,12 @@ def test_our_backends_are_installed() -> None:
 @pytest.mark.parametrize("backend", _subjects())
 def test_contract(backend: str | type[Backend], check: Callable[[Bench], None]) -> None:
     check(Bench(backend))
+
+
+@pytest.mark.parametrize("check", [*CONTRACT, *VARIATION_LAWS], ids=lambda check: check.__name__[len("check_") :])
+@pytest.mark.parametrize("backend", _subjects()[1:])
+def test_contract_holds_for_a_robot_on_wheels(backend: str, check: Callable[[Bench], None]) -> None:
+    check(Bench(backend, load_robot("pirate")))
 
 
 @pytest.mark.parametrize("check", CONTRACT, ids=lambda check: check.__name__.removeprefix("check_"))
@@ -113,7 +120,7 @@ class Stopped(KinematicBackend):
         (DeadBeam, "tip_and_ranges_fit_the_pose", "beams miss the walls"),
         (RemembersItsPast, "reset_forgets_the_past", "a used and a new backend under the same commands"),
         (Shaky, "same_seed_same_trajectory", "two backends under the same commands"),
-        (ReadsOthers, "reset_reads_what_read_reads", "what a reset returns and what is read after it"),
+        (ReadsOthers, "reset_reads_what_read_reads", "what a reset returns and what is read after"),
         (Unfelt, "contact_force_is_the_largest_of_the_links", "contact force"),
         (Stopped, "time_counts", "Not equal"),
     ],

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from pipenav import laser
 from pipenav.corner_map import Corner, CornerMap
 from pipenav.pipe import Pipe
-from pipenav.robot import Laser, load_robot
+from pipenav.robot import load_robot
+from pipenav.robot_parts import Laser
 
 DEPTH = 0.1
 TOLERANCE = 0.01

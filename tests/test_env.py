@@ -24,7 +24,7 @@ from pipenav.errors import ConfigError, PipenavError, UnknownName
 from pipenav.pipe_set import parse_pipes
 from pipenav.registry import open_backend
 from pipenav.robot import load_robot
-from pipenav.sb3_env import CornerVecEnv
+from pipenav.sb3_env import TaskVecEnv
 from pipenav.task.config import TaskConfig
 
 SHORT = {"max_steps": 7}
@@ -158,10 +158,10 @@ def test_both_turns_render() -> None:
         assert turned_to["right" if turn == "left" else "left"].min() == 255
 
 
-def sb3_env(n: int = 4, seed: int = 0, **task: Any) -> CornerVecEnv:
+def sb3_env(n: int = 4, seed: int = 0, **task: Any) -> TaskVecEnv:
     robot, config, pipes = load_robot("basic"), TaskConfig.model_validate(task or SHORT), parse_pipes(["thesis-train"])
     source = random_episodes(robot, config, [pipes], np.random.default_rng(seed))
-    return CornerVecEnv(CornerBatch(robot, config, open_backend("mujoco", robot, n, FAST), n, source))
+    return TaskVecEnv(CornerBatch(robot, config, open_backend("mujoco", robot, n, FAST), n, source))
 
 
 def test_ppo_learns_on_the_vec_env() -> None:

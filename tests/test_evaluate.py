@@ -16,7 +16,7 @@ from pipenav.cli import main
 from pipenav.controller import Controller, PolicyController, open_controller
 from pipenav.episode_runner import EpisodeResults
 from pipenav.evaluate import EvaluationRun
-from pipenav.passage import run_fronts
+from pipenav.passage import run_task
 from pipenav.pipe_set import parse_pipes
 from pipenav.policy import load_policy
 from pipenav.robot import load_robot
@@ -50,7 +50,7 @@ class Clumsy:
 
 @pytest.fixture(scope="module")
 def results() -> EpisodeResults:
-    return run_fronts(Clumsy(), PIPES, EPISODES, seed=3)
+    return run_task(Clumsy(), PIPES, EPISODES, seed=3)
 
 
 def require_same(some: EpisodeResults, others: EpisodeResults) -> None:
@@ -59,11 +59,11 @@ def require_same(some: EpisodeResults, others: EpisodeResults) -> None:
 
 
 def test_the_same_seed_gives_the_same_results(results: EpisodeResults) -> None:
-    require_same(run_fronts(Clumsy(), PIPES, EPISODES, seed=3), results)
+    require_same(run_task(Clumsy(), PIPES, EPISODES, seed=3), results)
 
 
 def test_another_seed_gives_other_episodes(results: EpisodeResults) -> None:
-    other = run_fronts(Clumsy(), PIPES[:1], EPISODES, seed=4)
+    other = run_task(Clumsy(), PIPES[:1], EPISODES, seed=4)
     assert (other.steps != results.steps[:EPISODES]).any()
 
 
@@ -72,11 +72,11 @@ def test_results_do_not_depend_on_how_many_robots_run_together(
     robots: int, results: EpisodeResults, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(episode_runner, "MAX_ROBOTS", robots)
-    require_same(run_fronts(Clumsy(), PIPES, EPISODES, seed=3), results)
+    require_same(run_task(Clumsy(), PIPES, EPISODES, seed=3), results)
 
 
 def test_results_do_not_depend_on_the_other_pipes(results: EpisodeResults) -> None:
-    turned = run_fronts(Clumsy(), PIPES[::-1], EPISODES, seed=3)
+    turned = run_task(Clumsy(), PIPES[::-1], EPISODES, seed=3)
     for i in range(len(PIPES)):
         here, there = slice(i * EPISODES, (i + 1) * EPISODES), len(PIPES) - 1 - i
         part = EpisodeResults(*(column[here] for column in results))
@@ -84,7 +84,7 @@ def test_results_do_not_depend_on_the_other_pipes(results: EpisodeResults) -> No
 
 
 def test_results_do_not_depend_on_the_number_of_episodes(results: EpisodeResults) -> None:
-    fewer = run_fronts(Clumsy(), PIPES[:1], 2, seed=3)
+    fewer = run_task(Clumsy(), PIPES[:1], 2, seed=3)
     require_same(fewer, EpisodeResults(*(column[:2] for column in results)))
 
 
@@ -111,7 +111,7 @@ def test_the_shipped_policy_passes_the_working_range() -> None:
     assert policy.is_file(), "models/policies/arm/best.zip is missing: train it by pipenav train --preset arm"
     sample = parse_pipes(["working-range"])[::16]
     assert len(sample) == 12
-    found = run_fronts(PolicyController(load_policy(policy)), sample, EPISODES, seed=11)
+    found = run_task(PolicyController(load_policy(policy)), sample, EPISODES, seed=11)
     assert (found.verdict == Verdict.REACHED).mean() >= 0.95
 
 

@@ -10,7 +10,8 @@ from hypothesis.extra.numpy import arrays
 
 from pipenav.laser import cast, measure
 from pipenav.pipe import Pipe
-from pipenav.robot import Laser, load_robot
+from pipenav.robot import load_robot
+from pipenav.robot_parts import Laser
 
 BASIC = load_robot("basic").laser
 fans = st.builds(

@@ -21,7 +21,7 @@ from pipenav.mirror import Motion, RearStage, hand_over, is_out, join, plan_rear
 from pipenav.pipe import Pipe
 from pipenav.registry import open_backend
 from pipenav.robot import load_robot
-from pipenav.rollout import Simulator, record_front
+from pipenav.rollout import Simulator, record_task
 from pipenav.task.episode import Verdict
 from pipenav.testing import KinematicBackend, KinematicOptions
 from pipenav.trajectory import Trajectory, TrajectoryHeader
@@ -106,7 +106,7 @@ def test_out_of_the_corner_is_before_the_inner_edge_with_every_point(motion: Mot
 def front() -> Trajectory:
     """A real front passage, around a right turn."""
     pipe = Pipe.of(100, 75, "right")
-    return record_front(open_controller("arm"), "arm", pipe, 0, 0, Simulator("mujoco", FAST))
+    return record_task(open_controller("arm"), "arm", pipe, 0, 0, Simulator("mujoco", FAST))
 
 
 def changed(front: Trajectory, **header: Any) -> Trajectory:

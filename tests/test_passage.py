@@ -41,7 +41,7 @@ def located(passages: Passages) -> Part:
 
 @pytest.fixture(scope="module")
 def front(passages: Passages, controller: Controller, located: Part) -> Part:
-    return passages.front(controller, located)
+    return passages.task(controller, located)
 
 
 def test_a_motion_is_what_the_stage_went_through(located: Part, front: Part) -> None:

@@ -25,6 +25,8 @@ PIPE_KEYS = {
     "front_successes",
     "rear_attempts",
     "rear_successes",
+    "traverse_attempts",
+    "traverse_successes",
     "failures",
     "mean_steps",
     "min_clearance_m",

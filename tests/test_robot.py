@@ -6,10 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from pipenav.assets import robots_dir
 from pipenav.errors import ConfigError, FileProblem, UnknownName
-from pipenav.robot import load_robot, robot_names
+from pipenav.robot import RobotSpec, load_robot, robot_names
 
 TEXT = (robots_dir() / "basic" / "robot.toml").read_text(encoding="utf-8")
 
@@ -48,7 +49,7 @@ def test_an_actuator_is_a_torque_speed_line() -> None:
     # effort = limit * drive - damping * speed: nothing is left at full drive and the no-load speed.
     for actuator in load_robot("basic").joint_actuators:
         assert actuator.effort_limit - actuator.damping * actuator.speed_limit == pytest.approx(0.0)
-        assert actuator.position_gain * actuator.full_drive_error == pytest.approx(actuator.stall_effort)
+        assert actuator.controller_gain * actuator.full_drive_error == pytest.approx(actuator.stall_effort)
 
 
 def test_an_unknown_robot_is_answered_with_the_nearest() -> None:
@@ -108,3 +109,52 @@ def test_a_changed_copy_works_out_its_own_arrays() -> None:
     assert shorter.lengths.tolist() == [0.12, 0.12, 0.11]
     assert shorter.mirror_signs.tolist() == [-1.0, -1.0, -1.0]
     assert robot == load_robot("basic")
+
+
+def whole(change: dict[str, object]) -> str:
+    """What is said of the whole robot's file with a change, as pydantic gives it."""
+    table = load_robot("pirate").model_dump()
+    with pytest.raises(ValidationError) as caught:
+        RobotSpec.model_validate(table | change)
+    return str(caught.value)
+
+
+def test_the_whole_robot_stands_free_on_six_wheels_with_six_bends() -> None:
+    robot = load_robot("pirate")
+    assert (robot.free, len(robot.links), len(robot.joints), len(robot.wheels)) == (True, 7, 6, 6)
+    assert robot.coordinates == 3 + 6
+    assert [one.name for one in robot.driven] == [f"bend{i}" for i in range(1, 7)] + [f"wheel{i}" for i in range(1, 7)]
+    assert robot.effort_limits.tolist() == [1.0] * 6 + [0.15] * 6
+    assert robot.roll is not None
+    assert robot.roll.link == "middle"
+    assert not load_robot("basic").free
+
+
+def test_wheels_stand_out_of_the_links_that_they_carry() -> None:
+    robot = load_robot("pirate")
+    for link in robot.links:
+        assert link.wheel is None or link.wheel.diameter > link.width
+    assert robot.width == max(wheel.diameter for wheel in robot.wheels)
+
+
+def test_only_the_first_link_may_stand_free() -> None:
+    links = load_robot("pirate").model_dump()["links"]
+    assert "link 'link2' has no joint: only the first link may stand free" in whole(
+        {"links": [*links[:2], links[2] | {"joint": None}, *links[3:]]}
+    )
+
+
+def test_wheels_and_roll_name_what_is_described() -> None:
+    table = load_robot("pirate").model_dump()
+    links, roll = table["links"], table["roll"]
+    wheel = links[1]["wheel"] | {"actuator": "steam"}
+    assert "wheel 'wheel1' names actuator 'steam'" in whole(
+        {"links": [links[0], links[1] | {"wheel": wheel}, *links[2:]]}
+    )
+    assert "the roll joint divides link 'nose'" in whole({"roll": roll | {"link": "nose"}})
+
+
+def test_an_unknown_key_of_a_wheel_is_answered_with_the_nearest(tmp_path: Path) -> None:
+    text = (robots_dir() / "pirate" / "robot.toml").read_text(encoding="utf-8")
+    said = message(tmp_path, text.replace('name = "wheel2", diameter', 'name = "wheel2", diametre = 0.03, diameter'))
+    assert "did you mean 'links.2.wheel.diameter'" in said

@@ -9,8 +9,9 @@ import pytest
 import trimesh
 
 from pipenav.cli import main
-from pipenav.robot import BoxPart, load_robot, robot_names
+from pipenav.robot import load_robot, robot_names
 from pipenav.robot_mesh import link_mesh
+from pipenav.robot_parts import BoxPart
 
 
 @pytest.mark.parametrize("name", robot_names())

@@ -9,9 +9,9 @@ from pipenav.backend import Backend
 from pipenav.controller import open_controller
 from pipenav.kinematics import forward
 from pipenav.mirror import plan_rear
-from pipenav.passage import run_fronts
+from pipenav.passage import run_task
 from pipenav.pipe import Pipe
-from pipenav.rollout import Simulator, record_front, record_rear, tracking
+from pipenav.rollout import Simulator, record_rear, record_task, tracking
 from pipenav.task.episode import Verdict
 from pipenav.trajectory import Trajectory
 
@@ -22,11 +22,11 @@ PIPE = Pipe.of(85, 70, "right")
 @pytest.fixture(scope="module")
 def fronts() -> list[Trajectory]:
     controller = open_controller("arm")
-    return [record_front(controller, "arm", PIPE, 5, number, Simulator("mujoco", OPTIONS)) for number in range(3)]
+    return [record_task(controller, "arm", PIPE, 5, number, Simulator("mujoco", OPTIONS)) for number in range(3)]
 
 
 def test_the_recorded_episode_is_the_one_that_an_evaluation_runs(fronts: list[Trajectory]) -> None:
-    results = run_fronts(open_controller("arm"), [PIPE], 3, 5, options=OPTIONS)
+    results = run_task(open_controller("arm"), [PIPE], 3, 5, options=OPTIONS)
     for number, front in enumerate(fronts):
         assert front.header.outcome == Verdict(results.verdict[number]).label
         assert len(front.q) - 1 == results.steps[number]
@@ -58,7 +58,7 @@ def test_who_looks_on_sees_the_start_and_every_step() -> None:
     def watch(backend: Backend) -> None:
         seen.append(float(backend.read().time[0]))
 
-    front = record_front(open_controller("arm"), "arm", PIPE, 5, 0, Simulator("mujoco", OPTIONS, watch))
+    front = record_task(open_controller("arm"), "arm", PIPE, 5, 0, Simulator("mujoco", OPTIONS, watch))
     assert seen == pytest.approx(front.time)
 
 

@@ -10,10 +10,10 @@ from pipenav import kinematics
 from pipenav.batch import CornerBatch
 from pipenav.controller import open_controller
 from pipenav.episode_runner import EpisodeQueue, joined, random_start
-from pipenav.passage import run_fronts
+from pipenav.passage import run_task
 from pipenav.pipe_set import parse_pipes
 from pipenav.registry import open_backend
-from pipenav.stage import FrontStage
+from pipenav.stage import TaskStage
 from pipenav.task.episode import Verdict
 
 PIPES = parse_pipes(["d=100,angle=90", "d=90,angle=60,turn=right"])
@@ -30,7 +30,7 @@ def test_the_front_stage_is_the_corner_task_under_its_controller() -> None:
             controller.robot, controller.task, simulator, len(PIPES), lambda robots: joined(queue.take(robots))
         )
 
-    with closing(batch()) as plain, closing(FrontStage(batch(), controller)) as stage:
+    with closing(batch()) as plain, closing(TaskStage(batch(), controller)) as stage:
         observation = plain.reset()
         stage.start(np.arange(stage.n))
         for _ in range(12):
@@ -55,7 +55,7 @@ def test_an_episode_is_the_same_whenever_it_is_asked_for() -> None:
 def test_results_say_where_each_episode_ended() -> None:
     """The next stage starts there: the tip is at the target of those that reached it."""
     controller = open_controller("baseline:centreline")
-    found = run_fronts(controller, PIPES, 2, seed=2)
+    found = run_task(controller, PIPES, 2, seed=2)
     assert (found.verdict == Verdict.REACHED).all()
     start = random_start(controller.robot, controller.task, PIPES, 2, seed=2)
     for job, q in enumerate(found.q):

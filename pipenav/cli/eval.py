@@ -13,7 +13,8 @@ from pipenav.errors import PipenavError
 
 STAGE_HELP = (
     "front: a policy reaches a given target; front-rear: then the rear half follows; "
-    "locate: the robot finds a target itself; passage: locate, front and rear."
+    "locate: the robot finds a target itself; passage: locate, front and rear; "
+    "traverse: a whole robot goes through. Default: what the policy was trained for."
 )
 VARIANT_HELP = "How a target is located: map, or thesis for the method exactly as printed."
 
@@ -24,7 +25,9 @@ def evaluate(
         typer.Option(help="best.zip, a shipped policy's name, baseline:random or baseline:centreline."),
     ] = None,
     # The names of pipenav.evaluate.StageName and pipenav.locate.Variant, whose import would slow down --help.
-    stage: Annotated[Literal["front", "front-rear", "locate", "passage"], typer.Option(help=STAGE_HELP)] = "front",
+    stage: Annotated[
+        Literal["front", "front-rear", "locate", "passage", "traverse"] | None, typer.Option(help=STAGE_HELP)
+    ] = None,
     backend: Annotated[str, typer.Option(help="Simulator backend; see `pipenav backends`.")] = "mujoco",
     pipes: Annotated[
         list[str] | None, typer.Option(help="Shipped set, FILE.toml or d=90,angle=60[,turn=right]; repeatable.")
@@ -58,6 +61,8 @@ def evaluate(
         pipenav eval --policy baseline:centreline --pipes d=90,angle=60 --pipes d=90,angle=60,turn=right
 
         pipenav eval --policy arm --option timestep=0.001
+
+        pipenav eval --policy pirate --pipes d=70,angle=60
 
         pipenav eval --policy arm --disturb real-world
     """
@@ -106,11 +111,11 @@ def parse_options(given: list[str]) -> dict[str, Any]:
     return options
 
 
-def _default_folder(policy: str | None, stage: str, robot: str, variant: str, pipes: list[str]) -> Path:
-    """`eval-<stage>-<pipes>` beside a policy file, under `runs/` otherwise; the front's has no stage in its name."""
+def _default_folder(policy: str | None, stage: str | None, robot: str, variant: str, pipes: list[str]) -> Path:
+    """`eval-<stage>-<pipes>` beside a policy file, under `runs/` otherwise; the task's own has no stage in its name."""
     label = "-".join(Path(name).stem.replace("=", "").replace(",", "-") for name in pipes)
     if policy is None:
         return Path("runs") / f"{robot}-{variant}" / f"eval-{stage}-{label}"
-    folder = f"eval-{label}" if stage == "front" else f"eval-{stage}-{label}"
+    folder = f"eval-{label}" if stage in (None, "front", "traverse") else f"eval-{stage}-{label}"
     path = Path(policy)
     return path.parent / folder if path.suffix == ".zip" else Path("runs") / policy.replace(":", "-") / folder

@@ -12,7 +12,8 @@ from pipenav.cli import table_console
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from pipenav.robot import Laser, RobotSpec
+    from pipenav.robot import RobotSpec
+    from pipenav.robot_parts import Joint, Laser
 
 
 def robots(
@@ -38,7 +39,8 @@ def robots(
         return
     robot = load_robot(name)
     console = table_console()
-    console.print(robot.description, _links(robot), f"laser: {_laser(robot.laser)}", sep="\n", markup=False)
+    parts = [robot.description, _links(robot), _wheels(robot), f"laser: {_laser(robot.laser)}"]
+    console.print(*filter(None, parts), sep="\n", markup=False)
     if out is not None:
         from pipenav.robot_mesh import write_meshes
 
@@ -69,26 +71,52 @@ def _links(robot: RobotSpec) -> Table:
     from rich.table import Table
     from rich.text import Text
 
-    from pipenav.units import m_to_mm, rad_to_deg
+    from pipenav.units import m_to_mm
 
     table = Table("link", "joint", box=None, pad_edge=False)
     for column in ("range", "top speed", "stall effort", "length [mm]", "width [mm]", "mass [g]", "parts"):
         table.add_column(Text(column), justify="right")
-    for link, actuator in zip(robot.links, robot.joint_actuators, strict=True):
-        hinge = link.joint.type == "hinge"
-        edge, unit, force = (rad_to_deg, "deg", "N m") if hinge else (m_to_mm, "mm", "N")
+    for link in robot.links:
         table.add_row(
             Text(link.name, "bold"),
-            f"{link.joint.name} ({link.joint.type})",
-            f"{edge(link.joint.lower):.0f} to {edge(link.joint.upper):.0f} {unit}",
-            f"{edge(actuator.speed_limit):.0f} {unit}/s",
-            f"{actuator.effort_limit:.3g} {force}",
+            *(_motion(robot, link.joint) if link.joint else ["none: stands free", "", "", ""]),
             f"{m_to_mm(link.length):g}",
             f"{m_to_mm(link.width):g}",
             f"{1e3 * link.mass:g}",
             str(len(link.parts)),
         )
     return table
+
+
+def _motion(robot: RobotSpec, joint: Joint) -> list[str]:
+    """A joint's name, range, top speed and stall effort."""
+    from pipenav.units import m_to_mm, rad_to_deg
+
+    actuator = robot.actuators[joint.actuator]
+    edge, unit, force = (rad_to_deg, "deg", "N m") if joint.type == "hinge" else (m_to_mm, "mm", "N")
+    return [
+        f"{joint.name} ({joint.type})",
+        f"{edge(joint.lower):.0f} to {edge(joint.upper):.0f} {unit}",
+        f"{edge(actuator.speed_limit):.0f} {unit}/s",
+        f"{actuator.effort_limit:.3g} {force}",
+    ]
+
+
+def _wheels(robot: RobotSpec) -> str:
+    """The wheels and the roll joint in a sentence."""
+    from pipenav.units import m_to_mm
+
+    told = []
+    if robot.wheels:
+        rims = sorted({wheel.radius * robot.actuators[wheel.actuator].speed_limit for wheel in robot.wheels})
+        sizes = sorted({wheel.diameter for wheel in robot.wheels})
+        told.append(
+            f"wheels: {len(robot.wheels)}, {', '.join(f'{m_to_mm(size):g}' for size in sizes)} mm, driven, "
+            f"up to {', '.join(f'{m_to_mm(rim):g}' for rim in rims)} mm/s at the rim"
+        )
+    if robot.roll:
+        told.append(f"roll joint: {robot.roll.joint.name}, across {robot.roll.link}; held at 0 in a plane")
+    return "\n".join(told)
 
 
 def _laser(laser: Laser) -> str:

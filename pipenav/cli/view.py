@@ -142,10 +142,10 @@ def _few_pipes(given: list[str]) -> list[Pipe]:
 
 def _policy(name: str, robot: str | None, seed: int) -> Recorder:
     from pipenav.controller import open_controller
-    from pipenav.rollout import record_front
+    from pipenav.rollout import record_task
 
     controller = open_controller(name, robot, seed)
-    return lambda pipe, episode, simulator: record_front(controller, name, pipe, seed, episode, simulator)
+    return lambda pipe, episode, simulator: record_task(controller, name, pipe, seed, episode, simulator)
 
 
 def _locating(behaviour: str, robot: str | None, seed: int) -> Recorder:

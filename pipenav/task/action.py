@@ -30,6 +30,11 @@ def to_command(robot: RobotSpec, config: TaskConfig, action: Array, q: Array, si
     return Command("position", np.clip(goal, robot.lower, robot.upper))
 
 
+def full_action(robot: RobotSpec, config: TaskConfig) -> Array:
+    """What a full action is: an effort at standstill, or a set-point step, (joints,)."""
+    return robot.effort_limits if config.control == "torque" else position_step(robot, config)
+
+
 def position_step(robot: RobotSpec, config: TaskConfig) -> Array:
     """The set-point change of a full action, (joints,) [rad or m]."""
     return config.alpha * np.where(robot.hinges, 1.0, config.slide_unit)

@@ -38,6 +38,7 @@ class RewardConfig(_Table):
 class TaskConfig(_Table):
     """The corner task."""
 
+    kind: Literal["reach"] = "reach"
     observation: Literal["basic", "history", "relative"] = Field(
         "basic", description="state of eq 3.1, of eq 3.2, or of eq 3.1 with the target as the tip sees it"
     )

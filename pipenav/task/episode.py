@@ -28,6 +28,10 @@ class Verdict(IntEnum):
     PENETRATION = 3
     TIMEOUT = 4
     MISPLACED = 5
+    SLID_BACK = 6
+    JAM = 7
+    SLIP = 8
+    FOLD = 9
 
     @property
     def label(self) -> str:
@@ -80,6 +84,18 @@ def sample(robot: RobotSpec, config: TaskConfig, pipes: Sequence[Pipe], rng: np.
 def _corner(pipe: Pipe) -> tuple[float, ...]:
     """Side, absolute change of heading, radius and inner edge, as `Pipe` says."""
     return pipe.side, abs(pipe.heading_change), pipe.radius, pipe.inner_edge
+
+
+def check_robot(robot: RobotSpec) -> None:
+    """Refuse a robot that cannot do the task.
+
+    Raises:
+        PipenavError: it stands free.
+    """
+    if robot.free:
+        raise PipenavError(
+            f"robot {robot.name!r} stands free, and this task moves an arm on a mount: choose --preset pirate."
+        )
 
 
 START_CLEARANCE = 0.002

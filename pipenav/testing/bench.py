@@ -43,10 +43,12 @@ class Bench:
         return closing(self.backend(self.robot, self.n, options, wall_segments))
 
     def commands(self, steps: int, control: Control = "torque", seed: int = 0) -> list[Command]:
-        """Random commands: drives, or set-points within the middle half of the joints' travel."""
-        values = np.random.default_rng(seed).uniform(-1.0, 1.0, (steps, self.n, len(self.robot.joints)))
+        """Random commands: drives, or set-points within the middle half of what joints travel and wheels turn."""
+        values = np.random.default_rng(seed).uniform(-1.0, 1.0, (steps, self.n, len(self.robot.drives)))
         if control == "position":
-            values *= 0.5 * np.minimum(-self.robot.lower, self.robot.upper)
+            travel = np.minimum(-self.robot.lower, self.robot.upper)
+            wheels = [actuator.speed_limit for actuator in self.robot.drives[len(travel) :]]
+            values *= 0.5 * np.concatenate([travel, wheels])
         return [Command(control, v) for v in values]
 
 
@@ -64,6 +66,6 @@ def starts(bench: Bench, seed: int = 0) -> Start:
     rng = np.random.default_rng(seed)
     corners = [Pipe.of(90, 90), Pipe.of(110, 75, "right"), Pipe.of(100, 120)]
     pipes = [corners[(i + seed) % len(corners)] for i in range(bench.n)]
-    q = rng.uniform(-0.02, 0.02, (bench.n, len(bench.robot.joints)))
+    q = rng.uniform(-0.02, 0.02, (bench.n, bench.robot.coordinates))
     edges = np.array([pipe.inner_edge for pipe in pipes])
     return Start(np.arange(bench.n), pipes, q, -edges - rng.uniform(0.05, 0.08, bench.n) - bench.robot.length)

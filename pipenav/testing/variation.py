@@ -54,7 +54,7 @@ def check_weak_actuators_push_less(bench: Bench) -> None:
     """A slide presses head-on on a wall with its effort limit times its strength."""
     robot = bench.robot
     with bench.open() as subject:
-        if not isinstance(subject, Variable) or robot.hinges[0]:
+        if not isinstance(subject, Variable) or robot.link_turns[0]:
             return
         strength = np.linspace(WEAKER, 1.0 / WEAKER, bench.n)
         changed = factors(bench)
@@ -77,7 +77,8 @@ def check_each_factor_acts_the_right_way(bench: Bench) -> None:
     """Against an unchanged robot: heavy or weak joints start slower, soft controllers lag behind."""
     robot, n = bench.robot, bench.n
     wide = Pipe.of(300, 180)
-    ahead = np.tile(0.2 * np.where(robot.hinges, robot.upper, 0.1), (n, 1))
+    joints, wheels = 0.2 * np.where(robot.hinges, robot.upper, 0.1), np.zeros(len(robot.wheels))
+    ahead, straight = np.tile(np.concatenate([joints, wheels]), (n, 1)), np.zeros((n, robot.coordinates))
     trials: list[tuple[dict[str, float], Command]] = [
         ({"mass": 2.0}, Command("torque", np.ones_like(ahead))),
         ({"strength": WEAKER}, Command("torque", np.ones_like(ahead))),
@@ -91,7 +92,7 @@ def check_each_factor_acts_the_right_way(bench: Bench) -> None:
                 if not isinstance(subject, Variable):
                     return
                 subject.vary(np.arange(n), factors(bench, **factor))
-                subject.reset(np.arange(n), [wide] * n, np.zeros_like(ahead), np.full(n, -robot.length))
+                subject.reset(np.arange(n), [wide] * n, straight, np.full(n, -robot.length))
                 subject.step(command)
                 way.append(subject.read().q[:, 0])
         if not np.all(way[0] < way[1]):
@@ -102,7 +103,7 @@ def check_friction_holds_what_slides(bench: Bench) -> None:
     """An arm that presses sideways on a wall is pulled along it more slowly the rougher it is."""
     robot, n = bench.robot, bench.n
     with bench.open() as subject:
-        if not isinstance(subject, Variable) or robot.hinges[0] or len(robot.joints) < 2:
+        if not isinstance(subject, Variable) or robot.link_turns[0] or len(robot.joints) < 2:
             return
         changed = factors(bench)
         changed.friction[:] = np.linspace(0.0, 3.0, n)
@@ -133,9 +134,9 @@ VARIATION_LAWS: list[Callable[[Bench], None]] = [
 
 
 def factors(bench: Bench, **given: float) -> Variation:
-    """The same factors for all joints and robots; 1 where none is given."""
-    n, joints = bench.n, len(bench.robot.joints)
-    shapes = {"friction": (n,), "mass": (n, len(bench.robot.links)), "strength": (n, joints), "gain": (n, joints)}
+    """The same factors for all drives and robots; 1 where none is given."""
+    n, drives = bench.n, len(bench.robot.drives)
+    shapes = {"friction": (n,), "mass": (n, len(bench.robot.links)), "strength": (n, drives), "gain": (n, drives)}
     return Variation(**{name: np.full(shape, given.get(name, 1.0)) for name, shape in shapes.items()})
 
 
@@ -146,7 +147,7 @@ def _driven(bench: Bench, subject: Backend) -> list[Array]:
     for command in [*bench.commands(8), *bench.commands(4, "position")]:
         subject.step(command)
         truth = subject.truth()
-        told += [*subject.read(), *(truth if truth is not None else ())]
+        told += [*subject.read().measured().values(), *(truth if truth is not None else ())]
     return told
 
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from pipenav import laser
 from pipenav.backend import CONTROL_PERIOD
 from pipenav.errors import PipenavError
-from pipenav.robot import Laser
+from pipenav.robot_parts import Laser
 from pipenav_hardware.arm_config import ScannerConfig
 from pipenav_hardware.ports import port_problem
 

@@ -15,7 +15,7 @@ from pipenav import backend, kinematics, laser
 from pipenav.contact_force import Windows, strongest
 from pipenav.errors import PipenavError
 from pipenav.pipe import Pipe
-from pipenav.robot import RobotSpec
+from pipenav.robot import BASE, RobotSpec
 from pipenav.state import Command, Control, Reading, Truth
 from pipenav.wall_boxes import wall_boxes
 from pipenav_mujoco.model import Contact, build_spec
@@ -57,14 +57,20 @@ class MujocoBackend(backend.Backend):
         self._base = np.zeros(n)
         self._control: Control | None = None
         self._pose: kinematics.ChainPose | None = None
-        self._stiffness = np.tile([actuator.position_gain for actuator in robot.joint_actuators], (n, 1))
+        self._stiffness = np.tile([actuator.controller_gain for actuator in robot.drives], (n, 1))
         self._effort = np.tile(robot.effort_limits, (n, 1))
         self._bind(n)
 
     def _bind(self, n: int) -> None:
         """Live views of the batch's state, and room for what every physics step records."""
-        batch, model = self._batch, self._model
-        self._q, self._qd, self._time = batch.bind("qpos"), batch.bind("qvel"), batch.bind("time")
+        batch, model, robot = self._batch, self._model, self._robot
+        self._state, self._speeds, self._time = batch.bind("qpos"), batch.bind("qvel"), batch.bind("time")
+        # Every joint is one number here, so places in qpos and in qvel are the same.
+        joints = [model.joint(joint.name).qposadr[0] for joint in robot.joints]
+        base = [model.joint(f"base_{name}").qposadr[0] for name in BASE if robot.free]
+        self._joints, self._configured = np.array(joints, int), np.array(base + joints, int)
+        self._wheels = np.array([model.joint(wheel.name).qposadr[0] for wheel in robot.wheels], int)
+        self._asked, self._loads = batch.bind("actuator_force"), np.zeros((n, len(robot.drives)))
         self._ctrl, self._warm = batch.bind("ctrl"), batch.bind("qacc_warmstart")
         self._wall_position, self._wall_quaternion = batch.bind("mocap_pos"), batch.bind("mocap_quat")
         first = model.geom("wall0").id
@@ -73,7 +79,10 @@ class MujocoBackend(backend.Backend):
         self._gain, self._bias = batch.expand("actuator_gainprm"), batch.expand("actuator_biasprm")
         self._record = {"sensordata": np.zeros((n, self._substeps, model.nsensordata))}
         self._depth, self._contact_share = np.zeros(n), np.zeros(n)
-        self._link_forces = np.zeros((n, len(self._robot.links), 2))
+        self._link_forces = np.zeros((n, len(robot.links), 2))
+        self._wheel_links = np.array([i for i, link in enumerate(robot.links) if link.wheel], int)
+        self._ranges = np.zeros((n, robot.laser.beams))
+        self._masses = np.tile(model.body_mass, (n, 1))
         self._windows = Windows(self._substeps, model.opt.timestep)
 
     def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> Reading:
@@ -81,11 +90,13 @@ class MujocoBackend(backend.Backend):
         self._wall_position[robots], self._wall_quaternion[robots] = walls.position, walls.quaternion
         self._wall_half_size[robots], self._segments[robots] = walls.half_size, walls.segments
         self._base[robots] = base
-        self._q[robots], self._qd[robots], self._time[robots], self._warm[robots] = q, 0.0, 0.0, 0.0
+        for values in (self._state, self._speeds, self._time, self._warm, self._loads):
+            values[robots] = 0.0
+        self._state[np.ix_(robots, self._configured)] = q
         self._depth[robots], self._contact_share[robots], self._link_forces[robots] = 0.0, 0.0, 0.0
         self._pose = None
-        ranges = self._ranges(kinematics.forward(self._robot, q), walls.segments)
-        return Reading(np.array(q, float), np.zeros_like(q), ranges, np.zeros(len(robots)))
+        self._ranges[robots] = self._scan(kinematics.forward(self._robot, q), walls.segments)
+        return self._reading(robots)
 
     def step(self, command: Command) -> None:
         if command.control != self._control:
@@ -93,34 +104,46 @@ class MujocoBackend(backend.Backend):
             self._set_gains(slice(None))
         self._ctrl[:] = command.values
         self._batch.rollout(self._substeps, record=("sensordata",), out=self._record)
-        self._pose = None
-        sensors = self._record["sensordata"]  # (n, substeps, 3 per link + 1)
+        self._pose, self._loads = None, self._asked / self._effort
+        self._ranges = self._scan(self._own_pose(), self._segments)
+        sensors = self._record["sensordata"]  # (n, substeps, 3 per link and wheel + 1)
         distance = np.ascontiguousarray(sensors[:, :, -1].T)  # of the deepest contact, 0 where there is none
         self._depth = np.maximum(-distance.min(axis=0), 0.0)
         self._contact_share = (distance < 0).sum(axis=0) / self._substeps
-        touching = np.flatnonzero(self._depth)
-        shape = len(touching), self._windows.count, len(self._robot.links), 3
-        means = self._windows.means(sensors[touching])[..., :-1].reshape(shape)
+        touching, links = np.flatnonzero(self._depth), len(self._robot.links)
+        shape = len(touching), self._windows.count, links + len(self._wheels), 3
+        means = self._windows.means(sensors[touching])[..., :-1].reshape(shape)[..., :2]
+        forces = means[:, :, :links].copy()
+        forces[:, :, self._wheel_links] += means[:, :, links:]  # a wheel's force is its link's
         self._link_forces = np.zeros_like(self._link_forces)
-        self._link_forces[touching] = -strongest(means[..., :2])  # the sensors give what the link does to the wall
+        self._link_forces[touching] = -strongest(forces)  # the sensors give what the link does to the wall
 
     def _set_gains(self, robots: slice | NDArray[np.intp]) -> None:
-        """Make the actuators position servos or plain drives; both share the motor's torque-speed line."""
-        position = self._control == "position"
-        self._gain[robots, :, 0] = self._stiffness[robots] if position else self._effort[robots]
-        self._bias[robots, :, 1] = -self._stiffness[robots] if position else 0.0
+        """Make the actuators servos or plain drives; both share the motor's torque-speed line."""
+        servo = self._control == "position"
+        joints = len(self._joints)
+        self._gain[robots, :, 0] = self._stiffness[robots] if servo else self._effort[robots]
+        feedback = -self._stiffness[robots] if servo else np.zeros_like(self._stiffness[robots])
+        self._bias[robots, :joints, 1], self._bias[robots, joints:, 2] = feedback[:, :joints], feedback[:, joints:]
+
+    def incline(self, robots: NDArray[np.intp], gravity: Array) -> None:
+        """See `pipenav.backend.Inclinable`."""
+        pull = self._batch.bind("xfrc_applied")  # (n, bodies, 6): forces at the centres of mass, then torques
+        moving = np.flatnonzero(self._model.body_mocapid < 0)
+        pull[np.ix_(robots, moving, np.arange(2))] = self._masses[np.ix_(robots, moving)][..., None] * gravity[:, None]
 
     def vary(self, robots: NDArray[np.intp], variation: backend.Variation) -> None:
         """See `pipenav.backend.Variable`. Fields become the robots' own when this is first called."""
         batch, model = self._batch, self._model
         links = [model.body(link.name).id for link in self._robot.links]
         rows = np.ix_(robots, links)
-        batch.expand("body_mass")[rows] = model.body_mass[links] * variation.mass
+        self._masses[rows] = model.body_mass[links] * variation.mass
+        batch.expand("body_mass")[rows] = self._masses[rows]
         batch.expand("body_inertia")[rows] = model.body_inertia[links] * variation.mass[..., None]
         batch.expand("geom_friction")[robots, :, 0] = model.geom_friction[:, 0] * variation.friction[:, None]
         self._derive_constants(robots)
         self._effort[robots] = self._robot.effort_limits * variation.strength
-        stiffness = [actuator.position_gain for actuator in self._robot.joint_actuators]
+        stiffness = [actuator.controller_gain for actuator in self._robot.drives]
         self._stiffness[robots] = stiffness * variation.strength * variation.gain
         batch.expand("actuator_forcerange")[robots] = np.stack([-self._effort[robots], self._effort[robots]], axis=-1)
         self._set_gains(robots)
@@ -134,17 +157,20 @@ class MujocoBackend(backend.Backend):
         self._wall_half_size[robots] = walls
 
     def read(self) -> Reading:
-        return Reading(
-            self._q.copy(), self._qd.copy(), self._ranges(self._own_pose(), self._segments), self._time.copy()
-        )
+        return self._reading(np.arange(len(self._time)))
+
+    def _reading(self, robots: NDArray[np.intp]) -> Reading:
+        wheels = self._speeds[np.ix_(robots, self._wheels)] if self._robot.wheels else None
+        q, qd = self._state[np.ix_(robots, self._joints)], self._speeds[np.ix_(robots, self._joints)]
+        return Reading(q, qd, self._ranges[robots], self._time[robots].copy(), wheels, self._loads[robots])
 
     def _own_pose(self) -> kinematics.ChainPose:
         """Of the robots as they are, worked out once."""
         if self._pose is None:
-            self._pose = kinematics.forward(self._robot, self._q)
+            self._pose = kinematics.forward(self._robot, self._state[:, self._configured])
         return self._pose
 
-    def _ranges(self, pose: kinematics.ChainPose, segments: Array) -> Array:
+    def _scan(self, pose: kinematics.ChainPose, segments: Array) -> Array:
         beams = pose.headings[:, -1:] + self._robot.laser.angles
         return laser.measure(self._robot.laser, laser.cast(pose.tip, beams, segments))
 
@@ -160,7 +186,7 @@ class MujocoBackend(backend.Backend):
         model = copy.copy(self._model)
         first = model.geom("wall0").id
         model.geom_size[first : first + self._slots] = self._wall_half_size[0]
-        live = {"qpos": self._q, "qvel": self._qd, "ctrl": self._ctrl}
+        live = {"qpos": self._state, "qvel": self._speeds, "ctrl": self._ctrl}
         walls = {"mocap_pos": self._wall_position, "mocap_quat": self._wall_quaternion}
         return MujocoViewer(model, {name: values[0] for name, values in (live | walls).items()})
 

@@ -9,13 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipenav.pipe import Pipe
-from pipenav.robot import BoxPart, Link, RobotSpec
+from pipenav.robot import BASE, RobotSpec
+from pipenav.robot_parts import Actuator, BoxPart, Joint, Link, Wheel
 from pipenav.wall_boxes import OUTER_THICKNESS, PARKED, WALL_HALF_HEIGHT, wall_boxes
 
 Array = NDArray[np.float64]
 
 ROBOT, WALL = 1, 2
 """Collision groups: links meet walls only, never each other."""
+
+TOUCHING = {"contype": ROBOT, "conaffinity": WALL}
+"""What a part of the robot meets."""
 
 HIDDEN_GROUP = 3
 """Geom group that MuJoCo's viewers do not draw unless asked."""
@@ -66,47 +70,84 @@ def static_spec(robot: RobotSpec, pipe: Pipe, timestep: float, contact: Contact,
 def _add_robot(spec: Any, robot: RobotSpec, contact: Contact) -> None:
     parent = spec.worldbody
     offset = 0.0
-    for link, actuator in zip(robot.links, robot.joint_actuators, strict=True):
+    for link in robot.links:
         body = parent.add_body(name=link.name, pos=[offset, 0, 0])
-        hinge = link.joint.type == "hinge"
-        body.add_joint(
-            name=link.joint.name,
-            type=mujoco.mjtJoint.mjJNT_HINGE if hinge else mujoco.mjtJoint.mjJNT_SLIDE,
-            axis=[0, 0, 1] if hinge else [1, 0, 0],
-            range=[link.joint.lower, link.joint.upper],
-            limited=True,
-            damping=actuator.damping,
-            armature=actuator.armature,
-        )
+        if link.joint is None:
+            _add_base(body)
+        else:
+            _add_joint(body, link.joint, robot.actuators[link.joint.actuator])
         _add_link_geoms(body, link, robot, contact)
+        if link.wheel is not None:
+            _add_wheel(body, link.wheel, robot.actuators[link.wheel.actuator], contact)
+        parent, offset = body, link.length
+    for driven, actuator in zip(robot.driven, robot.drives, strict=True):
         spec.add_actuator(
-            name=link.joint.name,
+            name=driven.name,
             trntype=mujoco.mjtTrn.mjTRN_JOINT,
-            target=link.joint.name,
+            target=driven.name,
             gaintype=mujoco.mjtGain.mjGAIN_FIXED,
             biastype=mujoco.mjtBias.mjBIAS_AFFINE,
             forcelimited=True,
             forcerange=[-actuator.effort_limit, actuator.effort_limit],
         )
-        parent, offset = body, link.length
     parent.add_site(name="tip", pos=[robot.links[-1].length, 0, 0])
 
 
+def _add_base(body: Any) -> None:
+    """What lets a free robot move in its plane."""
+    slide, hinge = mujoco.mjtJoint.mjJNT_SLIDE, mujoco.mjtJoint.mjJNT_HINGE
+    axes = [(slide, [1, 0, 0]), (slide, [0, 1, 0]), (hinge, [0, 0, 1])]
+    for name, (kind, axis) in zip(BASE, axes, strict=True):
+        body.add_joint(name=f"base_{name}", type=kind, axis=axis)
+
+
+def _add_joint(body: Any, joint: Joint, actuator: Actuator) -> None:
+    hinge = joint.type == "hinge"
+    body.add_joint(
+        name=joint.name,
+        type=mujoco.mjtJoint.mjJNT_HINGE if hinge else mujoco.mjtJoint.mjJNT_SLIDE,
+        axis=[0, 0, 1] if hinge else [1, 0, 0],
+        range=[joint.lower, joint.upper],
+        limited=True,
+        damping=actuator.damping,
+        armature=actuator.armature,
+    )
+
+
+def _add_wheel(link: Any, wheel: Wheel, actuator: Actuator, contact: Contact) -> None:
+    """A body of its own, which turns about the axle."""
+    body = link.add_body(name=wheel.name, pos=[wheel.x, 0, 0])
+    body.add_joint(
+        name=wheel.name,
+        type=mujoco.mjtJoint.mjJNT_HINGE,
+        axis=[0, 0, 1],
+        damping=actuator.damping,
+        armature=actuator.armature,
+    )
+    _add_disc(body, wheel.name, [0, 0, 0], wheel.radius, wheel.height, wheel.mass, _surface(wheel.friction, contact))
+
+
 def _add_link_geoms(body: Any, link: Link, robot: RobotSpec, contact: Contact) -> None:
-    """The link's parts. A disc meets upright walls as the ball of its diameter does, which is exact and fast."""
     density = link.mass / sum(part.volume for part in link.parts)
-    touching = {"contype": ROBOT, "conaffinity": WALL, **_surface(robot, contact)}
+    surface = _surface(robot.friction, contact)
     for i, part in enumerate(link.parts):
         name, place, mass = f"{link.name}_{i}", [part.x, part.y, 0], density * part.volume
         if isinstance(part, BoxPart):
             size = [part.length / 2, part.width / 2, part.height / 2]
-            body.add_geom(name=name, type=mujoco.mjtGeom.mjGEOM_BOX, pos=place, size=size, mass=mass, **touching)
-            continue
-        radius = part.diameter / 2
-        kind, seen = mujoco.mjtGeom.mjGEOM_CYLINDER, {"contype": 0, "conaffinity": 0}
-        body.add_geom(name=f"{name}_seen", type=kind, pos=place, size=[radius, part.height / 2, 0], mass=mass, **seen)
-        ball, hidden = mujoco.mjtGeom.mjGEOM_SPHERE, {"group": HIDDEN_GROUP}
-        body.add_geom(name=name, type=ball, pos=place, size=[radius, 0, 0], mass=0, **hidden, **touching)
+            box = {"type": mujoco.mjtGeom.mjGEOM_BOX, "size": size, "mass": mass}
+            body.add_geom(name=name, pos=place, **box, **TOUCHING, **surface)
+        else:
+            _add_disc(body, name, place, part.diameter / 2, part.height, mass, surface)
+
+
+def _add_disc(
+    body: Any, name: str, place: list[float], radius: float, height: float, mass: float, surface: dict[str, Any]
+) -> None:
+    """A disc that meets upright walls as the ball of its diameter does, which is exact and fast."""
+    kind, seen = mujoco.mjtGeom.mjGEOM_CYLINDER, {"contype": 0, "conaffinity": 0}
+    body.add_geom(name=f"{name}_seen", type=kind, pos=place, size=[radius, height / 2, 0], mass=mass, **seen)
+    ball = {"type": mujoco.mjtGeom.mjGEOM_SPHERE, "size": [radius, 0, 0], "mass": 0, "group": HIDDEN_GROUP}
+    body.add_geom(name=name, pos=place, **ball, **TOUCHING, **surface)
 
 
 def _add_wall_geom(body: Any, name: str, half_size: Any, robot: RobotSpec, contact: Contact) -> Any:
@@ -117,13 +158,14 @@ def _add_wall_geom(body: Any, name: str, half_size: Any, robot: RobotSpec, conta
         material="wall",
         contype=WALL,
         conaffinity=ROBOT,
-        **_surface(robot, contact),
+        **_surface(robot.friction, contact),
     )
 
 
-def _surface(robot: RobotSpec, contact: Contact) -> dict[str, Any]:
+def _surface(friction: float, contact: Contact) -> dict[str, Any]:
+    """Of a robot's part or a wall. Of the two that touch, the larger coefficient counts: that of a wheel's tread."""
     return {
-        "friction": [robot.friction, 0.0, 0.0],
+        "friction": [friction, 0.0, 0.0],
         "condim": 3,
         "solref": [contact.time_constant, 1.0],
         "solimp": [*contact.impedance, 0.5, 2.0],
@@ -131,15 +173,15 @@ def _surface(robot: RobotSpec, contact: Contact) -> dict[str, Any]:
 
 
 def _add_sensors(spec: Any, robot: RobotSpec) -> None:
-    """Per link the net force of the walls, then the depth of the deepest contact."""
+    """Per link, then per wheel the net force of the walls, then the depth of the deepest contact."""
     kind, reduce = mujoco.mjtSensor.mjSENS_CONTACT, {"mindist": 1, "netforce": 3}
     force, dist = 1 << 1, 1 << 3
-    for link in robot.links:
+    for body in [*(link.name for link in robot.links), *(wheel.name for wheel in robot.wheels)]:
         spec.add_sensor(
-            name=f"force_{link.name}",
+            name=f"force_{body}",
             type=kind,
             objtype=mujoco.mjtObj.mjOBJ_BODY,
-            objname=link.name,
+            objname=body,
             reftype=mujoco.mjtObj.mjOBJ_UNKNOWN,
             intprm=[force, reduce["netforce"], 1],
         )

@@ -16,7 +16,7 @@ from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
 from pipenav.state import Command, Reading, Truth
 from pipenav_pybullet.crew import Crew
-from pipenav_pybullet.world import Setting, shares
+from pipenav_pybullet.world import Motion, Setting, shares
 
 Array = NDArray[np.float64]
 
@@ -51,8 +51,8 @@ class PybulletBackend(backend.Backend):
         setting = Setting(options.timestep, options.solver_iterations, options.contact_erp)
         self._windows = Windows(substeps, options.timestep)
         self._crew = Crew(robot, n, setting, options.processes)
-        joints = len(robot.joints)
-        self._q, self._qd = np.zeros((n, joints)), np.zeros((n, joints))
+        self._configuration = np.zeros((n, robot.coordinates))
+        self._speeds, self._loads = np.zeros((2, n, len(robot.drives)))
         self._distances = np.full((n, robot.laser.beams), np.inf)
         self._base, self._time = np.zeros(n), np.zeros(n)
         self._depth, self._contact_share = np.zeros(n), np.zeros(n)
@@ -72,7 +72,7 @@ class PybulletBackend(backend.Backend):
         ]
         answers = self._crew.ask("reset", orders)
         self._distances[robots] = np.concatenate([*answers, np.empty((0, self._robot.laser.beams))])
-        self._q[robots], self._qd[robots] = q, 0.0
+        self._configuration[robots], self._speeds[robots], self._loads[robots] = q, 0.0, 0.0
         self._base[robots], self._time[robots] = base, 0.0
         self._depth[robots], self._contact_share[robots], self._link_forces[robots] = 0.0, 0.0, 0.0
         return self.read().part(robots)
@@ -89,19 +89,23 @@ class PybulletBackend(backend.Backend):
     def step(self, command: Command) -> None:
         orders = [(command.control, command.values[first:last]) for first, last in pairwise(self._crew.bounds)]
         motions = self._crew.ask("step", orders)
-        self._q, self._qd, self._distances, forces, self._depth, self._contact_share = (
-            np.concatenate(column) for column in zip(*motions, strict=True)
-        )
+        whole = Motion(*(np.concatenate(column) for column in zip(*motions, strict=True)))
+        self._configuration, self._speeds, self._loads = whole.configuration, whole.speeds, whole.loads
+        self._distances, self._depth, self._contact_share = whole.distances, whole.depth, whole.contact_share
+        forces = whole.forces
         means = self._windows.means(forces.reshape(*forces.shape[:2], -1))
         self._link_forces = strongest(means.reshape(self._n, -1, *forces.shape[2:]))
         self._time = self._time + backend.CONTROL_PERIOD
 
     def read(self) -> Reading:
         ranges = laser.measure(self._robot.laser, self._distances)
-        return Reading(self._q.copy(), self._qd.copy(), ranges, self._time.copy())
+        joints = len(self._robot.joints)
+        q, qd, wheels = self._configuration[:, -joints:], self._speeds[:, :joints], self._speeds[:, joints:]
+        rolling = wheels.copy() if self._robot.wheels else None
+        return Reading(q.copy(), qd.copy(), ranges, self._time.copy(), rolling, self._loads.copy())
 
     def truth(self) -> Truth:
-        pose = kinematics.forward(self._robot, self._q)
+        pose = kinematics.forward(self._robot, self._configuration)
         tip = np.concatenate([pose.tip, pose.headings[:, -1:]], axis=1)
         tip[:, 0] += self._base
         force = np.sqrt((self._link_forces**2).sum(axis=2)).max(axis=1)

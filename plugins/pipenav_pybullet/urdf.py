@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from pipenav.robot import Actuator, BoxPart, DiscPart, Link, RobotSpec
+from pipenav.robot import RobotSpec
+from pipenav.robot_parts import Actuator, BoxPart, DiscPart, Link, Wheel
 
 ROTOR_SHARE = 0.75
 """Share of a hinge's rotor that its link carries [1].
@@ -18,6 +19,15 @@ within 0.03 rad of an exact model's.
 
 DISCS = "_discs"
 """What the name of a link has behind it where it carries another link's discs."""
+
+SLIDES = ("base_x", "base_y")
+"""Massless links between the mount and the first link of a free robot, which turns on the second: its plane."""
+
+UNLIMITED = {"lower": "1", "upper": "-1", "effort": "0", "velocity": "0"}
+"""Limits that are none to Bullet, the lower one being above the upper; without any it reads no slide."""
+
+NOTHING = 1e-9
+"""Mass and inertia of what only moves other bodies [kg, kg m^2]; Bullet takes a link of none for a fixed one."""
 
 
 class Body(NamedTuple):
@@ -32,30 +42,61 @@ class Body(NamedTuple):
 def robot_urdf(robot: RobotSpec) -> str:
     """The robot on a fixed mount, each link's frame at its joint; the discs of a link on a further link, fixed to it.
 
+    A free robot slides along two axes of the mount and turns there, without resistance.
+
     Bullet knows neither a rotor's inertia nor a motor's torque-speed line: the one is added to the links (`body`), the
     other is applied by the world as efforts.
     """
     root = ElementTree.Element("robot", name=robot.name)
     _add_inertial(ElementTree.SubElement(root, "link", name="mount"), Body(1.0, 0.0, 0.0, 1.0))  # fixed: any will do
     parent, offset = "mount", 0.0
-    for link, actuator in zip(robot.links, robot.joint_actuators, strict=True):
-        _add_link(root, link, body(link, actuator))
-        hinge = link.joint.type == "hinge"
-        kind = "revolute" if hinge else "prismatic"
-        joint = ElementTree.SubElement(root, "joint", name=link.joint.name, type=kind)
-        ElementTree.SubElement(joint, "parent", link=parent)
-        ElementTree.SubElement(joint, "child", link=link.name)
-        ElementTree.SubElement(joint, "origin", xyz=f"{offset!r} 0 0")
-        ElementTree.SubElement(joint, "axis", xyz="0 0 1" if hinge else "1 0 0")
-        ElementTree.SubElement(joint, "dynamics", damping="0", friction="0")
-        limits = {"lower": link.joint.lower, "upper": link.joint.upper}
-        bounds = limits | {"effort": actuator.effort_limit, "velocity": actuator.speed_limit}
-        ElementTree.SubElement(joint, "limit", {key: repr(value) for key, value in bounds.items()})
+    if robot.free:
+        for name, axis in zip(SLIDES, ("1 0 0", "0 1 0"), strict=True):
+            _add_inertial(ElementTree.SubElement(root, "link", name=name), Body(NOTHING, 0.0, 0.0, NOTHING))
+            joint = _add_joint(root, name, "prismatic", (parent, name), 0.0, axis)
+            ElementTree.SubElement(joint, "limit", UNLIMITED)
+            parent = name
+    for link in robot.links:
+        _add_link(root, link, body(robot, link))
+        if link.joint is None:
+            _add_joint(root, link.name, "continuous", (parent, link.name), offset, "0 0 1")
+        else:
+            hinge = link.joint.type == "hinge"
+            kind, axis = ("revolute", "0 0 1") if hinge else ("prismatic", "1 0 0")
+            joint = _add_joint(root, link.joint.name, kind, (parent, link.name), offset, axis)
+            actuator = robot.actuators[link.joint.actuator]
+            limits = {"lower": link.joint.lower, "upper": link.joint.upper}
+            bounds = limits | {"effort": actuator.effort_limit, "velocity": actuator.speed_limit}
+            ElementTree.SubElement(joint, "limit", {key: repr(value) for key, value in bounds.items()})
+        if link.wheel is not None:
+            _add_wheel(root, link, link.wheel, robot.actuators[link.wheel.actuator])
         parent, offset = link.name, link.length
     return ElementTree.tostring(root, encoding="unicode")
 
 
-def body(link: Link, actuator: Actuator) -> Body:
+def _add_joint(
+    root: ElementTree.Element, name: str, kind: str, links: tuple[str, str], offset: float, axis: str
+) -> ElementTree.Element:
+    """A joint between parent and child, so far along the parent."""
+    joint = ElementTree.SubElement(root, "joint", name=name, type=kind)
+    ElementTree.SubElement(joint, "parent", link=links[0])
+    ElementTree.SubElement(joint, "child", link=links[1])
+    ElementTree.SubElement(joint, "origin", xyz=f"{offset!r} 0 0")
+    ElementTree.SubElement(joint, "axis", xyz=axis)
+    ElementTree.SubElement(joint, "dynamics", damping="0", friction="0")
+    return joint
+
+
+def _add_wheel(root: ElementTree.Element, link: Link, wheel: Wheel, actuator: Actuator) -> None:
+    """A wheel with all of its rotor, which resists nothing else much: it is a fiftieth of a hinge's."""
+    element = ElementTree.SubElement(root, "link", name=wheel.name)
+    own = wheel.mass * wheel.diameter**2 / 8
+    _add_inertial(element, Body(wheel.mass, 0.0, 0.0, own + actuator.armature))
+    _add_collision(element, wheel.disc.model_copy(update={"x": 0.0}), "sphere", radius=repr(wheel.radius))
+    _add_joint(root, wheel.name, "continuous", (link.name, wheel.name), wheel.x, "0 0 1")
+
+
+def body(robot: RobotSpec, link: Link) -> Body:
     """A link, its parts of one density, with the rotor of its joint: of a slide as mass, of a hinge as inertia."""
     parts = link.parts
     volume = sum(part.volume for part in parts)
@@ -66,9 +107,12 @@ def body(link: Link, actuator: Actuator) -> Body:
     for mass, part in zip(masses, parts, strict=True):
         own = (part.length**2 + part.width**2) / 12 if isinstance(part, BoxPart) else part.diameter**2 / 8
         inertia += mass * (own + (part.x - x) ** 2 + (part.y - y) ** 2)
+    if link.joint is None:  # the rotor of the joint at its other end: it lies between two bodies that both are free
+        return Body(link.mass, x, y, inertia + ROTOR_SHARE * robot.joint_actuators[0].armature)
+    armature = robot.actuators[link.joint.actuator].armature
     if link.joint.type == "slide":
-        return Body(link.mass + actuator.armature, x, y, inertia)
-    return Body(link.mass, x, y, inertia + ROTOR_SHARE * actuator.armature)
+        return Body(link.mass + armature, x, y, inertia)
+    return Body(link.mass, x, y, inertia + ROTOR_SHARE * armature)
 
 
 def discs(link: Link) -> list[DiscPart]:

@@ -19,7 +19,7 @@ from pipenav.state import Control
 from pipenav.wall_boxes import WALL_HALF_HEIGHT, Edge, wall_boxes
 from pipenav_pybullet.quiet import silenced_stderr
 from pipenav_pybullet.urdf import DISCS as DISC_LINK
-from pipenav_pybullet.urdf import body, discs, robot_urdf
+from pipenav_pybullet.urdf import SLIDES, body, discs, robot_urdf
 
 with silenced_stderr():  # it tells when it was built
     import pybullet
@@ -70,15 +70,18 @@ class Motion(NamedTuple):
     """State of k robots after a control period, and what happened in it.
 
     Attributes:
-        q, qd: joint positions and speeds, (k, joints) [rad or m].
+        configuration: (k, coordinates) [rad or m].
+        speeds: of joints and wheels, (k, drives) [rad/s or m/s].
+        loads: drives that the on-board controllers asked for last, as shares of the effort limit, (k, drives).
         distances: along the beams to the nearest wall, inf where there is none, (k, beams) [m].
         forces: net force of the walls on each link in each physics step, in the plane, (k, substeps, links, 2) [N].
         depth: deepest overlap of the period, (k,) [m].
         contact_share: share of the physics steps with contact, (k,).
     """
 
-    q: Array
-    qd: Array
+    configuration: Array
+    speeds: Array
+    loads: Array
     distances: Array
     forces: Array
     depth: Array
@@ -107,17 +110,17 @@ class World:
             physicsClientId=self._client,
         )
         self._arms = self._load_arms()
-        self._joints, self._link_of = self._find_joints()
+        self._find_joints()
         for arm in self._arms:
             self._prepare(arm)
         self._storey = {arm: i for i, arm in enumerate(self._arms)}
         self._around: list[list[int]] = [[] for _ in range(k)]
         self._shapes: dict[Pipe, tuple[int, int]] = {}
-        efforts = [(a.effort_limit, a.position_gain) for a in robot.joint_actuators]
-        self._motors = np.array(efforts).T[:, None]  # (2, 1, joints)
+        efforts = [(a.effort_limit, a.controller_gain) for a in robot.drives]
+        self._motors = np.array(efforts).T[:, None]  # (2, 1, drives)
         self._effort, self._stiffness = np.repeat(self._motors, k, axis=1)
-        self._damping = np.array([a.damping for a in robot.joint_actuators])
-        self._q, self._qd = np.zeros((k, len(self._joints))), np.zeros((k, len(self._joints)))
+        self._damping = np.array([a.damping for a in robot.drives])
+        self._configuration, self._speeds = np.zeros((k, robot.coordinates)), np.zeros((k, len(robot.drives)))
 
     def _load_arms(self) -> list[int]:
         arms = []
@@ -135,33 +138,49 @@ class World:
                 arms.append(arm)
         return arms
 
-    def _find_joints(self) -> tuple[list[int], list[int]]:
-        """Bullet's index of each of the robot's joints, and the robot's link to which each of Bullet's belongs."""
-        count = pybullet.getNumJoints(self._arms[0], physicsClientId=self._client)
-        names = [
-            pybullet.getJointInfo(self._arms[0], i, physicsClientId=self._client)[12].decode() for i in range(count)
-        ]
-        links = [link.name for link in self._robot.links]
-        return [names.index(name) for name in links], [links.index(name.removesuffix(DISC_LINK)) for name in names]
+    def _find_joints(self) -> None:
+        """Bullet's index of what has a coordinate and of what is driven, and whose each of Bullet's links is.
+
+        Bullet numbers joints as the links that they move, and knows these by name.
+        """
+        robot, arm = self._robot, self._arms[0]
+        count = pybullet.getNumJoints(arm, physicsClientId=self._client)
+        names = [pybullet.getJointInfo(arm, i, physicsClientId=self._client)[12].decode() for i in range(count)]
+        links = [link.name for link in robot.links]
+        moved = [link.name for link in robot.links if link.joint is not None]
+        base = [*SLIDES, links[0]] if robot.free else []
+        wheels = {link.wheel.name: i for i, link in enumerate(robot.links) if link.wheel is not None}
+        self._coordinates = [names.index(name) for name in [*base, *moved]]
+        self._driven = [names.index(name) for name in [*moved, *wheels]]
+        self._bodies = [names.index(name) for name in links]
+        self._wheels = {names.index(name): i for name, i in wheels.items()}
+        owners = {name: i for i, name in enumerate(links)} | wheels
+        self._link_of = [owners.get(name.removesuffix(DISC_LINK), 0) for name in names]
 
     def _prepare(self, arm: int) -> None:
         """Without the motors and the losses that Bullet gives every joint and link unasked."""
-        free = [0.0] * len(self._joints)
+        moving = sorted({*self._coordinates, *self._driven})
+        free = [0.0] * len(moving)
         pybullet.setJointMotorControlArray(
-            arm, self._joints, pybullet.VELOCITY_CONTROL, forces=free, physicsClientId=self._client
+            arm, moving, pybullet.VELOCITY_CONTROL, forces=free, physicsClientId=self._client
         )
         for link in range(len(self._link_of)):
-            groups = (BOXES, WALLS) if link in self._joints else (DISCS, FACES)
+            groups = (BOXES, WALLS) if link in self._bodies else (DISCS, FACES)
             pybullet.setCollisionFilterGroupMask(arm, link, *groups, physicsClientId=self._client)
             pybullet.changeDynamics(
                 arm,
                 link,
-                lateralFriction=self._robot.friction,  # Bullet multiplies it by the wall's
+                lateralFriction=self._friction(link),  # Bullet multiplies it by the wall's
                 restitution=0.0,
                 linearDamping=0.0,
                 angularDamping=0.0,
                 physicsClientId=self._client,
             )
+
+    def _friction(self, link: int) -> float:
+        """Of one of Bullet's links."""
+        wheel = self._robot.links[self._wheels[link]].wheel if link in self._wheels else None
+        return self._robot.friction if wheel is None else wheel.friction
 
     def vary(self, arms: Sequence[int], variation: Variation) -> None:
         """As `pipenav.backend.Variable`."""
@@ -169,14 +188,13 @@ class World:
         for row, i in enumerate(arms):
             self._effort[i] = effort * variation.strength[row]
             self._stiffness[i] = stiffness * variation.strength[row] * variation.gain[row]
-            friction = self._robot.friction * variation.friction[row]
             for link in range(len(self._link_of)):
-                changes = {"lateralFriction": friction}
-                if link in self._joints:
-                    j = self._joints.index(link)
+                changes = {"lateralFriction": self._friction(link) * variation.friction[row]}
+                if link in self._bodies:
+                    j = self._bodies.index(link)
                     description = self._robot.links[j]
                     heavier = description.model_copy(update={"mass": description.mass * variation.mass[row, j]})
-                    itself = body(heavier, self._robot.joint_actuators[j])
+                    itself = body(self._robot, heavier)
                     changes |= {"mass": itself.mass, "localInertiaDiagonal": [itself.inertia] * 3}
                 pybullet.changeDynamics(self._arms[i], link, physicsClientId=self._client, **changes)
 
@@ -184,9 +202,10 @@ class World:
         """As `Backend.reset`; distances along the beams of those robots, (len(arms), beams)."""
         for row, i in enumerate(arms):
             self._surround(i, pipes[row], base[row])
-            for joint, position in zip(self._joints, q[row], strict=True):
+            wheels = [(wheel, 0.0) for wheel in self._wheels]
+            for joint, position in [*zip(self._coordinates, q[row], strict=True), *wheels]:
                 pybullet.resetJointState(self._arms[i], joint, position, 0.0, physicsClientId=self._client)
-            self._q[i], self._qd[i] = q[row], 0.0
+            self._configuration[i], self._speeds[i] = q[row], 0.0
         return self._distances(list(arms))
 
     def _surround(self, i: int, pipe: Pipe, base: float) -> None:
@@ -201,7 +220,7 @@ class World:
             self._place(boxes, base, height, (WALLS, BOXES)),
             self._place(faces, base, height + MEZZANINE),
         ]
-        if any(discs(link) for link in self._robot.links):
+        if self._wheels or any(discs(link) for link in self._robot.links):
             self._around[i].append(self._place(faces, base, height, (FACES, DISCS)))
 
     def _place(self, shape: int, base: float, height: float, groups: tuple[int, int] | None = None) -> int:
@@ -244,28 +263,41 @@ class World:
 
     def step(self, control: Control, values: Array) -> Motion:
         """One control period under commands as `Command` has them."""
-        forces = np.zeros((self._k, self._substeps, len(self._joints), 2))
+        forces = np.zeros((self._k, self._substeps, len(self._robot.links), 2))
         depth, touching = np.zeros(self._k), np.zeros((self._k, self._substeps))
         drives = self._effort * np.clip(values, -1.0, 1.0)
         for substep in range(self._substeps):
             if control == "position":
-                drives = np.clip(self._stiffness * (values - self._q), -self._effort, self._effort)
-            efforts = drives - self._damping * self._qd
+                drives = np.clip(self._stiffness * (values - self._controlled()), -self._effort, self._effort)
+            efforts = drives - self._damping * self._speeds
             for arm, effort in zip(self._arms, efforts.tolist(), strict=True):
                 pybullet.setJointMotorControlArray(
-                    arm, self._joints, pybullet.TORQUE_CONTROL, forces=effort, physicsClientId=self._client
+                    arm, self._driven, pybullet.TORQUE_CONTROL, forces=effort, physicsClientId=self._client
                 )
             pybullet.stepSimulation(physicsClientId=self._client)
             self._read_joints()
             self._collect_contacts(forces[:, substep], depth, touching[:, substep])
         return Motion(
-            self._q.copy(), self._qd.copy(), self._distances(range(self._k)), forces, depth, touching.mean(axis=1)
+            self._configuration.copy(),
+            self._speeds.copy(),
+            drives / self._effort,
+            self._distances(range(self._k)),
+            forces,
+            depth,
+            touching.mean(axis=1),
         )
 
+    def _controlled(self) -> Array:
+        """What the on-board controllers keep: positions of joints, speeds of wheels, (k, drives)."""
+        joints = len(self._robot.joints)
+        return np.concatenate([self._configuration[:, -joints:], self._speeds[:, joints:]], axis=1)
+
     def _read_joints(self) -> None:
+        asked = self._coordinates + self._driven
         for i, arm in enumerate(self._arms):
-            states = pybullet.getJointStates(arm, self._joints, physicsClientId=self._client)
-            self._q[i], self._qd[i] = [state[0] for state in states], [state[1] for state in states]
+            states = pybullet.getJointStates(arm, asked, physicsClientId=self._client)
+            self._configuration[i] = [state[0] for state in states[: len(self._coordinates)]]
+            self._speeds[i] = [state[1] for state in states[len(self._coordinates) :]]
 
     def _collect_contacts(self, forces: Array, depth: Array, touching: Array) -> None:
         """Add the last physics step's contacts: forces (k, links, 2), depth (k,), touching (k,)."""
@@ -284,7 +316,7 @@ class World:
     def _distances(self, arms: Sequence[int]) -> Array:
         """Distances along the beams of some robots by Bullet's batch ray test; inf beyond the laser's range."""
         laser = self._robot.laser
-        pose = kinematics.forward(self._robot, self._q[list(arms)])
+        pose = kinematics.forward(self._robot, self._configuration[list(arms)])
         headings = pose.headings[:, -1:] + laser.angles  # (len(arms), beams)
         height = np.repeat(np.array(arms) * STOREY + MEZZANINE, laser.beams)
         start = np.repeat(pose.tip, laser.beams, axis=0)

@@ -1,0 +1,221 @@
+"""What a robot is made of: links, joints, wheels, their actuators and the laser, as `robot.toml` describes them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+Array = NDArray[np.float64]
+
+
+class Table(BaseModel):
+    """Frozen and strict; unknown keys are refused."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """A copy that computes its own cached properties."""
+        copied = super().model_copy(update=update, deep=deep)
+        for name in copied.__dict__.keys() - type(self).model_fields.keys():
+            del copied.__dict__[name]
+        return copied
+
+
+class Actuator(Table):
+    """A geared DC motor under a voltage limit: effort = limit * (drive - speed / speed limit), drive in [-1, 1].
+
+    That is the straight torque-speed line of a brushed motor: full effort only at standstill, none at the no-load
+    speed. The on-board controller drives in proportion to the error, saturated: of the position of a joint, of the
+    speed of a wheel.
+    """
+
+    source: str
+    stall_effort: float = Field(gt=0, description="effort at standstill under full voltage [N m, or N for a slide]")
+    noload_speed: float = Field(gt=0, description="speed without load under full voltage [rad/s, or m/s]")
+    output_limit: float = Field(gt=0, le=1, description="share of full voltage that the driver allows")
+    full_drive_error: float = Field(
+        gt=0,
+        description="error at which the controller asks for full voltage: of position [rad, or m], of a wheel's speed "
+        "[rad/s]",
+    )
+    armature: float = Field(ge=0, description="inertia of rotor and gear seen at the joint [kg m^2, or kg]")
+
+    @property
+    def effort_limit(self) -> float:
+        """Largest effort, at standstill [N m, or N]."""
+        return self.output_limit * self.stall_effort
+
+    @property
+    def speed_limit(self) -> float:
+        """Largest speed, without load [rad/s, or m/s]."""
+        return self.output_limit * self.noload_speed
+
+    @property
+    def damping(self) -> float:
+        """Slope of the torque-speed line [N m s/rad, or N s/m]."""
+        return self.stall_effort / self.noload_speed
+
+    @property
+    def controller_gain(self) -> float:
+        """Effort per error of the on-board controller [N m/rad, or N/m; of a wheel N m s/rad]."""
+        return self.stall_effort / self.full_drive_error
+
+
+class Joint(Table):
+    """A joint and its actuator; a slide moves along its parent's x axis, a hinge turns about z."""
+
+    name: str
+    type: Literal["slide", "hinge"]
+    lower: float = Field(description="smallest position [rad, or m]")
+    upper: float = Field(description="largest position [rad, or m]")
+    limit_source: str
+    actuator: str = Field(description="key of the actuator in the file's [actuators]")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if not self.lower < 0 < self.upper:
+            raise ValueError("the straight start pose, 0, must lie strictly between lower and upper")
+        return self
+
+
+class BoxPart(Table):
+    """A box, its sides along the link's axes."""
+
+    shape: Literal["box"] = "box"
+    x: float = Field(description="of its middle, along the link from its joint [m]")
+    y: float = Field(0.0, description="of its middle, to the left [m]")
+    length: float = Field(gt=0, description="along x [m]")
+    width: float = Field(gt=0, description="along y, in the robot's plane [m]")
+    height: float = Field(gt=0, description="across the robot's plane, half of it on either side [m]")
+
+    @property
+    def volume(self) -> float:
+        """[m^3]."""
+        return self.length * self.width * self.height
+
+
+class DiscPart(Table):
+    """A round part, its axis across the robot's plane: a wheel, or the end of a link around a joint."""
+
+    shape: Literal["disc"]
+    x: float = Field(description="of its middle, along the link from its joint [m]")
+    y: float = Field(0.0, description="of its middle, to the left [m]")
+    diameter: float = Field(gt=0, description="in the robot's plane [m]")
+    height: float = Field(gt=0, description="across the robot's plane, half of it on either side [m]")
+
+    @property
+    def volume(self) -> float:
+        """[m^3]."""
+        return math.pi / 4 * self.diameter**2 * self.height
+
+    @property
+    def width(self) -> float:
+        """Across the link [m]."""
+        return self.diameter
+
+
+class Wheel(Table):
+    """A driven wheel, its axle across the robot's plane; its on-board controller keeps a speed."""
+
+    name: str
+    x: float = Field(0.0, description="of the axle, along the link from its joint [m]")
+    diameter: float = Field(gt=0, description="[m]")
+    height: float = Field(gt=0, description="of the tread, across the robot's plane [m]")
+    mass: float = Field(gt=0, description="[kg]")
+    friction: float = Field(ge=0, le=2, description="Coulomb friction coefficient between tread and pipe")
+    friction_source: str
+    actuator: str = Field(description="key of the actuator in the file's [actuators]")
+
+    @property
+    def radius(self) -> float:
+        """[m]."""
+        return self.diameter / 2
+
+    @property
+    def disc(self) -> DiscPart:
+        """What it looks like."""
+        return DiscPart(shape="disc", x=self.x, diameter=self.diameter, height=self.height)
+
+
+Part = Annotated[BoxPart | DiscPart, Field(discriminator="shape")]
+
+
+class Link(Table):
+    """One link from its joint (x = 0) to the next joint (x = length): its parts, or one box where none are given."""
+
+    name: str
+    length: float = Field(gt=0, description="along x, to the next joint or the tip [m]")
+    width: float = Field(gt=0, description="across, in the robot's plane; no part is wider [m]")
+    height: float = Field(gt=0, description="across the robot's plane; no part is higher [m]")
+    mass: float = Field(gt=0, description="[kg]")
+    joint: Joint | None = Field(None, description="none at the first link of a robot that stands on no mount")
+    wheel: Wheel | None = None
+    shape: tuple[Part, ...] = Field((), strict=False, description="the parts that it is made of")
+
+    @model_validator(mode="after")
+    def _parts_fit(self) -> Self:
+        for i, part in enumerate(self.shape):
+            if abs(part.y) + part.width / 2 > self.width / 2 + 1e-9 or part.height > self.height + 1e-9:
+                raise ValueError(f"part {i} of link {self.name!r} sticks out of the link's width or height")
+        return self
+
+    @property
+    def parts(self) -> tuple[BoxPart | DiscPart, ...]:
+        """What it is made of, at least one part."""
+        whole = BoxPart(x=self.length / 2, length=self.length, width=self.width, height=self.height)
+        return self.shape or (whole,)
+
+    @property
+    def outline(self) -> tuple[BoxPart | DiscPart, ...]:
+        """What is seen of it from above: its parts and its wheel."""
+        return self.parts if self.wheel is None else (*self.parts, self.wheel.disc)
+
+
+class Roll(Table):
+    """A joint that turns all that comes after it about the axis of the link that it divides.
+
+    It brings the robot's plane into that of a corner. In a plane it stands still, so planar models hold it at 0.
+    """
+
+    link: str = Field(description="name of the link that it divides")
+    x: float = Field(ge=0, description="where, along that link from its joint [m]")
+    joint: Joint
+
+
+class Laser(Table):
+    """A fan of beams at the tip, symmetric about the tip link's axis."""
+
+    source: str
+    beams: int = Field(ge=2, le=1081)
+    fan_deg: float = Field(gt=0, le=360)
+    fan: Literal["centred", "printed"] = Field(
+        "centred", description="beams at the centres of equal sectors, or as the thesis's eq 3.16 prints them"
+    )
+    range_min: float = Field(ge=0, description="smallest reading [m]")
+    range_max: float = Field(gt=0, description="largest reading, also that of a beam that meets nothing [m]")
+    resolution: float = Field(gt=0, description="readings are multiples of this [m]")
+
+    @cached_property
+    def angles(self) -> Array:
+        """Angle of each beam from the tip link's axis, from right to left [rad], (beams,).
+
+        Eq 3.16 puts beam 1 on the fan's right edge and the last one a sector short of the left edge; `centred` turns
+        the same fan by half a sector, so that left and right see the same.
+        """
+        fan = math.radians(self.fan_deg)
+        sector = fan / self.beams
+        first = -fan / 2 + (sector / 2 if self.fan == "centred" else 0.0)
+        return constant(first + sector * np.arange(self.beams, dtype=float))
+
+
+def constant(values: ArrayLike) -> Array:
+    """An array that cannot be written to."""
+    array = np.array(values, float)
+    array.flags.writeable = False
+    return array

@@ -1,0 +1,127 @@
+"""The traverse task on n robots of one backend at once: the core that every adapter wraps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav import kinematics
+from pipenav.backend import Backend, Inclinable
+from pipenav.batch import StepResult
+from pipenav.errors import PipenavError
+from pipenav.pipe import Pipe
+from pipenav.robot import RobotSpec
+from pipenav.state import Reading, Truth
+from pipenav.task.episode import Verdict
+from pipenav.traverse import observation
+from pipenav.traverse.config import TraverseConfig
+from pipenav.traverse.judge import Judge, reward
+from pipenav.traverse.start import TraverseEpisodes, check_robot
+from pipenav.traverse.way import Ways, waypoints
+
+Array = NDArray[np.float64]
+TraverseSource = Callable[[NDArray[np.intp]], TraverseEpisodes]
+"""Given the robots that start anew, their next episodes."""
+
+
+class TraverseBatch:
+    """n episodes of the traverse task, stepped together. Who calls `step` also says, by `reset`, who starts anew.
+
+    Raises:
+        PipenavError: a robot on a mount, or pipes that are not level on a backend that cannot incline them.
+    """
+
+    def __init__(
+        self, robot: RobotSpec, config: TraverseConfig, backend: Backend, n: int, source: TraverseSource
+    ) -> None:
+        check_robot(robot)
+        if config.inclination_deg is not None and not isinstance(backend, Inclinable):
+            raise PipenavError(f"{type(backend).__name__} knows no gravity along the pipe: choose --backend mujoco.")
+        self.robot, self.config, self.n = robot, config, n
+        self._backend, self._source = backend, source
+        self._scale = np.concatenate([part.scale for part in observation.layout(robot, config)])
+        self.pipes: list[Pipe | None] = [None] * n
+        self.steps, self._ages = np.zeros(n, int), np.zeros(n, int)
+        self._side, self._base = np.ones(n), np.zeros(n)
+        self._ways = Ways(np.tile([1.0, 0.0], (n, 1)), np.zeros(n))
+        self._judge = Judge(robot, config, n)
+        self._action, self._q = np.zeros((n, len(robot.drives))), np.zeros((n, robot.coordinates))
+        self._set_points = np.zeros((n, len(robot.joints)))
+        self._observation = np.zeros((n, len(self._scale)))
+
+    @property
+    def observation_size(self) -> int:
+        return len(self._scale)
+
+    @property
+    def action_size(self) -> int:
+        return len(self.robot.drives)
+
+    @property
+    def q(self) -> Array:
+        """Configurations in the robot's own frame, (n, coordinates)."""
+        return self._q.copy()
+
+    def reset(self, robots: NDArray[np.intp] | None = None) -> Array:
+        """Start new episodes for some robots (sorted, unique), or all; observations of all robots, (n, size)."""
+        robots = np.arange(self.n) if robots is None else np.asarray(robots, np.intp)
+        episodes = self._source(robots)
+        if self.config.inclination_deg is not None and isinstance(self._backend, Inclinable):
+            self._backend.incline(robots, episodes.gravity)
+        reading = self._backend.reset(robots, episodes.pipes, episodes.q, episodes.base)
+        for i, pipe in zip(robots, episodes.pipes, strict=True):
+            self.pipes[i] = pipe
+        self.steps[robots], self._ages[robots] = self._ages[robots], 0
+        self._side[robots], self._base[robots] = episodes.side, episodes.base
+        self._action[robots], self._q[robots] = 0.0, episodes.q
+        self._set_points[robots] = reading.q + self.config.start_press * np.sign(reading.q)
+        self._ways.put(robots, Ways.of(episodes.pipes))
+        self._judge.start(robots, self._along()[robots])
+        observed = observation.observe(self.robot, reading, self._action[robots], episodes.side)
+        self._observation = self._observation.copy()
+        self._observation[robots] = observed / self._scale
+        return self._observation
+
+    def stagger(self, rng: np.random.Generator) -> None:
+        """Make the next episodes start at random ages, so that their time-outs do not all fall into one step."""
+        self._ages = rng.integers(0, self.config.max_steps // 2, self.n)
+
+    def step(self, action: Array) -> StepResult:
+        """One control step of every robot.
+
+        Args:
+            action: canonical actions in [-1, 1], (n, drives).
+        """
+        joints = self._q[:, -self._set_points.shape[1] :]
+        command = observation.to_command(self.robot, self.config, action, joints, self._set_points, self._side)
+        self._set_points = command.values[:, : joints.shape[1]].copy()
+        self._backend.step(command)
+        self.steps += 1
+        self._action = np.clip(action, -1.0, 1.0)
+        reading, truth = self._backend.read(), self._backend.truth()
+        if truth is None:
+            raise TypeError("the traverse task needs a simulator: this backend knows no truth")
+        self._place(reading, truth)
+        facts, verdict = self._judge.step(self.steps, self._along(), self._ways.end, reading, truth)
+        observed = observation.observe(self.robot, reading, self._action, self._side)
+        self._observation = observed / self._scale
+        gained = reward(self.config.reward, facts)
+        cut_off = (verdict != Verdict.RUNNING) & ~facts.passed & ~facts.failed
+        return StepResult(self._observation, gained, verdict, reading.ranges.min(axis=1), truth, cut_off)
+
+    def close(self) -> None:
+        self._backend.close()
+
+    def _place(self, reading: Reading, truth: Truth) -> None:
+        """Where the robots are, from their joints and from the tip that the simulator knows."""
+        tip = truth.tip.copy()
+        tip[:, 0] -= self._base
+        self._q = kinematics.configuration(self.robot, reading.q, tip)
+
+    def _along(self) -> Array:
+        """Where rear end, joints and tip are along the pipe, (n, links + 1) [m]."""
+        points = waypoints(self.robot, self._q)
+        points[..., 0] += self._base[:, None]
+        return self._ways.along(points)

@@ -1,0 +1,102 @@
+"""`train`, `eval` and `view` serve a whole robot as they serve an arm; what serves only one says so of the other."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from command import run
+
+from pipenav.policy import load_policy
+from pipenav.records import read_evaluation
+from pipenav.robot import load_robot
+from pipenav.task.episode import Verdict
+from pipenav.trajectory import read_trajectory
+
+TINY = {
+    "learner.robots": 4,
+    "learner.rollout_steps": 16,
+    "learner.batch_size": 64,
+    "network.policy": [8],
+    "network.value": [8],
+    "check.episodes": 1,
+    "task.max_steps": 12,
+}
+
+
+@pytest.fixture(scope="module")
+def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The run folder of a short training."""
+    folder = tmp_path_factory.mktemp("whole") / "run"
+    settings = [part for key, value in TINY.items() for part in ("--set", f"{key}={value}")]
+    args = ("train", "--preset", "pirate", "--steps", "128", "--pipes", "d=90,angle=90", "--out", str(folder))
+    assert run(*args, *settings) == 0
+    return folder
+
+
+def test_training_writes_a_policy_that_says_what_it_is_for(trained: Path) -> None:
+    header = load_policy(trained / "best.zip").header
+    assert header.robot == load_robot("pirate")
+    assert header.task.kind == "traverse"
+    assert [part.name for part in header.observation][-1] == "action_before"
+    assert [part.joint for part in header.action] == [one.name for one in header.robot.driven]
+    assert {part.unit for part in header.action} == {"rad", "rad/s"}
+    table = json.loads((trained / "config.json").read_text(encoding="utf-8"))
+    assert table["task"]["kind"] == "traverse"
+
+
+def test_a_run_goes_on_where_it_stopped(trained: Path) -> None:
+    assert run("train", "--resume", str(trained), "--steps", "192") == 0
+
+
+def test_an_evaluation_counts_traverses(trained: Path, tmp_path: Path) -> None:
+    args = ("--pipes", "d=90,angle=90", "--pipes", "d=70,angle=60,turn=right", "--episodes", "2")
+    assert run("eval", "--policy", str(trained / "best.zip"), *args, "--out", str(tmp_path)) == 0
+    found = read_evaluation(tmp_path)
+    assert (found.stage, found.robot) == ("traverse", "pirate")
+    for record in found.pipes:
+        assert (record.traverse_attempts, record.traverse_successes) == (2, 0)
+        assert record.front_attempts is record.rear_attempts is record.located is None
+        assert record.failures == {"timeout": 2}
+    assert found.diameters[0].traverse_success == 0.0
+    assert found.diameters[0].traverse_success_high is not None
+
+
+def test_a_view_is_the_evaluations_episode_and_can_be_read_again(trained: Path, tmp_path: Path) -> None:
+    table, picture = tmp_path / "way.csv", tmp_path / "way.png"
+    args = ("--pipes", "d=90,angle=60", "--out", str(table), "--out", str(picture))
+    assert run("view", "--policy", str(trained / "best.zip"), *args) == 0
+    way = read_trajectory(table)
+    assert way.q.shape[1] == load_robot("pirate").coordinates
+    assert way.header.outcome == Verdict.TIMEOUT.label
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert run("view", "--trajectory", str(table), "--out", str(tmp_path / "again.png")) == 0
+    assert (tmp_path / "again.png").stat().st_size == pytest.approx(picture.stat().st_size, rel=0.1)
+    assert run("mirror-rear", "--trajectory", str(table), "--out", str(tmp_path / "rear.csv")) == 1
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (["train", "--preset", "pirate", "--robot", "basic"], "robot 'basic' hangs on a mount"),
+        (["train", "--robot", "pirate"], "robot 'pirate' stands free"),
+        (["train", "--preset", "pirate", "--set", "task.alfa=1"], "did you mean 'task.alpha'"),
+        (["eval", "--policy", "arm", "--stage", "traverse"], "reaches a target around the corner"),
+        (["eval", "--stage", "locate", "--robot", "pirate"], "drives a slide followed by hinges"),
+        (["eval", "--policy", "baseline:centreline", "--robot", "pirate"], "drives a slide followed by hinges"),
+    ],
+)
+def test_what_does_not_fit_is_said_and_nothing_is_left_behind(
+    args: list[str], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run(*args) == 1
+    assert said in " ".join(capsys.readouterr().err.split())
+    assert not list(tmp_path.rglob("*.zip"))
+
+
+def test_a_random_baseline_traverses_where_the_robot_does(tmp_path: Path) -> None:
+    args = ("--robot", "pirate", "--pipes", "d=90,angle=90", "--episodes", "1", "--out", str(tmp_path))
+    assert run("eval", "--policy", "baseline:random", *args) == 0
+    assert read_evaluation(tmp_path).stage == "traverse"
