@@ -11,6 +11,7 @@ from pipenav.centreline import CentrelineController
 from pipenav.errors import UnknownName
 from pipenav.policy import Policy, load_policy, resolve_policy
 from pipenav.robot import RobotSpec, load_robot
+from pipenav.sequence import SequenceController
 from pipenav.tasks import AnyTask, TaskBatch, default_task
 
 Array = NDArray[np.float64]
@@ -68,8 +69,8 @@ def open_controller(text: str, robot_name: str | None = None, seed: int = 0) -> 
     """The controller that a person named.
 
     Args:
-        text: `baseline:random`, `baseline:centreline`, a shipped policy's name, or a policy file.
-        robot_name: robot of a baseline, `basic` where none is named; a policy brings its own.
+        text: `baseline:random`, `baseline:centreline`, `baseline:sequence`, a shipped policy's name, or a policy file.
+        robot_name: robot of a baseline, where none is named `basic`, of `baseline:sequence` `pirate`; a policy brings its own.
         seed: of `baseline:random`.
 
     Raises:
@@ -80,7 +81,9 @@ def open_controller(text: str, robot_name: str | None = None, seed: int = 0) -> 
     if not text.startswith(BASELINE):
         return PolicyController(load_policy(resolve_policy(text)))
     name = text.removeprefix(BASELINE)
-    if name not in ("random", "centreline"):
-        raise UnknownName("baseline", text, [f"{BASELINE}random", f"{BASELINE}centreline"])
-    robot = load_robot(robot_name or "basic")
-    return RandomController(robot, seed) if name == "random" else CentrelineController(robot)
+    if name not in ("random", "centreline", "sequence"):
+        raise UnknownName("baseline", text, [f"{BASELINE}{known}" for known in ("random", "centreline", "sequence")])
+    robot = load_robot(robot_name or ("pirate" if name == "sequence" else "basic"))
+    if name == "random":
+        return RandomController(robot, seed)
+    return SequenceController(robot) if name == "sequence" else CentrelineController(robot)
