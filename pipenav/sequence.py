@@ -142,14 +142,11 @@ class SequenceController:
             goal = set_points(Phase(self.phase[i]), passage, along)
         self._since[i] += 1
         phase = Phase(self.phase[i])
-        away = goal - bends
-        step = np.clip(away / self.task.alpha, -1.0, 1.0)
-        for half in CLAMPED[phase]:
-            middle = PRESSING[half]
-            step[middle] = np.clip(min(away[middle], 0.0) - PRESS, -self.task.alpha, 0.0) / self.task.alpha
-            away[middle] = 0.0
+        away, press = goal - bends, np.zeros(len(bends))
+        press[[PRESSING[half] for half in CLAMPED[phase]]] = PRESS
+        step = np.clip((away - press) / self.task.alpha, -1.0, 1.0)
         rolls = phase not in (Phase.CLAMP_REAR, Phase.CLAMP_FRONT)
-        speed = SPEED * max(0.0, 1.0 - float(np.abs(away).max()) / LAG) if rolls else 0.0
+        speed = SPEED * max(0.0, 1.0 - float(np.abs(away[press == 0]).max()) / LAG) if rolls else 0.0
         return np.concatenate([step, np.full(len(self.robot.wheels), speed)])
 
     def _done(self, i: int, passage: Passage, away: Array, along: Array) -> bool:
