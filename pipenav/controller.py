@@ -18,6 +18,9 @@ Array = NDArray[np.float64]
 
 BASELINE = "baseline:"
 
+BASELINES = {"random": "basic", "centreline": "basic", "sequence": "pirate", "sequence-line": "pirate"}
+"""Controllers to compare a policy with, and the robot that each drives where none is named."""
+
 
 class Controller(Protocol):
     """Anything that can act in a task.
@@ -69,8 +72,8 @@ def open_controller(text: str, robot_name: str | None = None, seed: int = 0) -> 
     """The controller that a person named.
 
     Args:
-        text: `baseline:random`, `baseline:centreline`, `baseline:sequence`, a shipped policy's name, or a policy file.
-        robot_name: robot of a baseline, where none is named `basic`, of `baseline:sequence` `pirate`; a policy brings its own.
+        text: `baseline:` and one of `BASELINES`, a shipped policy's name, or a policy file.
+        robot_name: robot of a baseline, by default as `BASELINES` says; a policy brings its own.
         seed: of `baseline:random`.
 
     Raises:
@@ -81,9 +84,11 @@ def open_controller(text: str, robot_name: str | None = None, seed: int = 0) -> 
     if not text.startswith(BASELINE):
         return PolicyController(load_policy(resolve_policy(text)))
     name = text.removeprefix(BASELINE)
-    if name not in ("random", "centreline", "sequence"):
-        raise UnknownName("baseline", text, [f"{BASELINE}{known}" for known in ("random", "centreline", "sequence")])
-    robot = load_robot(robot_name or ("pirate" if name == "sequence" else "basic"))
+    if name not in BASELINES:
+        raise UnknownName("baseline", text, [BASELINE + known for known in BASELINES])
+    robot = load_robot(robot_name or BASELINES[name])
     if name == "random":
         return RandomController(robot, seed)
-    return SequenceController(robot) if name == "sequence" else CentrelineController(robot)
+    if name == "centreline":
+        return CentrelineController(robot)
+    return SequenceController(robot, load_policy(resolve_policy("arm")) if name == "sequence" else None)

@@ -65,11 +65,16 @@ class TraverseBatch:
         return self._q.copy()
 
     @property
-    def along(self) -> Array:
-        """Where rear end, joints and tip are along the pipe, 0 at the corner, (n, links + 1) [m]; no policy knows it."""
+    def points(self) -> Array:
+        """Rear end, joints and tip in the pipe's frame, (n, links + 1, 2) [m]: no policy knows where it is."""
         points = waypoints(self.robot, self._q)
         points[..., 0] += self._base[:, None]
-        return self._ways.along(points)
+        return points
+
+    @property
+    def along(self) -> Array:
+        """Where they are along the pipe, 0 at the corner, (n, links + 1) [m]."""
+        return self._ways.along(self.points)
 
     def reset(self, robots: NDArray[np.intp] | None = None) -> Array:
         """Start new episodes for some robots (sorted, unique), or all; observations of all robots, (n, size)."""
