@@ -87,11 +87,13 @@ class _Course:
         phase: what it is doing.
         since: control steps of this phase.
         start: where the front half's first joint was when the policy took over [m].
+        ahead: the poses of the front half's way on along the line.
         rows: the front half's motion so far: where the rear clamp's foremost wheel was, and `Poses.bends` there.
     """
 
     def __init__(self) -> None:
         self.phase, self.since, self.start = Phase.CLAMP_REAR, 0, 0.0
+        self.ahead: Poses | None = None
         self.rows: list[Array] = []
 
     def begin(self, phase: Phase) -> None:
@@ -179,7 +181,7 @@ class SequenceController:
         if course.phase is Phase.FRONT_TO_TARGET and self._arm is not None:
             speed, *step[HINGES] = self._arm.act(observation, points, self._arm.target(pipe), course.start)
         if course.phase in (Phase.FRONT_TO_TARGET, Phase.FRONT_ON):
-            course.keep(float(along[3]), np.array([bends[2] - corner.steep, *bends[HINGES]]))
+            course.keep(float(along[3]), _pose(corner, bends))
         return np.concatenate([step, np.full(len(self.robot.wheels), speed)])
 
     def _go_on(self, course: _Course, corner: Corner, pipe: Pipe, bends: Array, points: Array, along: Array) -> None:
@@ -200,6 +202,8 @@ class SequenceController:
                 course.start = float(points[4, 0])
                 if self._arm is None:
                     course.begin(Phase.FRONT_ON)
+            elif course.phase is Phase.FRONT_ON:
+                course.ahead = corner.onto_line(float(along[3]), _pose(corner, bends), float(along[-1]))
 
     def _set_points(self, course: _Course, corner: Corner, along: Array) -> Array:
         """Joint angles that a robot in this phase shall have in a left turn, (6,) [rad]."""
@@ -215,10 +219,15 @@ class SequenceController:
             middle, *moving = course.front_motion.at(-float(along[4]) - LOOK_AHEAD)
             return np.array([*moving[::-1], steep + middle, *clamped[1::-1]])
         if phase is Phase.FRONT_ON or self._arm is None:
-            middle, *moving = corner.line.at(float(along[3]) + LOOK_AHEAD)
+            middle, *moving = (course.ahead or corner.line).at(float(along[3]) + LOOK_AHEAD)
         else:  # as the arm starts: straight along the axis, where its mount is
             middle, *moving = corner.slant, -corner.slant, 0.0, 0.0
         return np.array([*clamped[:2], steep + middle, *moving])
+
+
+def _pose(corner: Corner, bends: Array) -> Array:
+    """As `Poses.bends`, (4,), of a robot whose rear half clamps."""
+    return np.array([bends[2] - corner.steep, *bends[HINGES]])
 
 
 def _check_robot(robot: RobotSpec) -> None:

@@ -49,13 +49,26 @@ class Corner(NamedTuple):
         steep: angle between a clamped half's links and the pipe's axis [rad].
         slant: angle to the axis at which the middle link brings its far end from the wall to the axis [rad].
         line: poses that lead the moving half's joints and its end along one line.
+        tip: where that end is along the pipe in each of them, (k,) [m].
         edge: how far past the corner the inner wall's bend ends [m].
     """
 
     steep: float
     slant: float
     line: Poses
+    tip: Array
     edge: float
+
+    def onto_line(self, along: float, bends: Array, tip: float) -> Poses:
+        """Poses that lead from any one to the line, on which its end is no farther back than it is now.
+
+        Args:
+            along: where the clamped half's wheel at the middle link is along the pipe [m].
+            bends: as those of `Poses`, (4,) [rad].
+            tip: where the moving half's end is along the pipe [m].
+        """
+        rest = (self.tip >= tip) & (self.line.along > along)
+        return Poses(np.append(along, self.line.along[rest]), np.concatenate([bends[None], self.line.bends[rest]]))
 
 
 def plan(robot: RobotSpec, pipe: Pipe) -> Corner:
@@ -73,11 +86,12 @@ def plan(robot: RobotSpec, pipe: Pipe) -> Corner:
     steepest = (float(min(robot.upper.min(), -robot.lower.max())) - PRESS) / 2
     steep = min(math.asin(min(2 * room / float(robot.lengths[1]), 1.0)), steepest)
     slant = math.asin(min(room / float(robot.lengths[3]), 1.0))
-    return Corner(steep, slant, _follow_line(robot, pipe, room), pipe.inner_edge)
+    line, tip = _follow_line(robot, pipe, room)
+    return Corner(steep, slant, line, tip, pipe.inner_edge)
 
 
-def _follow_line(robot: RobotSpec, pipe: Pipe, room: float) -> Poses:
-    """Poses with the front half's joints and its tip on the line."""
+def _follow_line(robot: RobotSpec, pipe: Pipe, room: float) -> tuple[Poses, Array]:
+    """Poses with the front half's joints and its tip on the line, and where the tip is along the pipe."""
     line = _line(robot, pipe, max(room - SPARE, 0.0))
     along = np.linspace(-pipe.inner_edge - REACH, 0.0, WAY_POINTS)
     pivot = np.stack([along, np.full(WAY_POINTS, -room)], axis=1)  # the clamped half's foremost wheel, (k, 2)
@@ -90,8 +104,8 @@ def _follow_line(robot: RobotSpec, pipe: Pipe, room: float) -> Poses:
         ends.append(end)
         pivot, heading = end, direction
     beyond = pipe.centre_line_distance(ends[0])
-    half_way = int(np.argmax((beyond >= -along) & (beyond > 0)))
-    return Poses(along[: half_way + 1], np.stack(bends, axis=1)[: half_way + 1])
+    kept = slice(0, int(np.argmax((beyond >= -along) & (beyond > 0))) + 1)  # up to half-way
+    return Poses(along[kept], np.stack(bends, axis=1)[kept]), pipe.centre_line_distance(ends[-1])[kept]
 
 
 def _line(robot: RobotSpec, pipe: Pipe, lane: float) -> Array:
