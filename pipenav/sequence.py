@@ -10,6 +10,7 @@ motion with the joints counted from the other end.
 
 from __future__ import annotations
 
+import math
 from enum import IntEnum
 
 import numpy as np
@@ -182,7 +183,7 @@ class SequenceController:
             speed, *step[HINGES] = self._arm.act(observation, points, self._arm.target(pipe), course.start)
         if course.phase in (Phase.FRONT_TO_TARGET, Phase.FRONT_ON):
             course.keep(float(along[3]), _pose(corner, bends))
-        return np.concatenate([step, np.full(len(self.robot.wheels), speed)])
+        return np.concatenate([step, speed * _forwards(pipe, bends, points[1:-1])])
 
     def _go_on(self, course: _Course, corner: Corner, pipe: Pipe, bends: Array, points: Array, along: Array) -> None:
         """Begin the next phase where this one is done."""
@@ -223,6 +224,22 @@ class SequenceController:
         else:  # as the arm starts: straight along the axis, where its mount is
             middle, *moving = corner.slant, -corner.slant, 0.0, 0.0
         return np.array([*clamped[:2], steep + middle, *moving])
+
+
+def _forwards(pipe: Pipe, bends: Array, wheels: Array) -> Array:
+    """Which actions roll the wheels forwards on the wall that each is nearest to, +1 or -1, (wheels,).
+
+    An action takes a wheel for standing on the outside of its bend. One that is led past the inner edge is not.
+
+    Args:
+        pipe: the pipe.
+        bends: joint angles in a left turn, (joints,) [rad].
+        wheels: where they are in a left turn, (wheels, 2) [m].
+    """
+    along = np.array([math.cos(math.pi - pipe.angle), math.sin(math.pi - pipe.angle)])
+    second = wheels[:, 0] + wheels @ along > 0
+    offset = np.where(second, wheels @ np.array([-along[1], along[0]]), wheels[:, 1])
+    return np.where((offset > 0) == (bends < 0), 1.0, -1.0)
 
 
 def _pose(corner: Corner, bends: Array) -> Array:
