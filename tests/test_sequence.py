@@ -162,7 +162,7 @@ def test_the_way_onto_the_line_begins_where_the_half_is_and_ends_where_the_line_
 
 
 def test_what_cannot_be_driven_is_refused() -> None:
-    with pytest.raises(PipenavError, match="two mirrored halves .* choose --robot pirate"):
+    with pytest.raises(PipenavError, match=r"two mirrored halves .* choose --robot pirate"):
         open_controller("baseline:sequence", "basic")
     other = load_policy(resolve_policy("real-setup"))
     with pytest.raises(PipenavError, match="another laser"):
