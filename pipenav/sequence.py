@@ -194,7 +194,8 @@ class SequenceController:
         elif phase is Phase.FRONT_TO_TARGET:
             done = self._arm is None or self._arm.reached(points[-1], self._arm.target(pipe))
         elif phase is Phase.FRONT_ON:
-            done = along[3] >= corner.line.along[-1]
+            half_way = corner.line.along[-1]  # one end of the middle link may slip past the corner before the other
+            done = along[3] >= half_way or along[4] >= -half_way
         else:
             done = phase is Phase.REAR_THROUGH and along[1] >= corner.edge
         if done:
