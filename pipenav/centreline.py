@@ -155,7 +155,7 @@ def _follow_line(robot: RobotSpec, pipe: Pipe, base: float, goal: Array, widths:
     at = np.where(hinge[:, 0] < line[1, 0], 0.0, nearest)
     heading = np.zeros(WAYPOINTS)
     for j, link in enumerate(robot.links[1:], 1):
-        far_end, at = _reach(line, hinge, at, link.length)
+        far_end, at = reach(line, hinge, at, link.length)
         direction = np.arctan2(*(far_end - hinge).T[::-1])
         q[:, j] = np.mod(direction - heading + math.pi, 2 * math.pi) - math.pi
         hinge, heading = far_end, direction
@@ -192,7 +192,7 @@ def _line(pipe: Pipe, goal: Array, widths: tuple[float, ...]) -> tuple[Array, in
     return np.concatenate([start, entry, corner, leave, past]), 1 + 3 * LINE_POINTS
 
 
-def _reach(line: Array, hinge: Array, at: Array, length: float) -> tuple[Array, Array]:
+def reach(line: Array, hinge: Array, at: Array, length: float) -> tuple[Array, Array]:
     """Where a link from each hinge (k, 2) meets the line farther on: points (k, 2), places on the line (k,).
 
     A place is an index with a fraction; the link starts at place `at`.

@@ -11,11 +11,15 @@ from pipenav.centreline import CentrelineController
 from pipenav.errors import UnknownName
 from pipenav.policy import Policy, load_policy, resolve_policy
 from pipenav.robot import RobotSpec, load_robot
+from pipenav.sequence import SequenceController
 from pipenav.tasks import AnyTask, TaskBatch, default_task
 
 Array = NDArray[np.float64]
 
 BASELINE = "baseline:"
+
+BASELINES = {"random": "basic", "centreline": "basic", "sequence": "pirate", "sequence-line": "pirate"}
+"""Controllers to compare a policy with, and the robot that each drives where none is named."""
 
 
 class Controller(Protocol):
@@ -68,8 +72,8 @@ def open_controller(text: str, robot_name: str | None = None, seed: int = 0) -> 
     """The controller that a person named.
 
     Args:
-        text: `baseline:random`, `baseline:centreline`, a shipped policy's name, or a policy file.
-        robot_name: robot of a baseline, `basic` where none is named; a policy brings its own.
+        text: `baseline:` and one of `BASELINES`, a shipped policy's name, or a policy file.
+        robot_name: robot of a baseline, by default as `BASELINES` says; a policy brings its own.
         seed: of `baseline:random`.
 
     Raises:
@@ -80,7 +84,11 @@ def open_controller(text: str, robot_name: str | None = None, seed: int = 0) -> 
     if not text.startswith(BASELINE):
         return PolicyController(load_policy(resolve_policy(text)))
     name = text.removeprefix(BASELINE)
-    if name not in ("random", "centreline"):
-        raise UnknownName("baseline", text, [f"{BASELINE}random", f"{BASELINE}centreline"])
-    robot = load_robot(robot_name or "basic")
-    return RandomController(robot, seed) if name == "random" else CentrelineController(robot)
+    if name not in BASELINES:
+        raise UnknownName("baseline", text, [BASELINE + known for known in BASELINES])
+    robot = load_robot(robot_name or BASELINES[name])
+    if name == "random":
+        return RandomController(robot, seed)
+    if name == "centreline":
+        return CentrelineController(robot)
+    return SequenceController(robot, load_policy(resolve_policy("arm")) if name == "sequence" else None)

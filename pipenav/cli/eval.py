@@ -22,7 +22,9 @@ VARIANT_HELP = "How a target is located: map, or thesis for the method exactly a
 def evaluate(
     policy: Annotated[
         str | None,
-        typer.Option(help="best.zip, a shipped policy's name, baseline:random or baseline:centreline."),
+        typer.Option(
+            help="best.zip, a shipped policy's name, or baseline:random, :centreline, :sequence, :sequence-line."
+        ),
     ] = None,
     # The names of pipenav.evaluate.StageName and pipenav.locate.Variant, whose import would slow down --help.
     stage: Annotated[
@@ -35,7 +37,7 @@ def evaluate(
     episodes: Annotated[int, typer.Option(min=1, help="Episodes per pipe.")] = 20,
     seed: Annotated[int, typer.Option(min=0, help="Seed of starts and targets.")] = 0,
     robot: Annotated[
-        str | None, typer.Option(help="Robot of --stage locate or of a baseline (basic); a policy brings its own.")
+        str | None, typer.Option(help="Robot of --stage locate (basic) or of a baseline; a policy brings its own.")
     ] = None,
     variant: Annotated[Literal["map", "thesis"], typer.Option(help=VARIANT_HELP)] = "map",
     option: Annotated[list[str] | None, typer.Option(help="Backend setting, key=value; repeatable.")] = None,
@@ -63,6 +65,8 @@ def evaluate(
         pipenav eval --policy arm --option timestep=0.001
 
         pipenav eval --policy pirate --pipes d=70,angle=60
+
+        pipenav eval --policy baseline:sequence --pipes d=90,angle=90
 
         pipenav eval --policy arm --disturb real-world
     """

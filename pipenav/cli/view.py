@@ -28,7 +28,8 @@ DEFAULT_PIPE = "d=90,angle=60"
 
 def view(
     policy: Annotated[
-        str | None, typer.Option(help="best.zip, a shipped policy's name, baseline:random or baseline:centreline.")
+        str | None,
+        typer.Option(help="best.zip, a shipped policy's name, or baseline: and a name as for `pipenav eval`."),
     ] = None,
     behaviour: Annotated[
         Literal["locate:map", "locate:thesis"] | None,
@@ -44,7 +45,7 @@ def view(
     backend: Annotated[str, typer.Option(help="Simulator backend; see `pipenav backends`.")] = "mujoco",
     robot: Annotated[
         str | None,
-        typer.Option(help="Robot of a baseline or behaviour (basic), or of a trajectory whose robot is not shipped."),
+        typer.Option(help="Robot of a behaviour (basic) or baseline, or of a trajectory whose robot is not shipped."),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of start and target, as in `pipenav eval`.")] = 0,
     episode: Annotated[

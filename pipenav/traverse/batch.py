@@ -64,6 +64,18 @@ class TraverseBatch:
         """Configurations in the robot's own frame, (n, coordinates)."""
         return self._q.copy()
 
+    @property
+    def points(self) -> Array:
+        """Rear end, joints and tip in the pipe's frame, (n, links + 1, 2) [m]: no policy knows where it is."""
+        points = waypoints(self.robot, self._q)
+        points[..., 0] += self._base[:, None]
+        return points
+
+    @property
+    def along(self) -> Array:
+        """Where they are along the pipe, 0 at the corner, (n, links + 1) [m]."""
+        return self._ways.along(self.points)
+
     def reset(self, robots: NDArray[np.intp] | None = None) -> Array:
         """Start new episodes for some robots (sorted, unique), or all; observations of all robots, (n, size)."""
         robots = np.arange(self.n) if robots is None else np.asarray(robots, np.intp)
@@ -78,7 +90,7 @@ class TraverseBatch:
         self._action[robots], self._q[robots] = 0.0, episodes.q
         self._set_points[robots] = reading.q + self.config.start_press * np.sign(reading.q)
         self._ways.put(robots, Ways.of(episodes.pipes))
-        self._judge.start(robots, self._along()[robots])
+        self._judge.start(robots, self.along[robots])
         observed = observation.observe(self.robot, reading, self._action[robots], episodes.side)
         self._observation = self._observation.copy()
         self._observation[robots] = observed / self._scale
@@ -104,7 +116,7 @@ class TraverseBatch:
         if truth is None:
             raise TypeError("the traverse task needs a simulator: this backend knows no truth")
         self._place(reading, truth)
-        facts, verdict = self._judge.step(self.steps, self._along(), self._ways.end, reading, truth)
+        facts, verdict = self._judge.step(self.steps, self.along, self._ways.end, reading, truth)
         observed = observation.observe(self.robot, reading, self._action, self._side)
         self._observation = observed / self._scale
         gained = reward(self.config.reward, facts)
@@ -119,9 +131,3 @@ class TraverseBatch:
         tip = truth.tip.copy()
         tip[:, 0] -= self._base
         self._q = kinematics.configuration(self.robot, reading.q, tip)
-
-    def _along(self) -> Array:
-        """Where rear end, joints and tip are along the pipe, (n, links + 1) [m]."""
-        points = waypoints(self.robot, self._q)
-        points[..., 0] += self._base[:, None]
-        return self._ways.along(points)
