@@ -64,6 +64,8 @@ def evaluate(
 
         pipenav eval --policy pirate --pipes d=70,angle=60
 
+        pipenav eval --policy pirate --pipes runs-level
+
         pipenav eval --policy arm --disturb real-world
     """
     from pipenav.evaluate import EvaluationRun
