@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from pipenav import any_pipe
+from pipenav import any_pipe, kinematics
 from pipenav.any_pipe import AnyPipe
-from pipenav.clearance import clearance
+from pipenav.backend import Backend, BackendOptions
 from pipenav.disturbance import load_disturbance
 from pipenav.disturbed import disturbed
 from pipenav.episode_runner import random_start
@@ -23,10 +23,9 @@ from pipenav.pipe_run import CrossesItself, PipeRun
 from pipenav.pipe_run_set import parse_any
 from pipenav.registry import open_backend
 from pipenav.robot import load_robot
-from pipenav.state import Truth
+from pipenav.state import Command, Reading, Truth
 from pipenav.task.episode import Verdict
-from pipenav.tasks import kind_of
-from pipenav.testing import KinematicBackend
+from pipenav.tasks import scale_of
 from pipenav.traverse import observation
 from pipenav.traverse.batch import TraverseBatch
 from pipenav.traverse.config import TraverseConfig
@@ -125,13 +124,170 @@ def test_an_action_seen_from_the_other_side_asks_for_the_same_and_twice_is_itsel
         assert observation.to_command(ROBOT, config, seen, q, before, change).values == pytest.approx(one)
 
 
-class Carried:
-    """A batch whose robots are carried along the centre lines of their runs by hand."""
+class Ghost(Backend):
+    """Robots that are carried through their pipes by hand, bent as they are told, touching nothing."""
 
-    def __init__(self, runs: Sequence[PipeRun], config: TraverseConfig) -> None:
-        self.runs, self.n = runs, len(runs)
-        start = sample(ROBOT, config, runs, np.random.default_rng(0))
-        slots = max(len(run.segments) for run in runs)
-        self._inner = open_backend("mujoco", ROBOT, self.n, {"threads": 1}, slots)
-        self.batch = TraverseBatch(ROBOT, config, self._inner, self.n, lambda _: start)
-        self.batch.reset()
+    Options = BackendOptions
+
+    def __init__(self, pipes: Sequence[AnyPipe], q: Array, ranges: Array) -> None:
+        self.pipes, self.tail, self.q, self.ranges = pipes, np.full(len(pipes), -1.0), q, ranges
+        self.asked: list[Command] = []
+
+    def reset(self, robots: NDArray[np.intp], pipes: Sequence[AnyPipe], q: Array, base: Array) -> Reading:  # noqa: ARG002
+        return self.read()
+
+    def step(self, command: Command) -> None:
+        self.asked.append(command)
+
+    def read(self) -> Reading:
+        n = len(self.q)
+        speeds = np.outer([1.0, -1.0], np.arange(6))[:n]  # of the second robot mirrored
+        return Reading(self.q, 0.1 * self.q, self.ranges, np.zeros(n), speeds, np.zeros((n, 12)))
+
+    def truth(self) -> Truth:
+        poses = [_on_the_centre_line(pipe, at) for pipe, at in zip(self.pipes, self.tail, strict=True)]
+        pose = kinematics.forward(ROBOT, np.concatenate([np.array(poses), self.q], axis=1))
+        tip = np.concatenate([pose.tip, pose.headings[:, -1:]], axis=1)
+        zero = np.zeros(len(self.q))
+        return Truth(tip, zero, zero, zero, np.zeros((len(self.q), 7, 2)))
+
+    def close(self) -> None:
+        pass
+
+
+def _on_the_centre_line(pipe: AnyPipe, at: float) -> tuple[float, float, float]:
+    """Place and direction of the way where it is `at` long."""
+    assert isinstance(pipe, PipeRun)
+    leg = int(np.clip(np.searchsorted(pipe.places, at, side="right") - 1, 0, len(pipe.straights) - 1))
+    x, y = pipe.legs.axes[leg][:2, 0]
+    place = pipe.centre_line[leg, :2] + (at - pipe.places[leg]) * np.array([x, y])
+    return (*place, float(np.arctan2(y, x)))
+
+
+def carried(pipes: Sequence[AnyPipe], config: TraverseConfig = CONFIG, seed: int = 0) -> tuple[Ghost, TraverseBatch]:
+    """Bent at random; the second of two robots is the first one's mirror image."""
+    rng = np.random.default_rng(seed)
+    q, ranges = rng.uniform(-0.5, 0.5, (1, 6)), rng.uniform(0.01, 0.4, (1, 10))
+    both = np.concatenate([q, q * ROBOT.mirror_signs])[: len(pipes)]
+    ghost = Ghost(pipes, both, np.concatenate([ranges, ranges[:, ::-1]])[: len(pipes)])
+    pose = np.tile([-1.0, 0.0, 0.0], (len(pipes), 1))
+    start = sample(ROBOT, config, pipes, rng)
+    start = start._replace(base=np.zeros(len(pipes)), q=np.concatenate([pose, ghost.q], axis=1))
+    made = TraverseBatch(ROBOT, config, ghost, len(pipes), lambda _: start)
+    made.reset()
+    return ghost, made
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.sampled_from(LEVEL), seeds)
+def test_a_run_and_its_mirror_image_are_seen_and_driven_alike_through_all_corners(run: AnyPipe, seed: int) -> None:
+    assert isinstance(run, PipeRun)
+    ghost, robots = carried([run, mirrored(run)], seed=seed)
+    rng = np.random.default_rng(seed)
+    for at in np.linspace(-1.0, run.places[-1], 40):
+        ghost.tail[:] = at
+        action = np.tile(rng.uniform(-1.0, 1.0, 12), (2, 1))
+        seen = robots.step(action).observation
+        assert seen[0] == pytest.approx(seen[1])
+        left, right = ghost.asked[-1].values
+        assert right == pytest.approx(left * ROBOT.mirror_drives)
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.sampled_from(LEVEL))
+def test_the_side_is_that_of_the_first_corner_that_the_tail_has_not_passed(run: AnyPipe) -> None:
+    assert isinstance(run, PipeRun)
+    ghost, robots = carried([run])
+    sides, scale = any_pipe.turn_sides(run), scale_of(ROBOT, CONFIG)
+    ends = run.places[1:-1] + any_pipe.inner_edges(run) + CONFIG.through
+    before = sides[0]
+    for at in np.linspace(-1.0, run.places[-1], 60):
+        ghost.tail[:] = at
+        action = np.random.default_rng(0).uniform(-1.0, 1.0, (1, 12))
+        seen = robots.step(action).observation * scale
+        side = sides[min(int((at >= ends).sum()), len(sides) - 1)]
+        assert seen[0, :6] == pytest.approx(ghost.q[0] * (ROBOT.mirror_signs if side < 0 else 1.0))
+        # What was done last keeps its meaning: the same bends of the same joints.
+        assert seen[0, -12:-6] * side == pytest.approx(action[0, :6] * before)
+        assert seen[0, -6:] == pytest.approx(action[0, 6:])
+        before = side
+
+
+def test_a_corner_that_was_passed_stays_passed_where_the_robot_slides_back() -> None:
+    run = PipeRun.of(100, [(90, "left", 0), (90, "right", 0)], [1000, 800, 1000])
+    ghost, robots = carried([run])
+    still = np.zeros((1, 12))
+    first = robots.step(still).observation[0, :6]
+    ghost.tail[:] = 0.1
+    second = robots.step(still).observation[0, :6]
+    ghost.tail[:] = -0.1
+    assert second == pytest.approx(-first)
+    assert robots.step(still).observation[0, :6] == pytest.approx(second)
+
+
+def test_a_run_is_passed_with_the_tail_past_the_last_corner_and_has_time_for_every_corner() -> None:
+    run = PipeRun.of(100, [(90, "left", 0), (90, "right", 0), (70, "left", 0)], [1000, 800, 800, 1000])
+    end = run.places[-2] + any_pipe.inner_edges(run)[-1] + CONFIG.through
+    config = CONFIG.model_copy(update={"max_steps": 20})
+    for last, verdict, steps in ((end + 1e-6, Verdict.REACHED, 50), (end - 1e-6, Verdict.TIMEOUT, 60)):
+        ghost, robots = carried([run], config)
+        found = []
+        for at in [*np.linspace(-1.0, end - 0.02, 49), *[last] * 11]:
+            ghost.tail[:] = at
+            found.append(Verdict(robots.step(np.zeros((1, 12))).verdict[0]))
+        assert found[: steps - 1] == [Verdict.RUNNING] * (steps - 1)
+        assert found[steps - 1] is verdict
+
+
+def test_robots_in_runs_and_in_corners_are_stepped_together() -> None:
+    with batch([LEVEL[0], CORNERS[0]]) as robots:
+        both = [robots.step(np.full((2, 12), 0.3)) for _ in range(3)]
+    for i, pipe in enumerate((LEVEL[0], CORNERS[0])):
+        start = sample(ROBOT, CONFIG, [LEVEL[0], CORNERS[0]], np.random.default_rng(0)).part(slice(i, i + 1))
+        assert start.pipes[0].name == pipe.name
+        with batch_from(start) as alone:
+            for result in both:
+                one = alone.step(np.full((1, 12), 0.3))
+                assert one.observation[0] == pytest.approx(result.observation[i], abs=1e-6)
+                assert one.reward[0] == pytest.approx(result.reward[i], abs=1e-6)
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.sampled_from(LEVEL), seeds)
+def test_starts_in_runs_lie_free_in_the_first_straight(run: AnyPipe, seed: int) -> None:
+    start = sample(ROBOT, CONFIG, [run], np.random.default_rng(seed))
+    points = waypoints(ROBOT, start.q)[0] + [start.base[0], 0.0]
+    assert np.abs(points[:, 1]).max() <= run.radius - ROBOT.width / 2 + 1e-9
+    assert -points[-1, 0] - any_pipe.inner_edges(run)[0] == pytest.approx(0.08, abs=0.02 + 1e-9)
+    assert start.pipes[0] == run  # whose ends are long enough
+    assert isinstance(run, PipeRun)
+    assert points[0, 0] >= -run.straights[0]
+
+
+def test_ends_that_are_too_short_are_made_longer_or_refused_where_the_run_would_cross_itself() -> None:
+    corners = [(90, "left", 0), (90, "right", 0)]
+    longer = with_room(ROBOT, CONFIG, PipeRun.of(100, corners, [400, 500, 300]))
+    assert isinstance(longer, PipeRun)
+    assert longer.straights == pytest.approx((0.05 + 0.62 + 0.10, 0.5, 0.05 + 0.62 + 0.10))
+    spiral = PipeRun.of(100, [(90, "left", 0)] * 3, [300, 500, 500, 250])
+    with pytest.raises(CrossesItself, match="crosses itself"):
+        with_room(ROBOT, CONFIG, spiral)
+
+
+def test_a_run_that_leaves_the_plane_is_refused() -> None:
+    with pytest.raises(PipenavError, match="leaves the plane, in which the robot moves: choose a run without rolls"):
+        parse_planar(["runs-rolled"])
+    assert len(parse_planar(["runs-level", "d=90,angle=90"])) == 25
+    rolled_over = PipeRun.of(100, [(90, "left", 180)])
+    assert any_pipe.turn_sides(rolled_over) == [-1.0]
+
+
+def test_what_goes_wrong_in_a_run_is_drawn_by_its_corners() -> None:
+    readings = []
+    for run in (LEVEL[0], LEVEL[0], LEVEL[1].model_copy(update={"diameter": LEVEL[0].diameter})):
+        simulator = open_backend("mujoco", ROBOT, 1, {"threads": 1}, 12)
+        q, base = np.zeros((1, ROBOT.coordinates)), np.array([-0.9])
+        with closing(disturbed(simulator, ROBOT, 1, load_disturbance("noise"), 0)) as noisy:
+            readings.append(noisy.reset(np.arange(1), [run], q, base).ranges[0, 5])
+    assert readings[0] == readings[1]
+    assert readings[0] != readings[2]
