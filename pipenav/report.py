@@ -193,7 +193,8 @@ def _table(title: str, numbers: Sequence[str], words: Sequence[str]) -> Table:
 
 def _worst_pipe(records: Sequence[PipeRecord]) -> str:
     worst = min(records, key=lambda record: record.success)
-    where = " ".join(_corner_cells(worst)) if worst.run else f"{worst.angle_deg:g}° {worst.turn}"
+    angle, turn = _corner_cells(worst)
+    where = turn if worst.run else f"{angle}° {turn}"
     return f"{where}: {_percent(worst.success)} %" if worst.success < 1 else MISSING
 
 
