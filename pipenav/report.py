@@ -30,6 +30,9 @@ FILES = {
 WORST_PIPES = 8
 """Pipes in the list of the worst ones."""
 
+SHOWN_CORNERS = 5
+"""Corners of a run that are written out in a table."""
+
 MISSING = "-"
 
 
@@ -194,14 +197,15 @@ def _table(title: str, numbers: Sequence[str], words: Sequence[str]) -> Table:
 def _worst_pipe(records: Sequence[PipeRecord]) -> str:
     worst = min(records, key=lambda record: record.success)
     angle, turn = _corner_cells(worst)
-    where = turn if worst.run else f"{angle}° {turn}"
+    where = turn.replace("-", " ") if worst.run else f"{angle}° {turn}"  # with places to break the line
     return f"{where}: {_percent(worst.success)} %" if worst.success < 1 else MISSING
 
 
 def _corner_cells(record: PipeRecord) -> tuple[str, str]:
-    """Angle and turn of a corner; of a run its corners alone, as its name has them: the diameter stands beside."""
+    """Angle and turn of a corner; of a run its first corners as its name has them: the diameter stands beside."""
     if record.run is not None:
-        return "run", "-".join(record.run.split("-")[2:])
+        corners = record.run.split("-")[2:]
+        return "run", "-".join(corners[:SHOWN_CORNERS]) + "-..." * (len(corners) > SHOWN_CORNERS)
     return f"{record.angle_deg:g}", str(record.turn)
 
 
