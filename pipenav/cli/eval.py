@@ -32,7 +32,7 @@ def evaluate(
     pipes: Annotated[
         list[str] | None,
         typer.Option(
-            help="Shipped set, FILE.toml or d=90,angle=60[,turn=right]; of a whole robot also runs; repeatable."
+            help="Shipped set, FILE.toml or d=90,angle=60[,turn=right], of a whole robot runs too; repeatable."
         ),
     ] = None,
     episodes: Annotated[int, typer.Option(min=1, help="Episodes per pipe.")] = 20,
