@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict
 
-from pipenav.pipe import Pipe
+from pipenav.any_pipe import AnyPipe
 from pipenav.robot import RobotSpec
 from pipenav.state import Command, Reading, Truth
 
@@ -42,7 +42,7 @@ class Backend(ABC):
     def __init__(self, robot: RobotSpec, n: int, options: BackendOptions, wall_segments: int = 4) -> None: ...
 
     @abstractmethod
-    def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> Reading:
+    def reset(self, robots: NDArray[np.intp], pipes: Sequence[AnyPipe], q: Array, base: Array) -> Reading:
         """Put some robots at rest into pipes; the others are untouched. What the k robots' sensors give there.
 
         Args:

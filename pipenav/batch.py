@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pipenav.any_pipe import AnyPipe
 from pipenav.backend import Backend
 from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
@@ -175,7 +176,7 @@ class CornerBatch:
 def random_episodes(
     robot: RobotSpec,
     config: Any,
-    sets: Sequence[Sequence[Pipe]],
+    sets: Sequence[Sequence[AnyPipe]],
     rng: np.random.Generator,
     stock: int = 1,
     sample: Callable[..., Any] = episode.sample,

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipenav import laser
+from pipenav.any_pipe import AnyPipe, interior_angles, turn_sides
 from pipenav.backend import Backend, BackendOptions, Inclinable, Variable, Variation
 from pipenav.disturbance import MAX_LATENCY, Disturbance
 from pipenav.errors import PipenavError
-from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
 from pipenav.state import Command, Reading, Truth
 
@@ -59,7 +59,7 @@ class DisturbedBackend(Backend):
         self._noise, self._dropouts, self._missing = np.zeros(n), np.zeros(n), np.zeros((n, beams), bool)
         self._ranges = np.zeros((n, beams))
 
-    def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> Reading:
+    def reset(self, robots: NDArray[np.intp], pipes: Sequence[AnyPipe], q: Array, base: Array) -> Reading:
         d, spans = self._disturbance, []
         for row, i in enumerate(robots):
             rng = self._generators[i] = _generator(self._seed, pipes[row], q[row], base[row])
@@ -116,9 +116,10 @@ class DisturbedBackend(Backend):
         self._inner.close()
 
 
-def _generator(seed: int, pipe: Pipe, q: Array, base: float) -> np.random.Generator:
+def _generator(seed: int, pipe: AnyPipe, q: Array, base: float) -> np.random.Generator:
     """The generator of one episode."""
-    start = np.array([pipe.diameter, pipe.angle, pipe.side, base, *q], float)
+    corners = np.stack([interior_angles(pipe), turn_sides(pipe)], axis=1)
+    start = np.array([pipe.diameter, *corners.ravel(), base, *q], float)
     return np.random.default_rng([seed, *start.view(np.uint32).tolist()])
 
 

@@ -9,8 +9,8 @@ from typing import Any, Generic, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from pipenav.any_pipe import AnyPipe, interior_angles, turn_sides
 from pipenav.backend import Backend
-from pipenav.pipe import Pipe
 from pipenav.registry import open_backend
 from pipenav.robot import RobotSpec
 from pipenav.stage import Stage, StageStep
@@ -91,7 +91,7 @@ def joined(parts: Sequence[Starting]) -> Starting:
 
 
 def random_start(
-    robot: RobotSpec, task: AnyTask, pipes: Sequence[Pipe], episodes: int, seed: int
+    robot: RobotSpec, task: AnyTask, pipes: Sequence[AnyPipe], episodes: int, seed: int
 ) -> Callable[[int], Any]:
     """Episodes by number: all of the first pipe, then of the next.
 
@@ -105,8 +105,10 @@ def random_start(
 
     def start(job: int) -> Any:
         pipe, number = pipes[job // episodes], job % episodes
-        diameter, angle = round(m_to_mm(pipe.diameter) * 1e3), round(rad_to_deg(pipe.angle) * 1e3)
-        rng = np.random.default_rng([seed, diameter, angle, int(pipe.side > 0), number])
+        numbers = [round(m_to_mm(pipe.diameter) * 1e3)]
+        for angle, side in zip(interior_angles(pipe).tolist(), turn_sides(pipe).tolist(), strict=True):
+            numbers += [round(rad_to_deg(angle) * 1e3), int(side > 0)]
+        rng = np.random.default_rng([seed, *numbers, number])
         return kind_of(task).sample(robot, task, [pipe], rng)
 
     return start
@@ -121,7 +123,7 @@ def run_stage(
     make: Callable[[Backend, EpisodeQueue[Episode]], Stage],
     robot: RobotSpec,
     start: Callable[[int], Episode],
-    pipes: Sequence[Pipe],
+    pipes: Sequence[AnyPipe],
     backend: str = "mujoco",
     options: dict[str, Any] | None = None,
     progress: Callable[[int, int], None] | None = None,

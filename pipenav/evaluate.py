@@ -7,13 +7,13 @@ from typing import Any, Literal
 
 import numpy as np
 
+from pipenav.any_pipe import AnyPipe
 from pipenav.controller import open_controller
 from pipenav.disturbance import UNDISTURBED, load_disturbance
 from pipenav.errors import PipenavError
 from pipenav.locate import Variant
 from pipenav.passage import Part, Passages, Progress
-from pipenav.pipe import Pipe
-from pipenav.pipe_set import parse_pipes
+from pipenav.pipe_run import PipeRun
 from pipenav.records import Evaluation, PipeRecord
 from pipenav.registry import check_options, load_backend
 from pipenav.robot import load_robot
@@ -32,7 +32,7 @@ class EvaluationRun:
 
     Args:
         policy: as `pipenav.controller.open_controller` takes it; None for the stage locate.
-        pipes: as `pipenav.pipe_set.parse_pipes` takes them.
+        pipes: as `pipenav.pipe_set.parse_pipes` takes them, of a whole robot `pipenav.pipe_run_set.parse_any`.
         episodes: in each pipe.
         seed: of starts and targets.
         stage: what to run; by default what the policy was trained for, a front passage or a traverse.
@@ -73,7 +73,7 @@ class EvaluationRun:
         self._task: AnyTask = TaskConfig() if self._controller is None else self._controller.task
         self._stage: StageName = stage or kind_of(self._task).stage
         self._check_stage()
-        self._pipes = parse_pipes(pipes)
+        self._pipes = kind_of(self._task).parse(pipes)
         self._backend, self._options = backend, dict(options or {})
         check_options(backend, load_backend(backend), self._options)
         check_fits(self._robot, self._pipes)
@@ -125,7 +125,7 @@ class EvaluationRun:
         )
 
 
-def _pipe_record(pipe: Pipe, parts: dict[str, Part], first: int, episodes: int) -> PipeRecord:
+def _pipe_record(pipe: AnyPipe, parts: dict[str, Part], first: int, episodes: int) -> PipeRecord:
     """The record of one pipe, whose episodes are `first` and the ones after it."""
     counts: dict[str, int] = {}
     failures: dict[str, int] = {}
@@ -148,8 +148,9 @@ def _pipe_record(pipe: Pipe, parts: dict[str, Part], first: int, episodes: int) 
     shares = np.concatenate([results.contact_share for results in seen])
     return PipeRecord(
         diameter_mm=round(m_to_mm(pipe.diameter), 6),
-        angle_deg=round(rad_to_deg(pipe.angle), 6),
-        turn=pipe.turn,
+        angle_deg=None if isinstance(pipe, PipeRun) else round(rad_to_deg(pipe.angle), 6),
+        turn=None if isinstance(pipe, PipeRun) else pipe.turn,
+        run=pipe.name if isinstance(pipe, PipeRun) else None,
         episodes=episodes,
         failures=failures,
         mean_steps=float(timed.steps[reached].mean()) if reached.any() else None,

@@ -20,6 +20,7 @@ from pipenav.drafting import INK
 from pipenav.errors import PipenavError
 from pipenav.files import atomic_write
 from pipenav.outline import link_outlines
+from pipenav.pipe_run import PipeRun
 from pipenav.top_view import draw_force_key, draw_scene, legend_handles, scene_of
 from pipenav.trajectory import Trajectory
 from pipenav.units import m_to_mm
@@ -113,7 +114,8 @@ def box_of(trajectory: Trajectory) -> Box:
     header, pipe = trajectory.header, trajectory.header.pipe
     polygons = [polygon for link in link_outlines(trajectory.robot, trajectory.q) for polygon in link]
     points = np.concatenate([polygon.reshape(-1, 2) for polygon in polygons]) + np.array([header.base_m, 0.0])
-    points = np.concatenate([points, pipe.walls.outer[1:-1], np.reshape(header.goal_m or (), (-1, 2))])
+    walls = pipe.walls if isinstance(pipe, PipeRun) else [pipe.walls.outer]
+    points = np.concatenate([points, *(wall[1:-1] for wall in walls), np.reshape(header.goal_m or (), (-1, 2))])
     rear = points[:, 0].min()
     points = np.concatenate([points, [[rear, -pipe.radius], [rear, pipe.radius]]])
     margin = MARGIN * float(np.ptp(points[:, 0]))

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pipenav.any_pipe import AnyPipe, corner_count, single_corner
 from pipenav.backend import Backend
 from pipenav.controller import Controller
 from pipenav.disturbance import UNDISTURBED, Disturbance
@@ -21,7 +22,6 @@ from pipenav.episode_runner import EpisodeQueue, EpisodeResults, joined, random_
 from pipenav.locate import LocateConfig, Variant, robot_for
 from pipenav.locate_stage import LocateStage
 from pipenav.mirror import RearStage, join, rear_motion
-from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
 from pipenav.stage import Stage, StageStep, TaskStage
 from pipenav.task.episode import Episodes, Verdict
@@ -111,7 +111,7 @@ class Passages:
         self,
         robot: RobotSpec,
         task: AnyTask,
-        pipes: Sequence[Pipe],
+        pipes: Sequence[AnyPipe],
         episodes: int,
         seed: int,
         backend: str = "mujoco",
@@ -164,7 +164,7 @@ class Passages:
             job = int(front.jobs[k])
             parts = [front.motions[k]] if located is None else [located.motions[before[job]], front.motions[k]]
             base = float(self._given(job).base[0])
-            whole = join([Motion(self._pipes[job], base, rows) for rows in parts])
+            whole = join([Motion(single_corner(self._pipes[job]), base, rows) for rows in parts])
             motions[job] = rear_motion(self._robot, whole)
 
         def make(simulator: Backend, queue: EpisodeQueue[Motion]) -> Stage:
@@ -198,16 +198,17 @@ class Passages:
         if not len(jobs):
             return _nothing(robot)
         recorded: list[_Recorded] = []
+        pipes = [self._pipes[job] for job in jobs]
+        most_steps = self._task.max_steps * max(map(corner_count, pipes))
 
         def begin(i: int) -> Episodes:
             return start(int(jobs[i]))
 
         def make_recorded(simulator: Backend, queue: EpisodeQueue[Episodes]) -> Stage:
             stage = make(self._disturbed(simulator, len(queue.running)), queue)
-            recorded.append(_Recorded(stage, queue, begin, self._task.max_steps + 1))
+            recorded.append(_Recorded(stage, queue, begin, most_steps + 1))
             return recorded[0]
 
-        pipes = [self._pipes[job] for job in jobs]
         results = run_stage(
             make_recorded,
             robot,
@@ -233,7 +234,7 @@ def _nothing(robot: RobotSpec) -> Part:
 
 def run_task(
     controller: Controller,
-    pipes: Sequence[Pipe],
+    pipes: Sequence[AnyPipe],
     episodes: int,
     seed: int,
     backend: str = "mujoco",

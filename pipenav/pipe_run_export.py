@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -111,21 +112,29 @@ def read_run_folder(path: Path) -> PipeRun:
     file = path / "run.json" if path.is_dir() else path
     record = read_record(file, "run file", SCHEMA, KEYS)
     try:
-        run = PipeRun.model_validate(
-            {
-                "diameter": record["diameter_m"],
-                "wall": record["wall_m"],
-                "straights": _tuple(record["straights_m"]),
-                "corners": _tuple(record["corners"], _corner),
-            }
-        )
+        run = PipeRun.model_validate(run_fields(record))
     except ValidationError as error:
         raise ConfigError.from_validation(str(file), error) from error
     refuse_contradictions(file, record, run_record(run, str(record.get("name"))))
     return run
 
 
-def _tuple(given: Any, of: Any = lambda entry: entry) -> Any:
+def run_fields(record: Mapping[str, Any]) -> dict[str, Any]:
+    """The fields of a run from `KEYS` of run.json; what is missing stays missing."""
+    fields = {"diameter": "diameter_m", "wall": "wall_m", "straights": "straights_m", "corners": "corners"}
+    found = {field: record[key] for field, key in fields.items() if key in record}
+    of = {"straights": lambda entry: entry, "corners": _corner}
+    return {field: _tuple(value, of[field]) if field in of else value for field, value in found.items()}
+
+
+def run_keys(run: PipeRun) -> dict[str, Any]:
+    """A run under `KEYS` of run.json, in SI alone."""
+    fields = {"turn": "turn", "angle": "angle_rad", "roll": "roll_rad"}
+    corners = [{key: getattr(corner, field) for field, key in fields.items()} for corner in run.corners]
+    return {"diameter_m": run.diameter, "wall_m": run.wall, "corners": corners, "straights_m": list(run.straights)}
+
+
+def _tuple(given: Any, of: Callable[[Any], Any]) -> Any:
     """JSON has lists alone, and a run wants tuples; what is no list is left for it to complain about."""
     return tuple(map(of, given)) if isinstance(given, list) else given
 

@@ -11,9 +11,10 @@ from typing import Literal, TypeVar
 from pydantic import BaseModel, ConfigDict, Field
 
 from pipenav import assets
+from pipenav.any_pipe import AnyPipe
 from pipenav.errors import ConfigError, PipenavError, UnknownName
 from pipenav.files import read_toml
-from pipenav.pipe import DEFAULT_WALL
+from pipenav.pipe import DEFAULT_WALL, Pipe
 from pipenav.pipe_run import MAX_CORNERS, CrossesItself, PipeRun
 from pipenav.pipe_set import Values, parse_pipes, pipe_set_names, read_as, values_of
 from pipenav.units import m_to_mm
@@ -114,7 +115,13 @@ def parse_runs(given: Sequence[str]) -> list[PipeRun]:
     Raises:
         PipenavError: something that is none of these, or a run that is not possible.
     """
-    return list(dict.fromkeys(run for text in given for run in _parse_one(text)))
+    pipes = parse_any(given)
+    return list(dict.fromkeys(PipeRun.from_pipe(pipe) if isinstance(pipe, Pipe) else pipe for pipe in pipes))
+
+
+def parse_any(given: Sequence[str]) -> list[AnyPipe]:
+    """As `parse_runs`, but a corner stays a pipe."""
+    return list(dict.fromkeys(pipe for text in given for pipe in _parse_one(text)))
 
 
 def parse_run(text: str) -> tuple[str, PipeRun]:
@@ -127,7 +134,7 @@ def parse_run(text: str) -> tuple[str, PipeRun]:
     if name in run_set_names():
         if not colon:
             raise PipenavError(f"{text} is a set of runs: choose one of them by its number, as in {text}:1.")
-        return f"{name}-{number}", _parse_one(text)[0]
+        return f"{name}-{number}", parse_runs([text])[0]
     if not text.endswith(".toml"):
         raise UnknownName("run", text, [*(f"{known}:1" for known in run_set_names()), "FILE.toml"])
     return Path(text).stem, read_run(Path(text))
@@ -149,7 +156,7 @@ def read_run(path: Path) -> PipeRun:
         raise ConfigError(f"{path}: {error}") from error
 
 
-def _parse_one(text: str) -> list[PipeRun]:
+def _parse_one(text: str) -> Sequence[AnyPipe]:
     name, colon, number = text.partition(":")
     if name in run_set_names():
         runs = _read_set(_folder() / f"{name}.toml")
@@ -159,8 +166,10 @@ def _parse_one(text: str) -> list[PipeRun]:
         if "corners" in table:
             return _read_set(Path(text)) if "runs" in table else [read_run(Path(text))]
     elif "=" not in text and text not in pipe_set_names():
-        raise UnknownName("set of runs", text, [*run_set_names(), *pipe_set_names(), "FILE.toml", "d=90,angle=60"])
-    return [PipeRun.from_pipe(pipe) for pipe in parse_pipes([text])]
+        raise UnknownName(
+            "set of pipes or runs", text, [*run_set_names(), *pipe_set_names(), "FILE.toml", "d=90,angle=60"]
+        )
+    return parse_pipes([text])
 
 
 def _index(text: str, number: str, count: int) -> int:

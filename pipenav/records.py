@@ -70,8 +70,9 @@ class PipeRecord(_Record):
 
     Attributes:
         diameter_mm: inner diameter [mm].
-        angle_deg: interior corner angle [deg].
-        turn: side of the corner, seen by the robot.
+        angle_deg: interior corner angle [deg]; None of a run.
+        turn: side of the corner, seen by the robot; None of a run.
+        run: name of a run of corners, as `PipeRun.name`; None of a single corner.
         episodes: episodes run.
         located: episodes in which the robot found a target itself.
         front_attempts: front passages begun.
@@ -88,8 +89,9 @@ class PipeRecord(_Record):
     """
 
     diameter_mm: Typed
-    angle_deg: Typed
-    turn: Literal["left", "right"]
+    angle_deg: Typed | None
+    turn: Literal["left", "right"] | None
+    run: str | None = None
     episodes: Positive
     located: Count | None = None
     front_attempts: Count | None = None
@@ -108,6 +110,9 @@ class PipeRecord(_Record):
     @model_validator(mode="after")
     def _counts_fit(self) -> Self:
         """Every stage begins with what the stage before left."""
+        given = [value is not None for value in (self.angle_deg, self.turn)]
+        if given != [self.run is None] * 2:
+            raise ValueError("a corner has angle_deg and turn, and a run has neither but its name in run")
         left = self.episodes
         for name in ("located", "front_attempts", "front_successes", "rear_attempts", "rear_successes"):
             count = getattr(self, name)

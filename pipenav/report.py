@@ -30,6 +30,9 @@ FILES = {
 WORST_PIPES = 8
 """Pipes in the list of the worst ones."""
 
+SHOWN_CORNERS = 5
+"""Corners of a run that are written out in a table."""
+
 MISSING = "-"
 
 
@@ -159,8 +162,7 @@ def _worst(pipes: Sequence[PipeRecord]) -> RenderableType:
     for record in shown:
         table.add_row(
             f"{record.diameter_mm:g}",
-            f"{record.angle_deg:g}",
-            record.turn,
+            *_corner_cells(record),
             _percent(record.success),
             _interval(*wilson(record.successes, record.episodes)),
             _number(record.mean_steps, 1),
@@ -194,7 +196,17 @@ def _table(title: str, numbers: Sequence[str], words: Sequence[str]) -> Table:
 
 def _worst_pipe(records: Sequence[PipeRecord]) -> str:
     worst = min(records, key=lambda record: record.success)
-    return f"{worst.angle_deg:g}° {worst.turn}: {_percent(worst.success)} %" if worst.success < 1 else MISSING
+    angle, turn = _corner_cells(worst)
+    where = turn.replace("-", " ") if worst.run else f"{angle}° {turn}"  # with places to break the line
+    return f"{where}: {_percent(worst.success)} %" if worst.success < 1 else MISSING
+
+
+def _corner_cells(record: PipeRecord) -> tuple[str, str]:
+    """Angle and turn of a corner; of a run its first corners as its name has them: the diameter stands beside."""
+    if record.run is not None:
+        corners = record.run.split("-")[2:]
+        return "run", "-".join(corners[:SHOWN_CORNERS]) + "-..." * (len(corners) > SHOWN_CORNERS)
+    return f"{record.angle_deg:g}", str(record.turn)
 
 
 def _weighted_mean(values: Sequence[tuple[float, int]]) -> float | None:

@@ -26,8 +26,15 @@ SINGLE_ANGLE_DODGE = 0.9
 """Sideways step [deg] between the diameters where all stand at one angle and would hide each other."""
 
 
+MOST_TICKS = 24
+"""Places along an axis that are all written on it."""
+
+CORNER_AXIS = "interior corner angle [deg] (smaller is sharper)"
+RUN_AXIS = "number of the run, in the order given"
+
+
 class Cell(NamedTuple):
-    """Episodes of one diameter and angle: how many there were, how many succeeded."""
+    """Episodes of one diameter and angle, or of one run: how many there were, how many succeeded."""
 
     successes: int
     episodes: int
@@ -74,15 +81,30 @@ def percent(share: float, decimals: int = 1) -> str:
 
 
 def pooled(pipes: Sequence[PipeRecord]) -> dict[float, Cell]:
-    """Episodes by angle [deg], ascending, turns together."""
-    angles = sorted({record.angle_deg for record in pipes})
-    groups = ([record for record in pipes if record.angle_deg == angle] for angle in angles)
-    cells = (Cell(sum(r.successes for r in group), sum(r.episodes for r in group)) for group in groups)
-    return dict(zip(angles, cells, strict=True))
+    """Episodes of single corners by angle [deg], ascending, turns together."""
+    cells: dict[float, Cell] = {}
+    for record in pipes:
+        if record.angle_deg is not None:
+            before = cells.get(record.angle_deg, Cell(0, 0))
+            cells[record.angle_deg] = Cell(before.successes + record.successes, before.episodes + record.episodes)
+    return dict(sorted(cells.items()))
+
+
+def run_cells(evaluation: Evaluation) -> dict[float, dict[float, Cell]]:
+    """Episodes in runs of corners, by diameter [mm], widest first, and by the run's number among all runs, from 1."""
+    runs = [record for record in evaluation.pipes if record.run is not None]
+    numbers = {id(record): number for number, record in enumerate(runs, 1)}
+    return {
+        diameter: {float(numbers[id(r)]): Cell(r.successes, r.episodes) for r in group}
+        for diameter, group in by_diameter(runs).items()
+    }
 
 
 def success_figure(evaluation: Evaluation) -> Figure:
-    """Success over the corner angle, one line per diameter with its Wilson 95 % band, left and right together."""
+    """Success over the corner angle, one line per diameter with its Wilson 95 % band, left and right together.
+
+    Runs of corners have no one angle: where nothing else was evaluated it is success over the run's number, as points.
+    """
     from matplotlib import colormaps
     from matplotlib.figure import Figure
     from matplotlib.ticker import MaxNLocator
@@ -90,7 +112,8 @@ def success_figure(evaluation: Evaluation) -> Figure:
     figure = Figure((9.0, 5.4), facecolor="white", layout="constrained")
     axes = figure.add_subplot()
     plain(axes)
-    lines = {diameter: pooled(records) for diameter, records in by_diameter(evaluation.pipes).items()}
+    corners = [record for record in evaluation.pipes if record.run is None]
+    lines = {d: pooled(records) for d, records in by_diameter(corners).items()} if corners else run_cells(evaluation)
     angles = sorted({angle for line in lines.values() for angle in line})
     shades = colormaps["viridis"]
     lowest = 1.0
@@ -100,20 +123,22 @@ def success_figure(evaluation: Evaluation) -> Figure:
         # Lines at 100 % cover each other: the first ones are the thicker, and stay visible below the later ones.
         weight = 1.0 + 1.2 * (1 - i / (len(lines) - 1)) if len(lines) > 1 else 1.0
         style = _Style(colour, MARKERS[i % len(MARKERS)], weight, dodge)
-        lowest = min(lowest, _draw_line(axes, f"{diameter:g} mm", line, style))
+        lowest = min(lowest, _draw_line(axes, f"{diameter:g} mm", line, style, joined=bool(corners)))
     floor = 5 * math.floor((100 * lowest - 2) / 5)
     bottom = floor if floor >= 50 else 0  # a cut axis shows small differences; it must not flatter a poor policy
     axes.set(ylim=(bottom - (100 - bottom) * 0.02, 100 + (100 - bottom) * 0.03), ylabel="success [%]")
     axes.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10], integer=True))
     margin = 0.025 * (angles[-1] - angles[0]) or 5.0
-    axes.set(xlabel="interior corner angle [deg] (smaller is sharper)", xlim=(angles[0] - margin, angles[-1] + margin))
-    if len(angles) <= 20:
+    label = CORNER_AXIS if corners else RUN_AXIS
+    axes.set(xlabel=label, xlim=(angles[0] - margin, angles[-1] + margin))
+    if len(angles) <= MOST_TICKS:
         axes.set_xticks(angles, [f"{angle:g}" for angle in angles])
     beside = (1.0, 0.5)
     axes.legend(title="pipe diameter", loc="center left", bbox_to_anchor=beside, frameon=False, labelcolor=INK)
-    given = {record.turn for record in evaluation.pipes}
-    turns = "left and right turns together" if len(given) > 1 else f"{given.pop()} turns"
-    _title(axes, "Success over the corner angle", evaluation, f"{turns}; Wilson 95 % intervals")
+    given = {record.turn for record in corners}
+    turns = "left and right turns together" if len(given) > 1 else f"{given.pop()} turns" if given else "runs"
+    title = "Success over the corner angle" if corners else "Success of every run"
+    _title(axes, title, evaluation, f"{turns}; Wilson 95 % intervals")
     return figure
 
 
@@ -126,16 +151,17 @@ class _Style(NamedTuple):
     dodge: float
 
 
-def _draw_line(axes: Axes, label: str, line: dict[float, Cell], style: _Style) -> float:
+def _draw_line(axes: Axes, label: str, line: dict[float, Cell], style: _Style, joined: bool) -> float:
     """One diameter; returns the lowest end of its intervals."""
     x = [angle + style.dodge for angle in line]
     share = [100 * cell.share for cell in line.values()]
     intervals = [wilson(*cell) for cell in line.values()]
     low, high = [100 * interval.low for interval in intervals], [100 * interval.high for interval in intervals]
-    if len(line) == 1:  # a band of no width would not be seen
-        error = [[share[0] - low[0]], [high[0] - share[0]]]
+    if len(line) == 1 or not joined:  # a band of no width would not be seen
+        error = [[y - end for y, end in zip(share, low, strict=True)]]
+        error += [[end - y for y, end in zip(share, high, strict=True)]]
         artist = axes.errorbar(x, share, error, color=style.colour, capsize=4, lw=1.6, label=label, clip_on=False)[0]
-        artist.set(marker=style.marker, markersize=7)
+        artist.set(marker=style.marker, markersize=7, linestyle="-" if joined else "")
     else:
         axes.fill_between(x, low, high, color=style.colour, alpha=0.09, linewidth=0)
         artist = axes.plot(x, share, color=style.colour, lw=1.6 * style.weight, label=label, clip_on=False)[0]
@@ -144,40 +170,51 @@ def _draw_line(axes: Axes, label: str, line: dict[float, Cell], style: _Style) -
 
 
 def map_figure(evaluation: Evaluation) -> Figure:
-    """Success by diameter and angle with the numbers in the cells, one panel for each turn."""
+    """Success by diameter and angle with the numbers in the cells, one panel for each turn and one for runs."""
     from matplotlib.figure import Figure
 
-    turns = [turn for turn in ("left", "right") if any(record.turn == turn for record in evaluation.pipes)]
-    angles = sorted({record.angle_deg for record in evaluation.pipes})
+    maps: dict[str, dict[float, dict[float, Cell]]] = {}
+    for turn in ("left", "right"):
+        groups = by_diameter([record for record in evaluation.pipes if record.turn == turn])
+        maps[f"{turn} turn"] = {diameter: pooled(group) for diameter, group in groups.items()}
+    angles = sorted({angle for cells in maps.values() for line in cells.values() for angle in line})
+    maps["runs"] = run_cells(evaluation)
+    numbers = sorted(number for line in maps["runs"].values() for number in line)
+    maps = {name: cells for name, cells in maps.items() if cells}
     rows = len(evaluation.diameters)
-    width, height = max(0.56 * len(angles) + 2.2, 6.5), len(turns) * (0.42 * rows + 0.75) + 1.2
+    columns = max(len(angles), len(numbers))
+    width, height = max(0.56 * columns + 2.2, 6.5), len(maps) * (0.42 * rows + 0.75) + 1.2 + 0.3 * ("runs" in maps)
     figure = Figure((width, height), facecolor="white", layout="constrained")
-    panels = figure.subplots(len(turns), 1, squeeze=False)[:, 0]
-    for turn, axes in zip(turns, panels, strict=True):
-        records = [record for record in evaluation.pipes if record.turn == turn]
-        image = _draw_map(axes, records, angles, [row.diameter_mm for row in evaluation.diameters])
-        axes.set_ylabel(f"{turn} turn\ndiameter [mm]", color=INK)
-    panels[-1].set_xlabel("interior corner angle [deg] (smaller is sharper)", color=INK)
-    bar = figure.colorbar(image, ax=list(panels), label="success [%]", fraction=0.05, pad=0.015, aspect=12 * len(turns))
+    panels = figure.subplots(len(maps), 1, squeeze=False)[:, 0]
+    for (name, cells), axes in zip(maps.items(), panels, strict=True):
+        places = numbers if name == "runs" else angles
+        image = _draw_map(axes, cells, places, [row.diameter_mm for row in evaluation.diameters])
+        axes.set_ylabel(f"{name}\ndiameter [mm]", color=INK)
+        if name == list(maps)[-1] or "runs" in maps:
+            axes.set_xlabel(RUN_AXIS if name == "runs" else CORNER_AXIS, color=INK)
+    bar = figure.colorbar(image, ax=list(panels), label="success [%]", fraction=0.05, pad=0.015, aspect=12 * len(maps))
     bar.outline.set_visible(False)
-    _title(panels[0], "Success by diameter and corner angle", evaluation, "percent of the episodes; empty: not run")
+    title = "Success by diameter and corner angle" if angles else "Success by diameter and run"
+    _title(panels[0], title, evaluation, "percent of the episodes; empty: not run")
     return figure
 
 
-def _draw_map(axes: Axes, records: Sequence[PipeRecord], angles: list[float], diameters: list[float]) -> AxesImage:
-    """One panel: rows are diameters, widest on top, columns are angles. Returns what a colour bar needs."""
-    shares = [[math.nan] * len(angles) for _ in diameters]
+def _draw_map(
+    axes: Axes, cells: dict[float, dict[float, Cell]], places: list[float], diameters: list[float]
+) -> AxesImage:
+    """One panel: rows are diameters, widest on top, columns are angles or runs. Returns what a colour bar needs."""
+    shares = [[math.nan] * len(places) for _ in diameters]
     colours = _map_colours()
-    for diameter, group in by_diameter(records).items():
-        for angle, cell in pooled(group).items():
-            row, column = diameters.index(diameter), angles.index(angle)
+    for diameter, line in cells.items():
+        for place, cell in line.items():
+            row, column = diameters.index(diameter), places.index(place)
             shares[row][column] = 100 * cell.share
             ink = "white" if _is_dark(colours(cell.share)) else INK
             axes.text(column, row, percent(cell.share, 0), ha="center", va="center", fontsize=9, color=ink)
     image = axes.imshow(shares, cmap=colours, vmin=0, vmax=100, aspect="auto")
-    axes.set_xticks(range(len(angles)), [f"{angle:g}" for angle in angles])
+    axes.set_xticks(range(len(places)), [f"{place:g}" for place in places])
     axes.set_yticks(range(len(diameters)), [f"{diameter:g}" for diameter in diameters])
-    axes.set_xticks([i - 0.5 for i in range(1, len(angles))], minor=True)
+    axes.set_xticks([i - 0.5 for i in range(1, len(places))], minor=True)
     axes.set_yticks([i - 0.5 for i in range(1, len(diameters))], minor=True)
     axes.grid(which="minor", color="white", linewidth=2)
     axes.tick_params(which="both", length=0, labelcolor=INK, labelsize=9)

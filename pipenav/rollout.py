@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipenav import kinematics
+from pipenav.any_pipe import AnyPipe
 from pipenav.backend import Backend
 from pipenav.controller import Controller
 from pipenav.episode_runner import random_start
@@ -97,7 +98,7 @@ def record(stage: Stage, backend: Backend, header: TrajectoryHeader, start: Arra
 
 
 def record_task(
-    controller: Controller, name: str, pipe: Pipe, seed: int, episode: int, simulator: Simulator
+    controller: Controller, name: str, pipe: AnyPipe, seed: int, episode: int, simulator: Simulator
 ) -> Trajectory:
     """A controller's task: the episode that an evaluation with this seed runs as its number `episode` in this pipe.
 

@@ -16,6 +16,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from pipenav.any_pipe import single_corner
 from pipenav.errors import PipenavError
 from pipenav.pipe import Pipe
 from pipenav.policy import Policy
@@ -135,15 +136,20 @@ class SequenceController:
         return [course.phase for course in self._courses]
 
     def act(self, observation: Array, batch: TaskBatch) -> Array:
-        """Canonical actions in [-1, 1], (n, drives)."""
+        """Canonical actions in [-1, 1], (n, drives).
+
+        Raises:
+            PipenavError: a pipe is a run of several corners.
+        """
         assert isinstance(batch, TraverseBatch)  # its task is no other
         if len(self._courses) != batch.n:
             self._courses = [_Course() for _ in range(batch.n)]
         points, along = batch.points, batch.along
         actions = np.zeros((batch.n, len(self.robot.drives)))
-        for i, pipe in enumerate(batch.pipes):
-            if pipe is None:
+        for i, given in enumerate(batch.pipes):
+            if given is None:
                 continue
+            pipe = single_corner(given)
             if batch.steps[i] == 0:
                 self._courses[i] = _Course()
             bends = batch.q[i, -len(self.robot.joints) :] * pipe.side

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Annotated, Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Discriminator, Tag
 
+from pipenav.any_pipe import AnyPipe
 from pipenav.batch import CornerBatch, StepResult
 from pipenav.errors import PipenavError
-from pipenav.pipe import Pipe
+from pipenav.pipe_set import parse_pipes
 from pipenav.robot import RobotSpec
 from pipenav.task import action, episode
 from pipenav.task import observation as corner_observation
@@ -41,8 +42,12 @@ class TaskBatch(Protocol):
 
     robot: RobotSpec
     n: int
-    pipes: list[Pipe | None]
     steps: NDArray[np.intp]
+
+    @property
+    def pipes(self) -> Sequence[AnyPipe | None]:
+        """The pipe of each robot."""
+        ...
 
     @property
     def observation_size(self) -> int: ...
@@ -77,6 +82,7 @@ class Kind(NamedTuple):
 
     Attributes:
         stage: name of the part of a passage that it is.
+        parse: pipes that it can be done in, as a person names them.
         check_robot: refuses a robot that cannot do it; takes the robot alone.
         layout: parts of the observation.
         action_scale: what a full action is, (drives,).
@@ -85,6 +91,7 @@ class Kind(NamedTuple):
     """
 
     stage: Literal["front", "traverse"]
+    parse: Callable[[Sequence[str]], Sequence[AnyPipe]]
     check_robot: Callable[[RobotSpec], None]
     layout: Callable[..., list[Part]]
     action_scale: Callable[..., Array]
@@ -94,10 +101,17 @@ class Kind(NamedTuple):
 
 KINDS: dict[type, Kind] = {
     TaskConfig: Kind(
-        "front", episode.check_robot, corner_observation.layout, action.full_action, episode.sample, CornerBatch
+        "front",
+        parse_pipes,
+        episode.check_robot,
+        corner_observation.layout,
+        action.full_action,
+        episode.sample,
+        CornerBatch,
     ),
     TraverseConfig: Kind(
         "traverse",
+        start.parse_planar,
         start.check_robot,
         traverse_observation.layout,
         traverse_observation.action_scale,

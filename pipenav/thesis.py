@@ -48,7 +48,7 @@ def thesis_best(control: str, robot: str = "basic", phase: str = "front") -> dic
     return best
 
 
-def is_thesis_set(angles_deg: Iterable[float]) -> bool:
+def is_thesis_set(angles_deg: Iterable[float | None]) -> bool:
     """Whether these are the thesis's angles, so that a mean over them can be compared with its figures."""
     return set(angles_deg) == set(ANGLES_DEG)
 

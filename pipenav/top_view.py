@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipenav import kinematics, laser
+from pipenav.any_pipe import AnyPipe
 from pipenav.drafting import INK
 from pipenav.outline import link_outlines
-from pipenav.pipe import Pipe
 from pipenav.pipe_drawing import draw_walls
 from pipenav.robot import RobotSpec
 from pipenav.trajectory import Trajectory
@@ -52,7 +52,7 @@ class Scene(NamedTuple):
         link_forces: forces of the pipe on the links, (links, 2) [N]; None where they are not known.
     """
 
-    pipe: Pipe
+    pipe: AnyPipe
     robot: RobotSpec
     base: float
     q: Array
@@ -103,7 +103,7 @@ def _draw_beams(axes: Axes, scene: Scene, tip: Array, heading: float) -> None:
     axes.plot(*met.T, ".", color=BEAM, markersize=4.5, zorder=4)
 
 
-def contact_point(polygons: list[Array], pipe: Pipe) -> Array:
+def contact_point(polygons: list[Array], pipe: AnyPipe) -> Array:
     """The point of a link that is nearest to a wall, (2,) [m]: a corner of the link, or where a wall's edge is.
 
     Args:

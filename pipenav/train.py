@@ -13,7 +13,6 @@ from stable_baselines3.common.logger import configure
 from pipenav import resume
 from pipenav.batch import random_episodes
 from pipenav.disturbed import disturbed
-from pipenav.pipe_set import parse_pipes
 from pipenav.registry import open_backend
 from pipenav.robot import load_robot
 from pipenav.run_folder import RunFolder
@@ -53,13 +52,13 @@ def train(
     """
     torch.set_num_threads(1)  # physics has the cores; torch on one thread is 1.3 times faster for nets this small
     robot = load_robot(config.robot)
-    sets = [parse_pipes([name]) for name in config.pipes]
+    kind = kind_of(config.task)
+    sets = [kind.parse([name]) for name in config.pipes]
     n = config.learner.robots
     segments = max(len(pipe.segments) for pipes in sets for pipe in pipes)
     rng = np.random.default_rng(config.seed)
     simulator = open_backend(config.backend, robot, n, config.options, segments)
     backend = disturbed(simulator, robot, n, config.randomise, config.seed)
-    kind = kind_of(config.task)
     source = random_episodes(robot, config.randomise.starts(config.task), sets, rng, EPISODE_STOCK, kind.sample)
     batch = kind.batch(robot, config.task, backend, n, source)
     env = TaskVecEnv(batch)

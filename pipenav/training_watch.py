@@ -17,13 +17,13 @@ from pipenav.controller import PolicyController
 from pipenav.errors import PipenavError
 from pipenav.files import atomic_write
 from pipenav.passage import run_task
-from pipenav.pipe_set import parse_pipes
 from pipenav.policy import load_policy, save_policy
 from pipenav.policy_header import PolicyHeader, header_for
 from pipenav.report import write_training_plot
 from pipenav.robot import load_robot
 from pipenav.run_folder import RunFolder
 from pipenav.task.episode import Verdict
+from pipenav.tasks import kind_of
 from pipenav.train_config import TrainConfig
 
 NOISE_SETTLED = 0.9
@@ -189,7 +189,7 @@ class Watch(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3 is importe
     def _measure(self) -> float:
         """Success of the noise-free policy on episodes spread evenly over the training pipes."""
         check = self._config.check
-        pipes = parse_pipes(self._config.pipes)
+        pipes = kind_of(self._config.task).parse(self._config.pipes)
         chosen = [pipes[i] for i in np.linspace(0, len(pipes) - 1, min(check.episodes, len(pipes))).astype(int)]
         each = math.ceil(check.episodes / len(chosen))
         seed = self._config.seed + CHECK_SEED

@@ -18,17 +18,22 @@ from pydantic import (
     BaseModel,
     BeforeValidator,
     ConfigDict,
+    Discriminator,
     Field,
     JsonValue,
     PlainSerializer,
+    Tag,
     ValidationError,
 )
 
+from pipenav.any_pipe import AnyPipe, single_corner
 from pipenav.backend import CONTROL_PERIOD
 from pipenav.errors import FileProblem, PipenavError
 from pipenav.files import atomic_write
 from pipenav.pipe import Pipe
 from pipenav.pipe_export import FIELD_KEYS
+from pipenav.pipe_run import PipeRun
+from pipenav.pipe_run_export import run_fields, run_keys
 from pipenav.robot import RobotSpec, load_robot
 from pipenav.task.episode import Verdict
 
@@ -76,17 +81,29 @@ def _known_verdict(outcome: str | None) -> str | None:
 
 
 def _pipe_of_keys(given: Any) -> Any:
-    """The keys of pipe.json as those of `Pipe`."""
+    """The keys of pipe.json as those of `Pipe`, those of run.json as those of `PipeRun`."""
     if not isinstance(given, Mapping):
         return given
+    if "corners" in given:
+        return run_fields(given)
     ours = {key: name for name, key in FIELD_KEYS.items()}
     return {ours.get(key, key): value for key, value in given.items()}
 
 
+def _keys_of_pipe(pipe: AnyPipe) -> dict[str, Any]:
+    return (
+        run_keys(pipe) if isinstance(pipe, PipeRun) else {key: getattr(pipe, name) for name, key in FIELD_KEYS.items()}
+    )
+
+
+def _tag(given: Any) -> str:
+    return "<run>" if isinstance(given, PipeRun) or (isinstance(given, Mapping) and "corners" in given) else "<corner>"
+
+
 PipeInFile = Annotated[
-    Pipe,
+    Annotated[Annotated[Pipe, Tag("<corner>")] | Annotated[PipeRun, Tag("<run>")], Discriminator(_tag)],
     BeforeValidator(_pipe_of_keys),
-    PlainSerializer(lambda pipe: {key: getattr(pipe, name) for name, key in FIELD_KEYS.items()}),
+    PlainSerializer(_keys_of_pipe),
 ]
 
 
@@ -96,7 +113,7 @@ class TrajectoryHeader(BaseModel):
     Attributes:
         schema_version: version of the format; the key is `schema`.
         robot: its name.
-        pipe: under the keys of pipe.json.
+        pipe: under the keys of pipe.json, or of run.json.
         base_m: x of the robot's frame in the pipe's frame [m].
         goal_m: the target in the pipe's frame [m]; None where there is none.
         stage: the part of a passage that this is.
@@ -143,7 +160,8 @@ class Trajectory:
 
     @property
     def motion(self) -> Motion:
-        return Motion(self.header.pipe, self.header.base_m, self.q)
+        """Raises PipenavError in a run of corners."""
+        return Motion(single_corner(self.header.pipe), self.header.base_m, self.q)
 
     @property
     def time(self) -> Array:
@@ -236,7 +254,7 @@ def _header(path: Path, text: str) -> TrajectoryHeader:
         header = TrajectoryHeader.model_validate_json(text)
     except ValidationError as error:
         first = error.errors()[0]
-        key = ".".join(str(part) for part in first["loc"]) or "the header"
+        key = ".".join(str(part) for part in first["loc"] if part not in ("<corner>", "<run>")) or "the header"
         given = f", given {first['input']!r}" if isinstance(first["input"], str | int | float | bool) else ""
         message = str(first["msg"]).removeprefix("Value error, ")
         raise TrajectoryFileError(path, f"line 1: {key}: {message[0].lower()}{message[1:]}{given}") from error

@@ -127,8 +127,8 @@ def test_names_of_sets_are_told_apart() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("runs-levle", "unknown set of runs 'runs-levle': did you mean 'runs-level'"),
-        ("thesi", "unknown set of runs 'thesi': did you mean 'thesis'"),
+        ("runs-levle", "unknown set of pipes or runs 'runs-levle': did you mean 'runs-level'"),
+        ("thesi", "unknown set of pipes or runs 'thesi': did you mean 'thesis'"),
         ("runs-level:0", "'runs-level:0' names no run of the set: write a number from 1 to 24 after the colon."),
         ("runs-level:x", "write a number from 1 to 24"),
         ("no-such.toml", "cannot read no-such.toml: No such file or directory."),

@@ -19,6 +19,7 @@ PIPE_KEYS = {
     "diameter_mm",
     "angle_deg",
     "turn",
+    "run",
     "episodes",
     "located",
     "front_attempts",
@@ -37,7 +38,7 @@ PIPE_KEYS = {
 """What other programs rely on."""
 
 
-def pipe(diameter: float = 90, angle: float = 60, successes: int = 9, **facts: Any) -> PipeRecord:
+def pipe(diameter: float = 90, angle: float | None = 60, successes: int = 9, **facts: Any) -> PipeRecord:
     defaults = {"turn": "left", "episodes": 10, "front_attempts": 10, "front_successes": successes}
     return PipeRecord(diameter_mm=diameter, angle_deg=angle, **{**defaults, **facts})
 
@@ -121,6 +122,9 @@ def test_added_keys_do_not_stop_a_reader(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "facts",
     [
+        {"angle": None},
+        {"turn": None},
+        {"run": "run-d90-L60"},
         {"front_attempts": 11},
         {"front_successes": 11},
         {"located": 9},

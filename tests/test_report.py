@@ -59,7 +59,30 @@ WHOLE = evaluation(
         record(90, 75, located=9, front_attempts=9, failures={"not located": 1}, rear_attempts=8, rear_successes=8),
     ]
 )
-CASES = {"grid": GRID, "bare": BARE, "whole": WHOLE, "perfect": evaluation([record(90, 60, successes=10)])}
+RUNS = evaluation(
+    [
+        PipeRecord(
+            diameter_mm=d,
+            angle_deg=None,
+            turn=None,
+            run=f"run-d{d:g}-{corners}",
+            episodes=4,
+            front_attempts=4,
+            front_successes=passed,
+            failures={"limit": 4 - passed},
+        )
+        for d, corners, passed in ((70, "R65-L70-R100-R55-L110", 1), (120, "-".join(["R120"] * 50), 3), (70, "L90", 2))
+    ]
+)
+MIXED = evaluation([record(90, 60), *RUNS.pipes])
+CASES = {
+    "grid": GRID,
+    "bare": BARE,
+    "whole": WHOLE,
+    "runs": RUNS,
+    "mixed": MIXED,
+    "perfect": evaluation([record(90, 60, successes=10)]),
+}
 
 
 def shown(case: Evaluation) -> str:
@@ -145,6 +168,17 @@ def test_pictures_pool_turns_or_separate_them() -> None:
     panels = [axes for axes in cells.axes if axes.texts and axes.images]
     assert [axes.get_ylabel().split()[0] for axes in panels] == ["left", "right"]
     assert sum(text.get_text() == "70" for text in panels[0].texts) == 15
+
+
+def test_runs_stand_apart_from_corners_by_their_number() -> None:
+    assert [text.get_text() for text in success_figure(RUNS).axes[0].get_xticklabels()] == ["1", "2", "3"]
+    assert [text.get_text() for text in success_figure(MIXED).axes[0].get_xticklabels()] == ["60"]
+    panels = [axes for axes in map_figure(MIXED).axes if axes.texts and axes.images]
+    assert [axes.get_ylabel().split()[0] for axes in panels] == ["left", "runs"]
+    assert sorted(text.get_text() for text in panels[1].texts) == ["25", "50", "75"]
+    assert "R65-L70-R100-R55-L110" in shown(RUNS)
+    assert RUNS.diameters[1].front_success == pytest.approx(3 / 8)
+    assert RUNS.diameters[1].thesis_percent is None
 
 
 @pytest.mark.parametrize(

@@ -97,7 +97,7 @@ def test_the_way_is_the_pipes_centre_line(seed: int) -> None:
 def test_left_and_right_are_seen_and_driven_alike() -> None:
     left = episodes(pipes=[Pipe.of(90, 75), Pipe.of(110, 110)], seed=3)
     mirrored = tuple(pipe.model_copy(update={"turn": "right"}) for pipe in left.pipes)
-    right = left._replace(pipes=mirrored, q=left.q * ROBOT.mirror_coordinates, side=-left.side)
+    right = left._replace(pipes=mirrored, q=left.q * ROBOT.mirror_coordinates)
     rng = np.random.default_rng(0)
     with batch(left) as one, batch(right) as other:
         for _ in range(6):
@@ -172,7 +172,9 @@ class Course:
         zero = np.zeros(1)
         truth = Truth(np.zeros((1, 3)), zero, np.array([depth]), zero, np.zeros((1, 7, 2)))
         self._steps += 1
-        self.facts, verdict = self._judge.step(self._steps, along, np.array([0.1]), reading, truth)
+        self.facts, verdict = self._judge.step(
+            self._steps, np.array([self.config.max_steps]), along, np.array([0.1]), reading, truth
+        )
         return Verdict(verdict[0])
 
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import csv
 import json
 from pathlib import Path
 
 import pytest
 from command import run
 
+from pipenav.errors import PipenavError
+from pipenav.pipe_run_set import parse_runs
 from pipenav.policy import load_policy
 from pipenav.records import read_evaluation
 from pipenav.robot import load_robot
@@ -23,6 +26,7 @@ TINY = {
     "check.episodes": 1,
     "task.max_steps": 12,
 }
+RUN = [(90, "left"), (75, "right")]
 
 
 @pytest.fixture(scope="module")
@@ -76,6 +80,49 @@ def test_a_view_is_the_evaluations_episode_and_can_be_read_again(trained: Path, 
     assert run("mirror-rear", "--trajectory", str(table), "--out", str(tmp_path / "rear.csv")) == 1
 
 
+def test_an_evaluation_names_runs_beside_corners(trained: Path, tmp_path: Path) -> None:
+    mine = tmp_path / "mine.toml"
+    corners = "".join(f'[[corners]]\nangle_deg = {angle}\nturn = "{turn}"\n' for angle, turn in RUN)
+    mine.write_text(f"schema = 1\ndiameter_mm = 100\n{corners}", encoding="utf-8")
+    args = ("--pipes", "runs-level:3", "--pipes", str(mine), "--pipes", "d=90,angle=80", "--episodes", "1")
+    assert run("eval", "--policy", str(trained / "best.zip"), *args, "--out", str(tmp_path / "eval")) == 0
+    found = read_evaluation(tmp_path / "eval")
+    names = [parse_runs(["runs-level:3"])[0].name, "run-d100-L90-R75", None]
+    assert [(record.run, record.angle_deg, record.turn) for record in found.pipes] == [
+        (names[0], None, None),
+        (names[1], None, None),
+        (None, 80.0, "left"),
+    ]
+    assert [record.failures for record in found.pipes] == [{"timeout": 1}] * 3
+    assert [row.diameter_mm for row in found.diameters] == [100.0, 90.0]
+    rows = list(csv.DictReader((tmp_path / "eval" / "eval.csv").open(encoding="utf-8")))
+    assert [row["run"] for row in rows] == [*names[:2], ""]
+    assert {row["angle_deg"] for row in rows[:2]} == {""}
+
+
+def test_a_view_of_a_run_can_be_read_again_and_has_no_rear_half(trained: Path, tmp_path: Path) -> None:
+    table, picture = tmp_path / "run.csv", tmp_path / "run.png"
+    args = ("--pipes", "runs-level:3", "--out", str(table), "--out", str(picture))
+    assert run("view", "--policy", str(trained / "best.zip"), *args) == 0
+    way = read_trajectory(table)
+    assert way.header.pipe == parse_runs(["runs-level:3"])[0]
+    assert len(way.q) == 1 + 5 * TINY["task.max_steps"]  # type: ignore[operator]  # twelve steps for each corner
+    assert run("view", "--trajectory", str(table), "--out", str(tmp_path / "again.png")) == 0
+    assert (tmp_path / "again.png").stat().st_size == pytest.approx(picture.stat().st_size, rel=0.1)
+    assert run("mirror-rear", "--trajectory", str(table), "--out", str(tmp_path / "rear.csv")) == 1
+    broken = table.read_text(encoding="utf-8").replace('"diameter_m": 0.09', '"diameter_m": "wide"')
+    table.write_text(broken, encoding="utf-8")
+    with pytest.raises(PipenavError, match=r"line 1: pipe\.diameter: input should be a valid number, given 'wide'"):
+        read_trajectory(table)
+
+
+def test_runs_can_be_trained_in(tmp_path: Path) -> None:
+    settings = [part for key, value in TINY.items() for part in ("--set", f"{key}={value}")]
+    args = ("train", "--preset", "pirate", "--steps", "64", "--set", 'pipes=["runs-level", "d=90,angle=90"]')
+    assert run(*args, "--out", str(tmp_path / "run"), *settings) == 0
+    assert load_policy(tmp_path / "run" / "best.zip").header.task.kind == "traverse"
+
+
 @pytest.mark.parametrize(
     ("args", "said"),
     [
@@ -83,6 +130,8 @@ def test_a_view_is_the_evaluations_episode_and_can_be_read_again(trained: Path, 
         (["train", "--robot", "pirate"], "robot 'pirate' stands free"),
         (["train", "--preset", "pirate", "--set", "task.alfa=1"], "did you mean 'task.alpha'"),
         (["eval", "--policy", "arm", "--stage", "traverse"], "reaches a target around the corner"),
+        (["train", "--preset", "pirate", "--pipes", "runs-rolled"], "leaves the plane, in which the robot moves"),
+        (["eval", "--policy", "arm", "--pipes", "runs-level"], "unknown pipe set 'runs-level'"),
         (["eval", "--stage", "locate", "--robot", "pirate"], "drives a slide followed by hinges"),
         (["eval", "--policy", "baseline:centreline", "--robot", "pirate"], "drives a slide followed by hinges"),
     ],

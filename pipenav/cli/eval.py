@@ -32,7 +32,10 @@ def evaluate(
     ] = None,
     backend: Annotated[str, typer.Option(help="Simulator backend; see `pipenav backends`.")] = "mujoco",
     pipes: Annotated[
-        list[str] | None, typer.Option(help="Shipped set, FILE.toml or d=90,angle=60[,turn=right]; repeatable.")
+        list[str] | None,
+        typer.Option(
+            help="Shipped set, FILE.toml or d=90,angle=60[,turn=right], of a whole robot runs too; repeatable."
+        ),
     ] = None,
     episodes: Annotated[int, typer.Option(min=1, help="Episodes per pipe.")] = 20,
     seed: Annotated[int, typer.Option(min=0, help="Seed of starts and targets.")] = 0,
@@ -67,6 +70,8 @@ def evaluate(
         pipenav eval --policy pirate --pipes d=70,angle=60
 
         pipenav eval --policy baseline:sequence --pipes d=90,angle=90
+
+        pipenav eval --policy pirate --pipes runs-level
 
         pipenav eval --policy arm --disturb real-world
     """

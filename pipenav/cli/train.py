@@ -95,13 +95,13 @@ def _prepare(
 
 def _check_names(config: TrainConfig) -> None:
     """Refuse unknown names, and a robot or a backend that cannot do it, before a folder is made for them."""
-    from pipenav.pipe_set import parse_pipes
     from pipenav.registry import check_options, load_backend
     from pipenav.robot import load_robot
     from pipenav.tasks import kind_of
 
-    kind_of(config.task).check_robot(load_robot(config.robot))
-    parse_pipes(config.pipes)
+    kind = kind_of(config.task)
+    kind.check_robot(load_robot(config.robot))
+    kind.parse(config.pipes)
     check_options(config.backend, load_backend(config.backend), config.options)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, cast
@@ -14,13 +14,14 @@ from pipenav.errors import PipenavError
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from pipenav.any_pipe import AnyPipe
     from pipenav.film import Progress
     from pipenav.locate import Variant
-    from pipenav.pipe import Pipe
     from pipenav.rollout import Simulator
     from pipenav.trajectory import Trajectory
 
-    Recorder = Callable[[Pipe, int, Simulator], Trajectory]
+    Record = Callable[[AnyPipe, int, Simulator], Trajectory]
+    Parse = Callable[[Sequence[str]], Sequence[AnyPipe]]
 
 TABLE = ".csv"
 DEFAULT_PIPE = "d=90,angle=60"
@@ -40,7 +41,7 @@ def view(
     ] = None,
     pipes: Annotated[
         list[str] | None,
-        typer.Option(help=f"Pipe set, FILE.toml or d=90,angle=60[,turn=right]; repeatable. Default: {DEFAULT_PIPE}."),
+        typer.Option(help=f"Pipe set, runs-level:3, FILE.toml or d=90,angle=60; repeatable. Default: {DEFAULT_PIPE}."),
     ] = None,
     backend: Annotated[str, typer.Option(help="Simulator backend; see `pipenav backends`.")] = "mujoco",
     robot: Annotated[
@@ -70,6 +71,8 @@ def view(
 
         pipenav view --behaviour locate:map --robot high-fidelity --pipes d=70,angle=120
 
+        pipenav view --policy pirate --pipes runs-level:3 --out run.gif
+
         pipenav view --policy baseline:centreline --live
     """
     from rich.console import Console
@@ -84,8 +87,8 @@ def view(
         if trajectory:
             shown = _read(trajectory, robot, simulator if live else None)
         else:
-            recorder = _policy(policy, robot, seed) if policy else _locating(behaviour or "", robot, seed)
-            shown = [recorder(pipe, episode, simulator) for pipe in _few_pipes(pipes or [DEFAULT_PIPE])]
+            parse, record = _policy(policy, robot, seed) if policy else _locating(behaviour or "", robot, seed)
+            shown = [record(pipe, episode, simulator) for pipe in _few(parse(pipes or [DEFAULT_PIPE]))]
         for one in shown:
             console.print(_sentence(one), highlight=False)
     for path in paths or ([] if live else [Path(f"view-{shown[0].header.pipe.name}.png")]):
@@ -131,30 +134,38 @@ def _simulator(backend: str, options: list[str], live: bool) -> Iterator[Simulat
         yield Simulator(backend, parsed, window)
 
 
-def _few_pipes(given: list[str]) -> list[Pipe]:
+def _few(pipes: Sequence[AnyPipe]) -> Sequence[AnyPipe]:
     from pipenav.film import MAX_ROWS
-    from pipenav.pipe_set import parse_pipes
 
-    pipes = parse_pipes(given)
     if len(pipes) > MAX_ROWS:
         raise PipenavError(f"{len(pipes)} pipes are too many to look at: name at most {MAX_ROWS}.")
     return pipes
 
 
-def _policy(name: str, robot: str | None, seed: int) -> Recorder:
+def _policy(name: str, robot: str | None, seed: int) -> tuple[Parse, Record]:
     from pipenav.controller import open_controller
     from pipenav.rollout import record_task
+    from pipenav.tasks import kind_of
 
     controller = open_controller(name, robot, seed)
-    return lambda pipe, episode, simulator: record_task(controller, name, pipe, seed, episode, simulator)
+    return kind_of(controller.task).parse, lambda pipe, episode, simulator: record_task(
+        controller, name, pipe, seed, episode, simulator
+    )
 
 
-def _locating(behaviour: str, robot: str | None, seed: int) -> Recorder:
+def _locating(behaviour: str, robot: str | None, seed: int) -> tuple[Parse, Record]:
+    from pipenav.any_pipe import single_corner
+    from pipenav.pipe_set import parse_pipes
     from pipenav.robot import load_robot
     from pipenav.rollout import record_locate
 
     spec, variant = load_robot(robot or "basic"), cast("Variant", behaviour.removeprefix("locate:"))
-    return lambda pipe, episode, simulator: record_locate(spec, variant, pipe, seed, episode, simulator).trajectory
+    return (
+        parse_pipes,
+        lambda pipe, episode, simulator: (
+            record_locate(spec, variant, single_corner(pipe), seed, episode, simulator).trajectory
+        ),
+    )
 
 
 def _read(paths: list[Path], robot: str | None, simulator: Simulator | None) -> list[Trajectory]:

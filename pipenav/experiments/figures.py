@@ -121,7 +121,7 @@ def _by_angle(evaluation: Evaluation, phase: Phase, diameter: float) -> dict[flo
     counts: dict[float, tuple[int, int]] = {}
     for record in evaluation.pipes:
         successes, attempts = _counts(record, phase)
-        if record.diameter_mm == diameter and attempts:
+        if record.diameter_mm == diameter and record.angle_deg is not None and attempts:
             before = counts.get(record.angle_deg, (0, 0))
             counts[record.angle_deg] = before[0] + successes, before[1] + attempts
     return {angle: successes / attempts for angle, (successes, attempts) in counts.items()}

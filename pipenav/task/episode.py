@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pipenav.any_pipe import AnyPipe
 from pipenav.errors import PipenavError
 from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
@@ -102,7 +103,7 @@ START_CLEARANCE = 0.002
 """Least room between the robot and the wall at the start [m]."""
 
 
-def check_fits(robot: RobotSpec, pipes: Sequence[Pipe]) -> None:
+def check_fits(robot: RobotSpec, pipes: Sequence[AnyPipe]) -> None:
     """Refuse pipes in which the robot cannot lie straight.
 
     Raises:

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from pipenav import backend, kinematics, laser
+from pipenav.any_pipe import AnyPipe
 from pipenav.backend import CONTROL_PERIOD, Backend
 from pipenav.errors import PipenavError
-from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
 from pipenav.state import Command, Reading, Truth
 
@@ -38,7 +38,7 @@ class KinematicBackend(Backend):
         self._time, self._base = np.zeros(n), np.zeros(n)
         self._segments = np.full((n, wall_segments, 2, 2), np.inf)
 
-    def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> Reading:
+    def reset(self, robots: NDArray[np.intp], pipes: Sequence[AnyPipe], q: Array, base: Array) -> Reading:
         slots = self._segments.shape[1]
         for i, pipe in zip(robots, pipes, strict=True):
             count = len(pipe.segments)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipenav import kinematics
+from pipenav.any_pipe import AnyPipe
 from pipenav.backend import Backend, Inclinable
 from pipenav.batch import StepResult
 from pipenav.errors import PipenavError
@@ -22,6 +23,9 @@ from pipenav.traverse.start import TraverseEpisodes, check_robot
 from pipenav.traverse.way import Ways, waypoints
 
 Array = NDArray[np.float64]
+ANYWHERE = Pipe.of(100, 90)
+"""Where robots are thought to be before they are first put into pipes."""
+
 TraverseSource = Callable[[NDArray[np.intp]], TraverseEpisodes]
 """Given the robots that start anew, their next episodes."""
 
@@ -42,10 +46,11 @@ class TraverseBatch:
         self.robot, self.config, self.n = robot, config, n
         self._backend, self._source = backend, source
         self._scale = np.concatenate([part.scale for part in observation.layout(robot, config)])
-        self.pipes: list[Pipe | None] = [None] * n
+        self.pipes: list[AnyPipe | None] = [None] * n
         self.steps, self._ages = np.zeros(n, int), np.zeros(n, int)
         self._side, self._base = np.ones(n), np.zeros(n)
-        self._ways = Ways(np.tile([1.0, 0.0], (n, 1)), np.zeros(n))
+        self._ways = Ways.of([ANYWHERE] * n)
+        self._corner = np.zeros(n, np.intp)
         self._judge = Judge(robot, config, n)
         self._action, self._q = np.zeros((n, len(robot.drives))), np.zeros((n, robot.coordinates))
         self._set_points = np.zeros((n, len(robot.joints)))
@@ -86,12 +91,12 @@ class TraverseBatch:
         for i, pipe in zip(robots, episodes.pipes, strict=True):
             self.pipes[i] = pipe
         self.steps[robots], self._ages[robots] = self._ages[robots], 0
-        self._side[robots], self._base[robots] = episodes.side, episodes.base
-        self._action[robots], self._q[robots] = 0.0, episodes.q
+        self._base[robots], self._q[robots], self._action[robots] = episodes.base, episodes.q, 0.0
         self._set_points[robots] = reading.q + self.config.start_press * np.sign(reading.q)
-        self._ways.put(robots, Ways.of(episodes.pipes))
+        self._ways, self._corner[robots] = self._ways.put(robots, Ways.of(episodes.pipes)), 0
+        self._side[robots] = self._ways.side[robots, 0]
         self._judge.start(robots, self.along[robots])
-        observed = observation.observe(self.robot, reading, self._action[robots], episodes.side)
+        observed = observation.observe(self.robot, reading, self._action[robots], self._side[robots])
         self._observation = self._observation.copy()
         self._observation[robots] = observed / self._scale
         return self._observation
@@ -116,7 +121,10 @@ class TraverseBatch:
         if truth is None:
             raise TypeError("the traverse task needs a simulator: this backend knows no truth")
         self._place(reading, truth)
-        facts, verdict = self._judge.step(self.steps, self.along, self._ways.end, reading, truth)
+        along, every, last = self.along, np.arange(self.n), self._ways.corners - 1
+        limit, end = self.config.max_steps * (last + 1), self._ways.end[every, last]
+        facts, verdict = self._judge.step(self.steps, limit, along, end, reading, truth)
+        self._go_on(along[:, 0])
         observed = observation.observe(self.robot, reading, self._action, self._side)
         self._observation = observed / self._scale
         gained = reward(self.config.reward, facts)
@@ -131,3 +139,14 @@ class TraverseBatch:
         tip = truth.tip.copy()
         tip[:, 0] -= self._base
         self._q = kinematics.configuration(self.robot, reading.q, tip)
+
+    def _go_on(self, tail: Array) -> None:
+        """The corner that a robot is in is the first one through which its tail (n,) has not come; never one before.
+
+        With the corner its side may change, and what is seen and done from there on is mirrored.
+        """
+        done = (tail[:, None] >= self._ways.end + self.config.through) & (self._ways.side != 0)
+        self._corner = np.maximum(self._corner, np.minimum(done.sum(axis=1), self._ways.corners - 1))
+        side = self._ways.side[np.arange(self.n), self._corner]
+        self._action = observation.seen_from(self.robot, self._action, side * self._side)
+        self._side = side

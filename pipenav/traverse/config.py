@@ -43,7 +43,9 @@ class TraverseConfig(_Table):
         description="set-point change of a bending joint at a full action, and how far set-points may be from where "
         "joints are [rad]; more than full_drive_error, so that a policy can ask for all of a joint's effort",
     )
-    max_steps: int = Field(300, ge=1, description="control steps until an episode times out; a passage takes 70 to 100")
+    max_steps: int = Field(
+        300, ge=1, description="control steps for each corner until an episode times out; a passage takes 70 to 100"
+    )
     patience: int = Field(
         100, ge=1, description="control steps without an advance after which an episode counts as stuck"
     )

@@ -59,14 +59,21 @@ class Judge:
         self._waited[robots], self._rolled[robots] = 0, 0.0
 
     def step(
-        self, steps: NDArray[np.intp], along: Array, end: Array, reading: Reading, truth: Truth
+        self,
+        steps: NDArray[np.intp],
+        limit: NDArray[np.intp],
+        along: Array,
+        end: Array,
+        reading: Reading,
+        truth: Truth,
     ) -> tuple[Facts, NDArray[np.int8]]:
         """What one control step brought, and a `Verdict` for each robot, (n,).
 
         Args:
             steps: control steps of each episode, (n,).
+            limit: how many it may take, (n,).
             along: where the way points are along the pipe, the rear end's first, (n, points) [m].
-            end: where the corner ends, (n,) [m].
+            end: where the last corner ends, (n,) [m].
             reading: what the sensors give.
             truth: what the simulator knows.
         """
@@ -82,7 +89,7 @@ class Judge:
         sank = truth.penetration > config.max_penetration
         back = middle < self._furthest - config.slide_back * self._robot.length
         passed = (along[:, 0] >= end + config.through) & ~sank
-        verdict = np.where(steps >= config.max_steps, Verdict.TIMEOUT.value, Verdict.RUNNING.value)
+        verdict = np.where(steps >= limit, Verdict.TIMEOUT.value, Verdict.RUNNING.value)
         stuck = self._waited >= config.patience
         verdict[stuck] = self._why_stuck(along, reading)[stuck]
         verdict[passed] = Verdict.REACHED.value

@@ -52,6 +52,18 @@ def drive_signs(robot: RobotSpec, side: Array) -> Array:
     return np.where(side[:, None] > 0, 1.0, robot.mirror_drives)
 
 
+def seen_from(robot: RobotSpec, action: Array, change: Array) -> Array:
+    """Canonical actions (n, drives) as they are after a change of side: bends change sign, wheels roll forwards anyway.
+
+    Args:
+        robot: the robot.
+        action: before.
+        change: -1 where the side changes, else +1, (n,).
+    """
+    joints = len(robot.joints)
+    return np.concatenate([action[:, :joints] * drive_signs(robot, change)[:, :joints], action[:, joints:]], axis=1)
+
+
 def observe(robot: RobotSpec, reading: Reading, action_before: Array, side: Array) -> Array:
     """Unscaled observation, (n, size).
 

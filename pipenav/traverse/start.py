@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipenav import kinematics
+from pipenav.any_pipe import AnyPipe, inner_edges
 from pipenav.errors import PipenavError
 from pipenav.pipe import Pipe
+from pipenav.pipe_run import PipeRun
+from pipenav.pipe_run_set import parse_any
 from pipenav.robot import BASE, RobotSpec
 from pipenav.traverse.config import TraverseConfig
 
@@ -30,17 +34,15 @@ class TraverseEpisodes(NamedTuple):
     """k episodes about to start.
 
     Attributes:
-        pipes: the pipe of each, its legs long enough for the robot.
+        pipes: the pipe of each, its ends long enough for the robot.
         q: start configurations in the robot's own frame, (k, coordinates).
         base: x of the robot's frame in the pipe's frame, (k,) [m].
-        side: +1 for a left turn, -1 for a right one, (k,).
         gravity: its part in the pipe's plane, axes of the pipe's frame, (k, 2) [m/s^2].
     """
 
-    pipes: tuple[Pipe, ...]
+    pipes: tuple[AnyPipe, ...]
     q: Array
     base: Array
-    side: Array
     gravity: Array
 
     def part(self, rows: slice) -> TraverseEpisodes:
@@ -49,7 +51,7 @@ class TraverseEpisodes(NamedTuple):
 
 
 def sample(
-    robot: RobotSpec, config: TraverseConfig, pipes: Sequence[Pipe], rng: np.random.Generator
+    robot: RobotSpec, config: TraverseConfig, pipes: Sequence[AnyPipe], rng: np.random.Generator
 ) -> TraverseEpisodes:
     """Random start poses, one episode for each of the given pipes.
 
@@ -59,8 +61,8 @@ def sample(
     k = len(pipes)
     gap, spread = rng.uniform(*config.start_gap, k), rng.uniform(*config.start_spread, k)
     first, angle = rng.integers(2, size=k) * 2.0 - 1.0, rng.uniform(0.0, 1.0, k)
-    long = tuple(with_room(robot, pipe) for pipe in pipes)
-    side, radius, inner = np.array([(pipe.side, pipe.radius, pipe.inner_edge) for pipe in long]).reshape(k, 3).T
+    long = tuple(with_room(robot, config, pipe) for pipe in pipes)
+    radius, inner = np.array([_first_corner(pipe) for pipe in pipes]).reshape(k, 2).T
     q = np.zeros((k, robot.coordinates))
     q[:, 1 : len(BASE)], q[:, len(BASE) :] = _zigzag(robot, first * spread * (radius - robot.width / 2))
     base = -inner - gap - kinematics.forward(robot, q).tip[:, 0]
@@ -69,7 +71,7 @@ def sample(
         low, high = np.deg2rad(config.inclination_deg)
         direction = low + (high - low) * angle
         gravity = GRAVITY * np.stack([np.cos(direction), np.sin(direction)], axis=1)
-    return TraverseEpisodes(long, q, base, side, gravity)
+    return TraverseEpisodes(long, q, base, gravity)
 
 
 def check_robot(robot: RobotSpec) -> None:
@@ -82,10 +84,45 @@ def check_robot(robot: RobotSpec) -> None:
         raise PipenavError(f"robot {robot.name!r} hangs on a mount and cannot traverse a pipe: choose --robot pirate.")
 
 
-def with_room(robot: RobotSpec, pipe: Pipe) -> Pipe:
-    """The pipe with legs in which the robot has room to start, to slide back and to leave the corner."""
-    need = pipe.inner_edge + SPARE_LENGTHS * robot.length
-    return pipe if pipe.leg >= need else pipe.model_copy(update={"leg": need})
+def parse_planar(given: Sequence[str]) -> list[AnyPipe]:
+    """Pipes and runs as `pipenav.pipe_run_set.parse_any` takes them.
+
+    Raises:
+        PipenavError: something unknown or impossible, or a run that leaves the plane in which the robot moves.
+    """
+    pipes = parse_any(given)
+    for pipe in pipes:
+        if isinstance(pipe, PipeRun) and not pipe.planar:
+            raise PipenavError(
+                f"{pipe.name} leaves the plane, in which the robot moves: choose a run without rolls, as runs-level."
+            )
+    return pipes
+
+
+def with_room(robot: RobotSpec, config: TraverseConfig, pipe: AnyPipe) -> AnyPipe:
+    """The pipe with ends in which the robot has room to start and to leave, and of a single corner to slide back.
+
+    Raises:
+        CrossesItself: the ends of a run are too short, and longer they would meet other straights.
+    """
+    if isinstance(pipe, Pipe):
+        need = pipe.inner_edge + SPARE_LENGTHS * robot.length
+        return pipe if pipe.leg >= need else pipe.model_copy(update={"leg": need})
+    first, last = inner_edges(pipe)[[0, -1]]
+    need_first, need_last = (end + robot.length + max(config.start_gap[1], config.through) for end in (first, last))
+    straights = (max(pipe.straights[0], need_first), *pipe.straights[1:-1], max(pipe.straights[-1], need_last))
+    return pipe if straights == pipe.straights else _longer(pipe, straights)
+
+
+@lru_cache(maxsize=1024)
+def _longer(run: PipeRun, straights: tuple[float, ...]) -> PipeRun:
+    """Made once each: that it does not cross itself takes long to find out."""
+    return PipeRun(diameter=run.diameter, corners=run.corners, straights=straights, wall=run.wall)
+
+
+def _first_corner(pipe: AnyPipe) -> tuple[float, float]:
+    """Radius of the pipe, and how far before its first corner the inner wall's bend begins [m]."""
+    return pipe.radius, float(inner_edges(pipe)[0])
 
 
 def _zigzag(robot: RobotSpec, offset: Array) -> tuple[Array, Array]:

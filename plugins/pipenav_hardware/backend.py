@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from pipenav.any_pipe import AnyPipe
 from pipenav.backend import CONTROL_PERIOD, BackendOptions
 from pipenav.errors import PipenavError
 from pipenav.machine import Calibrator, Emulated, Finding, Machine, Recoder, Sent
@@ -90,7 +91,7 @@ class HardwareBackend(Machine):
         """Median answer time of the servo bus [s]."""
         return self._servos.latency
 
-    def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> Reading:  # noqa: ARG002
+    def reset(self, robots: NDArray[np.intp], pipes: Sequence[AnyPipe], q: Array, base: Array) -> Reading:  # noqa: ARG002
         """Switch torque on where the arm is.
 
         Raises:

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from pipenav import backend, kinematics, laser
+from pipenav.any_pipe import AnyPipe
 from pipenav.contact_force import Windows, strongest
 from pipenav.errors import PipenavError
-from pipenav.pipe import Pipe
 from pipenav.robot import BASE, RobotSpec
 from pipenav.state import Command, Control, Reading, Truth
 from pipenav.wall_boxes import wall_boxes
@@ -85,7 +85,7 @@ class MujocoBackend(backend.Backend):
         self._masses = np.tile(model.body_mass, (n, 1))
         self._windows = Windows(self._substeps, model.opt.timestep)
 
-    def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> Reading:
+    def reset(self, robots: NDArray[np.intp], pipes: Sequence[AnyPipe], q: Array, base: Array) -> Reading:
         walls = wall_boxes(pipes, self._slots, base)
         self._wall_position[robots], self._wall_quaternion[robots] = walls.position, walls.quaternion
         self._wall_half_size[robots], self._segments[robots] = walls.half_size, walls.segments

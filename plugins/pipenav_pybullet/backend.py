@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from pipenav import backend, kinematics, laser
+from pipenav.any_pipe import AnyPipe
 from pipenav.contact_force import Windows, strongest
 from pipenav.errors import PipenavError
-from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
 from pipenav.state import Command, Reading, Truth
 from pipenav_pybullet.crew import Crew
@@ -58,7 +58,7 @@ class PybulletBackend(backend.Backend):
         self._depth, self._contact_share = np.zeros(n), np.zeros(n)
         self._link_forces = np.zeros((n, len(robot.links), 2))
 
-    def reset(self, robots: NDArray[np.intp], pipes: Sequence[Pipe], q: Array, base: Array) -> Reading:
+    def reset(self, robots: NDArray[np.intp], pipes: Sequence[AnyPipe], q: Array, base: Array) -> Reading:
         for pipe in pipes:
             if len(pipe.segments) > self._slots:
                 raise PipenavError(

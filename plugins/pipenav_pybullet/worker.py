@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pipenav.any_pipe import AnyPipe
 from pipenav.backend import Variation
-from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
 from pipenav.state import Control
 from pipenav_pybullet.world import WORLD_SIZE, Motion, Setting, World, shares
@@ -30,7 +30,7 @@ class Share:
         self._bounds = [*range(0, count, WORLD_SIZE), count]
         self._worlds = [World(robot, last - first, setting) for first, last in pairwise(self._bounds)]
 
-    def reset(self, robots: NDArray[np.intp], pipes: list[Pipe], q: Array, base: Array) -> Array:
+    def reset(self, robots: NDArray[np.intp], pipes: list[AnyPipe], q: Array, base: Array) -> Array:
         """As `World.reset`."""
         distances = []
         for world, first, rows in zip(self._worlds, self._bounds, shares(robots, self._bounds), strict=False):

@@ -1,0 +1,293 @@
+"""The traverse task in runs of corners: the way, the side that changes from corner to corner, starts and time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import closing, contextmanager
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from pipenav import any_pipe, kinematics
+from pipenav.any_pipe import AnyPipe
+from pipenav.backend import Backend, BackendOptions
+from pipenav.disturbance import load_disturbance
+from pipenav.disturbed import disturbed
+from pipenav.episode_runner import random_start
+from pipenav.errors import PipenavError
+from pipenav.pipe import Pipe
+from pipenav.pipe_run import CrossesItself, PipeRun
+from pipenav.pipe_run_set import parse_any
+from pipenav.registry import open_backend
+from pipenav.robot import load_robot
+from pipenav.state import Command, Reading, Truth
+from pipenav.task.episode import Verdict
+from pipenav.tasks import scale_of
+from pipenav.traverse import observation
+from pipenav.traverse.batch import TraverseBatch
+from pipenav.traverse.config import TraverseConfig
+from pipenav.traverse.start import TraverseEpisodes, parse_planar, sample, with_room
+from pipenav.traverse.way import Ways, waypoints
+
+Array = NDArray[np.float64]
+
+ROBOT = load_robot("pirate")
+CONFIG = TraverseConfig(kind="traverse", set_points="held", start_press=0.1)
+LEVEL = parse_any(["runs-level"])
+CORNERS = [Pipe.of(90, 75, "right", leg_mm=1600), Pipe.of(110, 110, leg_mm=1600)]
+seeds = st.integers(0, 2**32 - 1)
+
+
+def mirrored(run: PipeRun) -> PipeRun:
+    other = {"left": "right", "right": "left"}
+    corners = tuple(corner.model_copy(update={"turn": other[corner.turn]}) for corner in run.corners)
+    return run.model_copy(update={"corners": corners})
+
+
+@contextmanager
+def batch(pipes: Sequence[AnyPipe], seed: int = 0, config: TraverseConfig = CONFIG) -> Iterator[TraverseBatch]:
+    start = sample(ROBOT, config, pipes, np.random.default_rng(seed))
+    with batch_from(start, config) as made:
+        yield made
+
+
+@contextmanager
+def batch_from(start: TraverseEpisodes, config: TraverseConfig = CONFIG) -> Iterator[TraverseBatch]:
+    n, slots = len(start.pipes), max(len(pipe.segments) for pipe in start.pipes)
+    simulator = open_backend("mujoco", ROBOT, n, {"threads": 1}, slots)
+    with closing(TraverseBatch(ROBOT, config, simulator, n, lambda _: start)) as made:
+        made.reset()
+        yield made
+
+
+@given(seeds)
+def test_the_way_is_the_centre_line_of_runs_and_corners_alike(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    pipes = [LEVEL[0], CORNERS[0], LEVEL[7], PipeRun.of(100, [(180, "left", 0), (90, "left", 180)])]
+    line = [np.array([[-1.0, 0], [0, 0], [1, 1]]) if isinstance(p, Pipe) else p.centre_line[:, :2] for p in pipes]
+    points = np.stack([points[rng.integers(len(points), size=8)] for points in line])
+    points += rng.normal(0.0, 0.3, points.shape)
+    along = Ways.of(pipes).along(points)
+    for one, pipe, own in zip(along, pipes, points, strict=True):
+        expected = pipe.centre_line_distance(own) if isinstance(pipe, Pipe) else pipe.along(own)
+        assert one == pytest.approx(expected)
+
+
+def test_ways_make_room_for_more_corners() -> None:
+    ways = Ways.of([CORNERS[0], CORNERS[1]]).put(np.array([1]), Ways.of([LEVEL[0]]))
+    points = np.random.default_rng(0).normal(size=(2, 50, 2))
+    assert ways.along(points)[0] == pytest.approx(CORNERS[0].centre_line_distance(points[0]))
+    assert ways.along(points)[1] == pytest.approx(LEVEL[0].along(points[1]))
+    assert list(ways.corners) == [1, 5]
+
+
+@given(st.sampled_from(LEVEL))
+def test_corners_end_one_after_the_other_and_turn_to_the_side_that_the_run_turns_to(run: PipeRun) -> None:
+    ways = Ways.of([run])
+    assert np.all(np.diff(ways.end[0, :-1]) > 0)
+    direction = np.diff(run.centre_line[:, :2], axis=0)
+    cross = direction[:-1, 0] * direction[1:, 1] - direction[:-1, 1] * direction[1:, 0]
+    assert any_pipe.turn_sides(run) == pytest.approx(np.sign(cross))
+    assert ways.side[0, :-1] == pytest.approx(np.sign(cross))
+
+
+def test_a_run_of_one_gives_the_episode_of_the_corner() -> None:
+    runs = [PipeRun.from_pipe(pipe) for pipe in CORNERS]
+    for number in range(3):
+        one, other = (random_start(ROBOT, CONFIG, pipes, 3, 5)(number) for pipes in (CORNERS, runs))
+        for a, b in zip(one[1:], other[1:], strict=True):
+            assert a == pytest.approx(b)
+    rng = np.random.default_rng(1)
+    with batch(CORNERS) as corner, batch(runs) as run:
+        for _ in range(12):
+            action = rng.uniform(-1.0, 1.0, (2, 12))
+            a, b = corner.step(action), run.step(action)
+            assert a.observation == pytest.approx(b.observation, abs=1e-9)
+            assert a.reward == pytest.approx(b.reward, abs=1e-9)
+            assert list(a.verdict) == list(b.verdict)
+
+
+@settings(max_examples=30)
+@given(seeds)
+def test_an_action_seen_from_the_other_side_asks_for_the_same_and_twice_is_itself(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    action, (q, before) = rng.uniform(-1.0, 1.0, (2, 12)), rng.uniform(ROBOT.lower, ROBOT.upper, (2, 2, 6))
+    change = np.array([-1.0, 1.0])
+    seen = observation.seen_from(ROBOT, action, change)
+    assert seen[1] == pytest.approx(action[1])
+    assert observation.seen_from(ROBOT, seen, change) == pytest.approx(action)
+    for config in (CONFIG, CONFIG.model_copy(update={"set_points": "measured"})):
+        one = observation.to_command(ROBOT, config, action, q, before, np.ones(2)).values
+        assert observation.to_command(ROBOT, config, seen, q, before, change).values == pytest.approx(one)
+
+
+class Ghost(Backend):
+    """Robots that are carried through their pipes by hand, bent as they are told, touching nothing."""
+
+    Options = BackendOptions
+
+    def __init__(self, pipes: Sequence[AnyPipe], q: Array, ranges: Array) -> None:
+        self.pipes, self.tail, self.q, self.ranges = pipes, np.full(len(pipes), -1.0), q, ranges
+        self.asked: list[Command] = []
+
+    def reset(self, robots: NDArray[np.intp], pipes: Sequence[AnyPipe], q: Array, base: Array) -> Reading:  # noqa: ARG002
+        return self.read()
+
+    def step(self, command: Command) -> None:
+        self.asked.append(command)
+
+    def read(self) -> Reading:
+        n = len(self.q)
+        speeds = np.outer([1.0, -1.0], np.arange(6))[:n]  # of the second robot mirrored
+        return Reading(self.q, 0.1 * self.q, self.ranges, np.zeros(n), speeds, np.zeros((n, 12)))
+
+    def truth(self) -> Truth:
+        poses = [_on_the_centre_line(pipe, at) for pipe, at in zip(self.pipes, self.tail, strict=True)]
+        pose = kinematics.forward(ROBOT, np.concatenate([np.array(poses), self.q], axis=1))
+        tip = np.concatenate([pose.tip, pose.headings[:, -1:]], axis=1)
+        zero = np.zeros(len(self.q))
+        return Truth(tip, zero, zero, zero, np.zeros((len(self.q), 7, 2)))
+
+    def close(self) -> None:
+        pass
+
+
+def _on_the_centre_line(pipe: AnyPipe, at: float) -> tuple[float, float, float]:
+    """Place and direction of the way where it is `at` long."""
+    assert isinstance(pipe, PipeRun)
+    leg = int(np.clip(np.searchsorted(pipe.places, at, side="right") - 1, 0, len(pipe.straights) - 1))
+    x, y = pipe.legs.axes[leg][:2, 0]
+    place = pipe.centre_line[leg, :2] + (at - pipe.places[leg]) * np.array([x, y])
+    return (*place, float(np.arctan2(y, x)))
+
+
+def carried(pipes: Sequence[AnyPipe], config: TraverseConfig = CONFIG, seed: int = 0) -> tuple[Ghost, TraverseBatch]:
+    """Bent at random; the second of two robots is the first one's mirror image."""
+    rng = np.random.default_rng(seed)
+    q, ranges = rng.uniform(-0.5, 0.5, (1, 6)), rng.uniform(0.01, 0.4, (1, 10))
+    both = np.concatenate([q, q * ROBOT.mirror_signs])[: len(pipes)]
+    ghost = Ghost(pipes, both, np.concatenate([ranges, ranges[:, ::-1]])[: len(pipes)])
+    pose = np.tile([-1.0, 0.0, 0.0], (len(pipes), 1))
+    start = sample(ROBOT, config, pipes, rng)
+    start = start._replace(base=np.zeros(len(pipes)), q=np.concatenate([pose, ghost.q], axis=1))
+    made = TraverseBatch(ROBOT, config, ghost, len(pipes), lambda _: start)
+    made.reset()
+    return ghost, made
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.sampled_from(LEVEL), seeds)
+def test_a_run_and_its_mirror_image_are_seen_and_driven_alike_through_all_corners(run: AnyPipe, seed: int) -> None:
+    assert isinstance(run, PipeRun)
+    ghost, robots = carried([run, mirrored(run)], seed=seed)
+    rng = np.random.default_rng(seed)
+    for at in np.linspace(-1.0, run.places[-1], 40):
+        ghost.tail[:] = at
+        action = np.tile(rng.uniform(-1.0, 1.0, 12), (2, 1))
+        seen = robots.step(action).observation
+        assert seen[0] == pytest.approx(seen[1])
+        left, right = ghost.asked[-1].values
+        assert right == pytest.approx(left * ROBOT.mirror_drives)
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.sampled_from(LEVEL))
+def test_the_side_is_that_of_the_first_corner_that_the_tail_has_not_passed(run: AnyPipe) -> None:
+    assert isinstance(run, PipeRun)
+    ghost, robots = carried([run])
+    sides, scale = any_pipe.turn_sides(run), scale_of(ROBOT, CONFIG)
+    ends = run.places[1:-1] + any_pipe.inner_edges(run) + CONFIG.through
+    before = sides[0]
+    for at in np.linspace(-1.0, run.places[-1], 60):
+        ghost.tail[:] = at
+        action = np.random.default_rng(0).uniform(-1.0, 1.0, (1, 12))
+        seen = robots.step(action).observation * scale
+        side = sides[min(int((at >= ends).sum()), len(sides) - 1)]
+        assert seen[0, :6] == pytest.approx(ghost.q[0] * (ROBOT.mirror_signs if side < 0 else 1.0))
+        # What was done last keeps its meaning: the same bends of the same joints.
+        assert seen[0, -12:-6] * side == pytest.approx(action[0, :6] * before)
+        assert seen[0, -6:] == pytest.approx(action[0, 6:])
+        before = side
+
+
+def test_a_corner_that_was_passed_stays_passed_where_the_robot_slides_back() -> None:
+    run = PipeRun.of(100, [(90, "left", 0), (90, "right", 0)], [1000, 800, 1000])
+    ghost, robots = carried([run])
+    still = np.zeros((1, 12))
+    first = robots.step(still).observation[0, :6]
+    ghost.tail[:] = 0.1
+    second = robots.step(still).observation[0, :6]
+    ghost.tail[:] = -0.1
+    assert second == pytest.approx(-first)
+    assert robots.step(still).observation[0, :6] == pytest.approx(second)
+
+
+def test_a_run_is_passed_with_the_tail_past_the_last_corner_and_has_time_for_every_corner() -> None:
+    run = PipeRun.of(100, [(90, "left", 0), (90, "right", 0), (70, "left", 0)], [1000, 800, 800, 1000])
+    end = run.places[-2] + any_pipe.inner_edges(run)[-1] + CONFIG.through
+    config = CONFIG.model_copy(update={"max_steps": 20})
+    for last, verdict, steps in ((end + 1e-6, Verdict.REACHED, 50), (end - 1e-6, Verdict.TIMEOUT, 60)):
+        ghost, robots = carried([run], config)
+        found = []
+        for at in [*np.linspace(-1.0, end - 0.02, 49), *[last] * 11]:
+            ghost.tail[:] = at
+            found.append(Verdict(robots.step(np.zeros((1, 12))).verdict[0]))
+        assert found[: steps - 1] == [Verdict.RUNNING] * (steps - 1)
+        assert found[steps - 1] is verdict
+
+
+def test_robots_in_runs_and_in_corners_are_stepped_together() -> None:
+    with batch([LEVEL[0], CORNERS[0]]) as robots:
+        both = [robots.step(np.full((2, 12), 0.3)) for _ in range(3)]
+    for i, pipe in enumerate((LEVEL[0], CORNERS[0])):
+        start = sample(ROBOT, CONFIG, [LEVEL[0], CORNERS[0]], np.random.default_rng(0)).part(slice(i, i + 1))
+        assert start.pipes[0].name == pipe.name
+        with batch_from(start) as alone:
+            for result in both:
+                one = alone.step(np.full((1, 12), 0.3))
+                assert one.observation[0] == pytest.approx(result.observation[i], abs=1e-6)
+                assert one.reward[0] == pytest.approx(result.reward[i], abs=1e-6)
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.sampled_from(LEVEL), seeds)
+def test_starts_in_runs_lie_free_in_the_first_straight(run: AnyPipe, seed: int) -> None:
+    start = sample(ROBOT, CONFIG, [run], np.random.default_rng(seed))
+    points = waypoints(ROBOT, start.q)[0] + [start.base[0], 0.0]
+    assert np.abs(points[:, 1]).max() <= run.radius - ROBOT.width / 2 + 1e-9
+    assert -points[-1, 0] - any_pipe.inner_edges(run)[0] == pytest.approx(0.08, abs=0.02 + 1e-9)
+    assert start.pipes[0] == run  # whose ends are long enough
+    assert isinstance(run, PipeRun)
+    assert points[0, 0] >= -run.straights[0]
+
+
+def test_ends_that_are_too_short_are_made_longer_or_refused_where_the_run_would_cross_itself() -> None:
+    corners = [(90, "left", 0), (90, "right", 0)]
+    longer = with_room(ROBOT, CONFIG, PipeRun.of(100, corners, [400, 500, 300]))
+    assert isinstance(longer, PipeRun)
+    assert longer.straights == pytest.approx((0.05 + 0.62 + 0.10, 0.5, 0.05 + 0.62 + 0.10))
+    spiral = PipeRun.of(100, [(90, "left", 0)] * 3, [300, 500, 500, 250])
+    with pytest.raises(CrossesItself, match="crosses itself"):
+        with_room(ROBOT, CONFIG, spiral)
+
+
+def test_a_run_that_leaves_the_plane_is_refused() -> None:
+    with pytest.raises(PipenavError, match="leaves the plane, in which the robot moves: choose a run without rolls"):
+        parse_planar(["runs-rolled"])
+    assert len(parse_planar(["runs-level", "d=90,angle=90"])) == 25
+    rolled_over = PipeRun.of(100, [(90, "left", 180)])
+    assert any_pipe.turn_sides(rolled_over) == [-1.0]
+
+
+def test_what_goes_wrong_in_a_run_is_drawn_by_its_corners() -> None:
+    readings = []
+    for run in (LEVEL[0], LEVEL[0], LEVEL[1].model_copy(update={"diameter": LEVEL[0].diameter})):
+        simulator = open_backend("mujoco", ROBOT, 1, {"threads": 1}, 12)
+        q, base = np.zeros((1, ROBOT.coordinates)), np.array([-0.9])
+        with closing(disturbed(simulator, ROBOT, 1, load_disturbance("noise"), 0)) as noisy:
+            readings.append(noisy.reset(np.arange(1), [run], q, base).ranges[0, 5])
+    assert readings[0] == readings[1]
+    assert readings[0] != readings[2]
