@@ -18,6 +18,7 @@ PLUGINS = sorted(path.name for path in (ROOT / "plugins").iterdir() if (path / "
 LAYERS = [
     {"errors", "units", "assets", "files", "source_imports", "whole_folder"},
     {
+        "any_pipe",
         "convex",
         "pipe",
         "pipe_run",
