@@ -87,7 +87,7 @@ def test_settings_are_toml_or_bare_words() -> None:
     [
         ("learner.epoch=4", "unknown key 'learner.epoch': did you mean 'learner.epochs'"),
         ("task.reward.forse=4", "unknown key 'task.reward.forse': did you mean 'task.reward.force'"),
-        ("learner.batch_size=500", "batch_size 500 must divide robots x rollout_steps = 3072."),
+        ("learner.batch_size=500", "batch_size 500 must divide robots x rollout_steps = 1536."),
         ("learner.epochs=1.5", "learner.epochs: input should be a valid integer, given 1.5."),
         ("learner.epochs=0", "learner.epochs: input should be greater than or equal to 1, given 0."),
         ("learner.learning_rate=inf", "input should be a finite number"),
