@@ -67,7 +67,7 @@ def evaluate(
 
         pipenav eval --policy arm --option timestep=0.001
 
-        pipenav eval --policy runs/pirate/best.zip --pipes d=70,angle=60
+        pipenav eval --policy pirate --pipes d=70,angle=60
 
         pipenav eval --policy baseline:sequence --pipes d=90,angle=90
 
