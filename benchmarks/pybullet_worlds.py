@@ -50,7 +50,7 @@ def plain_loop(episodes: int) -> float:
     """Control steps per second of one robot by PyBullet's calls alone; resets are not counted."""
     rng = np.random.default_rng(0)
     single = world.World(ROBOT, 1, SETTING)  # only to set the scene
-    arm, joints, client = single._arms[0], single._joints, single._client
+    arm, joints, client = single._arms[0], single._driven, single._client
     motors = [(a.controller_gain, a.effort_limit, a.damping) for a in ROBOT.joint_actuators]
     substeps = round(0.1 / OPTIONS.timestep)
     seconds = 0.0
@@ -71,7 +71,7 @@ def plain_loop(episodes: int) -> float:
                 )
                 pybullet.stepSimulation(physicsClientId=client)
                 sum(contact[9] for contact in pybullet.getContactPoints(physicsClientId=client))
-            single._q[0] = [state[0] for state in states]
+            single._configuration[0] = [state[0] for state in states]
             single._distances([0])
         seconds += time.perf_counter() - began
     single.close()
