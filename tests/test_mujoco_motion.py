@@ -40,7 +40,8 @@ def run(backend: MujocoBackend, steps: int, signs: object = 1.0) -> Reading:
 
 
 def equal(one: Reading, two: Reading, robots: object = slice(None)) -> bool:
-    return all(np.array_equal(a[robots], b[robots]) for a, b in zip(one, two, strict=True))
+    pairs = zip(one.measured().items(), two.measured().items(), strict=True)
+    return all(name == other and np.array_equal(a[robots], b[robots]) for (name, a), (other, b) in pairs)
 
 
 @pytest.mark.parametrize("threads", [2, 5])
@@ -87,7 +88,7 @@ def test_left_and_right_mirror_each_other() -> None:
 
 def test_readings_belong_to_the_caller() -> None:
     backend = opened()
-    kept = [array for _ in range(2) for array in (*backend.read(), *backend.truth())]
+    kept = [array for _ in range(2) for array in (*backend.read().measured().values(), *backend.truth())]
     copies = [array.copy() for array in kept]
     run(backend, 3)
     assert all(np.array_equal(a, b) for a, b in zip(kept, copies, strict=True))

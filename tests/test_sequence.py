@@ -50,7 +50,7 @@ def left_and_right(one: SequenceController, diameter: float, angle: float) -> Tr
     start = sample(ROBOT, one.task, [left, left], np.random.default_rng(0))
     pipes = (start.pipes[0], start.pipes[0].model_copy(update={"turn": right.turn}))
     q = np.stack([start.q[0], start.q[0] * ROBOT.mirror_coordinates])
-    return start._replace(pipes=pipes, q=q, base=start.base[[0, 0]], side=np.array([1.0, -1.0]))
+    return start._replace(pipes=pipes, q=q, base=start.base[[0, 0]])
 
 
 @pytest.mark.parametrize("name", NAMES)
