@@ -83,7 +83,7 @@ class Ways(NamedTuple):
     def sides(self, corner: NDArray[np.intp]) -> Array:
         """+1 or -1 for a corner (n,) of each pipe, the one before and the one after; 0 where there is none, (n, 3)."""
         around = np.pad(self.side, [(0, 0), (1, 0)])  # the last leg's 0 stands behind the last corner
-        return np.asarray(np.take_along_axis(around, corner[:, None] + [1, 0, 2], axis=1))
+        return np.asarray(np.take_along_axis(around, corner[:, None] + np.array([1, 0, 2]), axis=1))
 
     def along(self, points: Array) -> Array:
         """Distance along the mitred centre line, 0 at the first corner, of points (n, m, 2) of the pipes' frames.
