@@ -103,8 +103,6 @@ class CornerMap:
         self._tip = np.zeros((n, SCANS, 1, 2))
         self._beam = np.zeros((n, SCANS, laser.beams))
         self._range = np.full((n, SCANS, laser.beams), np.nan)
-        # One robot's votes at one radius: reused, as it fits into the processor's cache and is slow to allocate.
-        self._table = np.empty((SCANS * laser.beams, len(PLACES), len(HEADINGS)))
 
     def forget(self, robots: NDArray[np.intp]) -> None:
         """Begin anew with some robots."""
@@ -201,7 +199,7 @@ class CornerMap:
 
     def _second_leg(
         self, rays: _Rays, radii: Array, high: Array, edges: Array
-    ) -> tuple[Array, NDArray[np.uint16], Array]:
+    ) -> tuple[Array, NDArray[np.intp], Array]:
         """The vote on the second leg's outer wall.
 
         Args:
@@ -217,20 +215,42 @@ class CornerMap:
         x, y = rays.end[:, None, :, 0], rays.end[:, None, :, 1]  # (k, 1, m)
         inner = (np.abs(y - radii[..., None]) <= self._tolerance) & (x <= high[..., None])
         ahead = rays.met[:, None] & ~inner & (y > self._tolerance - radii[..., None])  # (k, r, m)
-        robot, _, ray = np.nonzero(ahead)
-        end = rays.end[robot, ray]  # (beams, 2), one radius of one robot after the other
-        across = end[:, :1] * SIN - end[:, 1:] * COS  # (beams, headings)
         wall = edges[..., None] * SIN + radii[..., None, None] * (2 - COS)  # (k, r, places, headings)
-        agree, against = np.empty_like(wall), np.empty_like(wall, np.uint16)
-        count = ahead.sum(axis=-1)
-        start = 0
-        for i in np.ndindex(*count.shape):
-            beyond = np.subtract(across[start : start + count[i], None], wall[i], out=self._table[: count[i]])
-            beyond /= self._tolerance
-            (beyond > 1.0).sum(axis=0, dtype=np.uint16, out=against[i])
-            _kernel(beyond).sum(axis=0, out=agree[i])
-            start += count[i]
-        return agree, against, agree / np.maximum(count, 1)[..., None, None]
+        agree, against = np.empty_like(wall), np.empty_like(wall, np.intp)
+        for i, beams in enumerate(ahead):
+            seen = np.flatnonzero(beams.any(axis=0))
+            end = rays.end[i, seen]
+            across = end[:, :1] * SIN - end[:, 1:] * COS  # (beams, headings)
+            agree[i], against[i] = self._wall_votes(across, beams[:, seen], wall[i])
+        return agree, against, agree / np.maximum(ahead.sum(axis=-1), 1)[..., None, None]
+
+    def _wall_votes(self, across: Array, asked: Flags, wall: Array) -> tuple[Array, NDArray[np.intp]]:
+        """How many beams end at walls, and how many beyond them.
+
+        Most beams are far from most walls: they are counted together, and only the others one by one, in their order.
+
+        Args:
+            across: where beams end, across each heading, (beams, headings) [m].
+            asked: beams that have a say at each radius, (r, beams).
+            wall: across each heading, from the nearest place to the farthest, (r, places, headings) [m].
+
+        Returns:
+            Both (r, places, headings).
+        """
+        radii, places, headings = wall.shape
+        reach = 1.001 * self._tolerance  # rounding must not make a near one far
+        past, said = across > wall[:, -1:] + reach, asked[..., None]
+        near = np.flatnonzero((across >= wall[:, :1] - reach) & said & ~past)  # of (r, beams, headings)
+        cell = near // across.size * headings + near % headings  # of (r, headings)
+        off = wall.swapaxes(0, 1).reshape(places, -1).take(cell, axis=1)
+        np.subtract(across.ravel()[near % across.size], off, out=off)  # (places, near ones)
+        off /= self._tolerance
+        # What is beyond one place is beyond the nearer ones too.
+        before = np.bincount((off > 1.0).sum(axis=0) + cell * (places + 1), minlength=radii * headings * (places + 1))
+        beyond = before.reshape(radii, headings, -1)[..., :0:-1].cumsum(axis=2)[..., ::-1].swapaxes(1, 2)
+        votes: Array = np.stack([np.bincount(cell, one, radii * headings) for one in _kernel(off)])
+        far = (said & past).sum(axis=1, dtype=np.int32)[:, None]
+        return votes.reshape(places, radii, headings).swapaxes(0, 1), beyond + far
 
 
 def _best(radii: Array, edges: Array, votes: Array, agree: Array, share: Array, depth: float) -> Corner:

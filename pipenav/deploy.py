@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import signal
 import time
 from collections.abc import Callable, Iterator
@@ -101,26 +102,41 @@ def drive(
         Stopped: whatever stopped the arm.
     """
     tick = 0
-    while most_ticks is None or tick < most_ticks:
-        record: dict[str, Any] = {"tick": tick}
-        try:
-            decision = _tick(machine, run, record)
-        except Stopped as stopped:
-            telemetry.tick({**record, "raw": machine.raw(), "stopped": stopped.cause})
-            if stopped.cause not in RETREATABLE or not run.back_out(stopped.cause):
-                raise
-            machine.hold()
-            decision = None
-        else:
-            telemetry.tick(record)
-            show(record)
-        if decision is not None and decision.command is None:
-            return run.outcome
-        if stop_file.exists():
-            raise Stopped("e-stop", f"the file {stop_file} appeared", "remove it, then start again")
-        machine.wait()
-        tick += 1
+    with _garbage_left() as collect:
+        while most_ticks is None or tick < most_ticks:
+            record: dict[str, Any] = {"tick": tick}
+            try:
+                decision = _tick(machine, run, record)
+            except Stopped as stopped:
+                telemetry.tick({**record, "raw": machine.raw(), "stopped": stopped.cause})
+                if stopped.cause not in RETREATABLE or not run.back_out(stopped.cause):
+                    raise
+                machine.hold()
+                decision = None
+            else:
+                telemetry.tick(record)
+                show(record)
+            if decision is not None and decision.command is None:
+                return run.outcome
+            if stop_file.exists():
+                raise Stopped("e-stop", f"the file {stop_file} appeared", "remove it, then start again")
+            collect()
+            machine.wait()
+            tick += 1
     return "ended"
+
+
+@contextlib.contextmanager
+def _garbage_left() -> Iterator[Callable[[], int]]:
+    """Without Python's own garbage collection, which would come in the middle of a tick, and take longer the more ticks
+    there are; gives what collects the garbage of one tick."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield lambda: gc.collect(1)
+    finally:
+        if was_enabled:
+            gc.enable()
 
 
 def hold_until(machine: Machine, released: Callable[[], bool]) -> None:

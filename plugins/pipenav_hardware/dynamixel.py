@@ -127,6 +127,15 @@ class Port(PortHandler):  # type: ignore[misc]  # the SDK has no types
             self.sent(data)
         return len(data)
 
+    def clearPort(self) -> None:
+        """Drop what has arrived.
+
+        The kernel's own way, tcflush, waits for the worker thread that delivered the answer before this one; that runs
+        at normal priority, behind whatever other program wants the processor: up to 3 ms were seen.
+        """
+        if self.ser.in_waiting:
+            self.ser.read(self.ser.in_waiting)
+
     def closePort(self) -> None:
         if self.ser is not None:
             self.ser.close()

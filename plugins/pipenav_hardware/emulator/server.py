@@ -7,6 +7,7 @@ closes. Orders: a fault (see `faults.Fault`), `{"clear": true}`, `{"place": [cou
 from __future__ import annotations
 
 import contextlib
+import gc
 import heapq
 import json
 import math
@@ -199,6 +200,8 @@ def _plant(config: EmulatorConfig) -> Plant:
 def main() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a Ctrl-C at the terminal is for the host; our input's end ends us
     server = Server(EmulatorConfig.model_validate_json(Path(sys.argv[1]).read_text()))
+    gc.collect()
+    gc.freeze()  # to look through all of the simulator's objects takes 24 ms, in which no servo would answer
     print(json.dumps({"ready": {name: str(line.path) for name, line in server.lines.items()}}), flush=True)
     with contextlib.suppress(BrokenPipeError):
         server.run()
