@@ -100,13 +100,13 @@ class CornerMap:
     def __init__(self, laser: Laser, n: int, tolerance: float) -> None:
         self._laser, self._tolerance = laser, tolerance
         self._scans = np.zeros(n, int)
-        self._tip = np.zeros((n, SCANS, 1, 2))
-        self._beam = np.zeros((n, SCANS, laser.beams))
-        self._range = np.full((n, SCANS, laser.beams), np.nan)
+        points, flags = np.full((3, n, SCANS, laser.beams, 2), np.nan), np.zeros((2, n, SCANS, laser.beams), bool)
+        self._kept = _Rays(*points, *flags)  # (n, SCANS, beams) instead of (k, m)
 
     def forget(self, robots: NDArray[np.intp]) -> None:
         """Begin anew with some robots."""
-        self._scans[robots], self._range[robots] = 0, np.nan
+        self._scans[robots] = 0
+        self._kept.end[robots], self._kept.met[robots], self._kept.near[robots] = np.nan, False, False
 
     def add(self, robots: NDArray[np.intp], tip: Array, beams: Array, ranges: Array) -> None:
         """Take in one scan of some robots.
@@ -118,9 +118,13 @@ class CornerMap:
             ranges: what they read, (k, beams) [m].
         """
         slot = self._scans[robots] % SCANS
-        self._tip[robots, slot, 0] = tip
-        self._beam[robots, slot] = beams
-        self._range[robots, slot] = ranges
+        direction, kept = np.stack([np.cos(beams), np.sin(beams)], axis=-1), self._kept
+        near, far = ranges <= self._laser.range_min, ranges >= self._laser.range_max
+        kept.tip[robots, slot] = tip[:, None]
+        kept.direction[robots, slot] = direction
+        kept.end[robots, slot] = tip[:, None] + ranges[..., None] * direction
+        kept.met[robots, slot] = ~(near | far | np.isnan(ranges))
+        kept.near[robots, slot] = near
         self._scans[robots] += 1
 
     def corner(self, robots: NDArray[np.intp], depth: float) -> Corner:
@@ -146,14 +150,10 @@ class CornerMap:
 
     def _rays(self, robots: NDArray[np.intp]) -> _Rays:
         used = int(min(SCANS, self._scans[robots].max(initial=1)))
-        shape = (len(robots), used * self._laser.beams)
-        ranges = self._range[robots, :used].reshape(shape)
-        beam = self._beam[robots, :used].reshape(shape)
-        tip = np.broadcast_to(self._tip[robots, :used], (len(robots), used, self._laser.beams, 2)).reshape(*shape, 2)
-        direction = np.stack([np.cos(beam), np.sin(beam)], axis=-1)
-        end = tip + ranges[..., None] * direction
-        near, far = ranges <= self._laser.range_min, ranges >= self._laser.range_max
-        return _Rays(tip, direction, end, ~(near | far | np.isnan(ranges)), near)
+        m = used * self._laser.beams
+        tip, direction, end = (kept[robots, :used].reshape(len(robots), m, 2) for kept in self._kept[:3])
+        met, near = (kept[robots, :used].reshape(len(robots), m) for kept in self._kept[3:])
+        return _Rays(tip, direction, end, met, near)
 
     def _radius_votes(self, rays: _Rays, radii: Array) -> Array:
         """For radii (k, r): how many beams end at the outer wall, y = -r, less those that end beyond it, (k, r)."""

@@ -81,12 +81,13 @@ class Port(PortHandler):  # type: ignore[misc]  # the SDK has no types
         self.mode = Mode.LISTEN
         self.allowance = FIRST_ALLOWANCE
         self.sent: Callable[[bytes], None] | None = None
+        self._heard = b""
 
     def setupPort(self, cflag_baud: int) -> bool:  # noqa: ARG002  # the SDK's name and argument
         if self.is_open:
             self.closePort()
         try:
-            self.ser = serial.Serial(self.port_name, self.baudrate, timeout=READ_SLICE)
+            self.ser = serial.Serial(self.port_name, self.baudrate)
         except LOST as error:
             raise port_problem(self.port_name, error) from error
         try:
@@ -98,6 +99,7 @@ class Port(PortHandler):  # type: ignore[misc]  # the SDK has no types
             ) from None
         self.is_open = True
         self.ser.reset_input_buffer()
+        self._heard = b""
         self.tx_time_per_byte = 10_000.0 / self.baudrate  # [ms]
         return True
 
@@ -127,14 +129,24 @@ class Port(PortHandler):  # type: ignore[misc]  # the SDK has no types
             self.sent(data)
         return len(data)
 
+    def readPort(self, length: int) -> bytes:
+        """At most so many bytes; waits only where none has arrived."""
+        if not self._heard and select.select([self.ser.fileno()], [], [], READ_SLICE)[0]:
+            self._heard = os.read(self.ser.fileno(), 4096)  # the SDK asks for a packet in two parts
+            if not self._heard:
+                raise serial.SerialException("it is unplugged")
+        data, self._heard = self._heard[:length], self._heard[length:]
+        return data
+
     def clearPort(self) -> None:
         """Drop what has arrived.
 
         The kernel's own way, tcflush, waits for the worker thread that delivered the answer before this one; that runs
         at normal priority, behind whatever other program wants the processor: up to 3 ms were seen.
         """
-        if self.ser.in_waiting:
-            self.ser.read(self.ser.in_waiting)
+        self._heard = b""
+        if waiting := self.ser.in_waiting:
+            os.read(self.ser.fileno(), waiting)
 
     def closePort(self) -> None:
         if self.ser is not None:
