@@ -98,8 +98,7 @@ class Port(PortHandler):  # type: ignore[misc]  # the SDK has no types
                 f"{self.port_name} is in use by {holder_of(self.port_name)}: one master at a time; end that process."
             ) from None
         self.is_open = True
-        self.ser.reset_input_buffer()
-        self._heard = b""
+        self.flush()
         self.tx_time_per_byte = 10_000.0 / self.baudrate  # [ms]
         return True
 
@@ -139,14 +138,19 @@ class Port(PortHandler):  # type: ignore[misc]  # the SDK has no types
         return data
 
     def clearPort(self) -> None:
-        """Drop what has arrived.
+        """Drop what has arrived; not what the kernel is about to deliver, as `flush` does.
 
-        The kernel's own way, tcflush, waits for the worker thread that delivered the answer before this one; that runs
-        at normal priority, behind whatever other program wants the processor: up to 3 ms were seen.
+        That waits for the kernel's worker thread, which runs at normal priority, behind whatever other program wants
+        the processor, and often has not ended when the answer before this one wakes us: up to 3 ms were seen.
         """
         self._heard = b""
         if waiting := self.ser.in_waiting:
             os.read(self.ser.fileno(), waiting)
+
+    def flush(self) -> None:
+        """Drop whatever was sent to us until now."""
+        self._heard = b""
+        self.ser.reset_input_buffer()
 
     def closePort(self) -> None:
         if self.ser is not None:
@@ -321,6 +325,7 @@ class Bus:
         deadline = time.monotonic() + self._port.silence
         while time.monotonic() < deadline:
             self._port.readPort(256)
+        self._port.flush()
 
     @contextlib.contextmanager
     def _edge(self) -> Any:
