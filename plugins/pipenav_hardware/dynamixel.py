@@ -120,10 +120,12 @@ class Port(PortHandler):  # type: ignore[misc]  # the SDK has no types
         if refused:
             raise PipenavError(refused)
         descriptor, left = self.ser.fileno(), data
-        while left:  # pyserial's own write time-out also strikes when nothing but this program was slow
-            if not select.select([], [descriptor], [], WRITE_TIMEOUT * self._patience)[1]:
+        while left:
+            with contextlib.suppress(BlockingIOError):
+                left = left[os.write(descriptor, left) :]
+            # pyserial's own write time-out also strikes when nothing but this program was slow
+            if left and not select.select([], [descriptor], [], WRITE_TIMEOUT * self._patience)[1]:
                 raise serial.SerialTimeoutException("it takes no bytes")
-            left = left[os.write(descriptor, left) :]
         if self.sent is not None:
             self.sent(data)
         return len(data)
@@ -140,8 +142,9 @@ class Port(PortHandler):  # type: ignore[misc]  # the SDK has no types
     def clearPort(self) -> None:
         """Drop what has arrived; not what the kernel is about to deliver, as `flush` does.
 
-        That waits for the kernel's worker thread, which runs at normal priority, behind whatever other program wants
-        the processor, and often has not ended when the answer before this one wakes us: up to 3 ms were seen.
+        That waits for the kernel's worker thread, as `select` does where nothing has arrived. The worker runs at normal
+        priority, behind whatever other program wants the processor, and often has not ended yet when the answer before
+        this one wakes us: up to 3 ms were seen. Between an answer and the next question nothing must wait for it.
         """
         self._heard = b""
         if waiting := self.ser.in_waiting:
