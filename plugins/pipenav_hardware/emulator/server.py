@@ -38,6 +38,10 @@ AFTERLIFE = 1.0
 killed, and real servos would still hear the supervisor switch them off."""
 
 
+TURNAROUND = 0.002
+"""How soon an answer must come for its servo to have the line [s]."""
+
+
 class EmulatorConfig(BaseModel):
     """What the emulator emulates."""
 
@@ -112,7 +116,7 @@ class Server:
     def _turn(self) -> bool:
         """Wait for bytes or for the next thing to do; False when the orders and what outlives them have ended."""
         due = self._run_devices()
-        heard = [line.master for name, line in self.lines.items() if line.plugged and not self._deaf(name)]
+        heard = [line.master for name, line in self.lines.items() if line.plugged and not self._deaf(name, due)]
         orders_end = self._ends < math.inf
         ready, _, _ = select.select(heard if orders_end else [0, *heard], [], [], max(0.0, min(due - self._now, 0.05)))
         for name, line in self.lines.items():
@@ -131,10 +135,16 @@ class Server:
         """Whether a servo's torque is on."""
         return any(servo.get(table.TORQUE_ENABLE) for servo in self.bus.servos)
 
-    def _deaf(self, name: str) -> bool:
+    def _deaf(self, name: str, due: float) -> bool:
+        """Whether a line is not listened to until something is `due` [s]."""
         if name == "front":
             return True  # it takes no orders, and a line that nobody has open is always ready
-        return name == "bus" and self.faults.active("deaf") is not None
+        return name == "bus" and (self.faults.active("deaf") is not None or self._speaks(due))
+
+    def _speaks(self, due: float) -> bool:
+        """Whether a servo has the line, as its answer is due: listening would wait for the kernel's worker thread that
+        delivered the question, and make the answer late."""
+        return any(out.device == "bus" for out in self._outgoing[:1]) and due - self._now < TURNAROUND
 
     def _receive(self, name: str, line: Line) -> None:
         data = line.read()
