@@ -116,7 +116,7 @@ class Server:
     def _turn(self) -> bool:
         """Wait for bytes or for the next thing to do; False when the orders and what outlives them have ended."""
         due = self._run_devices()
-        heard = [line.master for name, line in self.lines.items() if line.plugged and not self._deaf(name, due)]
+        heard = [line.master for name, line in self.lines.items() if line.plugged and not self._deaf(name)]
         orders_end = self._ends < math.inf
         ready, _, _ = select.select(heard if orders_end else [0, *heard], [], [], max(0.0, min(due - self._now, 0.05)))
         for name, line in self.lines.items():
@@ -135,16 +135,15 @@ class Server:
         """Whether a servo's torque is on."""
         return any(servo.get(table.TORQUE_ENABLE) for servo in self.bus.servos)
 
-    def _deaf(self, name: str, due: float) -> bool:
-        """Whether a line is not listened to until something is `due` [s]."""
+    def _deaf(self, name: str) -> bool:
         if name == "front":
             return True  # it takes no orders, and a line that nobody has open is always ready
-        return name == "bus" and (self.faults.active("deaf") is not None or self._speaks(due))
+        return name == "bus" and (self.faults.active("deaf") is not None or self._speaks())
 
-    def _speaks(self, due: float) -> bool:
+    def _speaks(self) -> bool:
         """Whether a servo has the line, as its answer is due: listening would wait for the kernel's worker thread that
         delivered the question, and make the answer late."""
-        return any(out.device == "bus" for out in self._outgoing[:1]) and due - self._now < TURNAROUND
+        return any(out.device == "bus" and out.due - self._now < TURNAROUND for out in self._outgoing[:1])
 
     def _receive(self, name: str, line: Line) -> None:
         data = line.read()
