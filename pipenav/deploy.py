@@ -57,8 +57,12 @@ def guarded(machine: Stoppable) -> Iterator[None]:
 
     A signal cuts torque inside its handler, before anything else can happen, and leaves the context by `Interrupted`;
     further signals cut once more and disturb nothing. A death without a handler is the supervisor process's business.
+
+    Python's own garbage collection comes at any moment and takes longer the more there is to look through, half a tick
+    after some thousand ticks: it waits until torque is off, and `drive` collects what is new between ticks.
     """
-    stopping = False
+    stopping, collecting = False, gc.isenabled()
+    gc.disable()
 
     def stop(number: int, frame: FrameType | None) -> None:  # noqa: ARG001  # the signature of a handler
         nonlocal stopping
@@ -75,6 +79,8 @@ def guarded(machine: Stoppable) -> Iterator[None]:
         machine.off()
         for number, handler in before.items():
             signal.signal(number, handler)
+        if collecting:
+            gc.enable()
 
 
 def drive(
@@ -102,41 +108,27 @@ def drive(
         Stopped: whatever stopped the arm.
     """
     tick = 0
-    with _garbage_left() as collect:
-        while most_ticks is None or tick < most_ticks:
-            record: dict[str, Any] = {"tick": tick}
-            try:
-                decision = _tick(machine, run, record)
-            except Stopped as stopped:
-                telemetry.tick({**record, "raw": machine.raw(), "stopped": stopped.cause})
-                if stopped.cause not in RETREATABLE or not run.back_out(stopped.cause):
-                    raise
-                machine.hold()
-                decision = None
-            else:
-                telemetry.tick(record)
-                show(record)
-            if decision is not None and decision.command is None:
-                return run.outcome
-            if stop_file.exists():
-                raise Stopped("e-stop", f"the file {stop_file} appeared", "remove it, then start again")
-            collect()
-            machine.wait()
-            tick += 1
+    while most_ticks is None or tick < most_ticks:
+        record: dict[str, Any] = {"tick": tick}
+        try:
+            decision = _tick(machine, run, record)
+        except Stopped as stopped:
+            telemetry.tick({**record, "raw": machine.raw(), "stopped": stopped.cause})
+            if stopped.cause not in RETREATABLE or not run.back_out(stopped.cause):
+                raise
+            machine.hold()
+            decision = None
+        else:
+            telemetry.tick(record)
+            show(record)
+        if decision is not None and decision.command is None:
+            return run.outcome
+        if stop_file.exists():
+            raise Stopped("e-stop", f"the file {stop_file} appeared", "remove it, then start again")
+        gc.collect(1)
+        machine.wait()
+        tick += 1
     return "ended"
-
-
-@contextlib.contextmanager
-def _garbage_left() -> Iterator[Callable[[], int]]:
-    """Without Python's own garbage collection, which would come in the middle of a tick, and take longer the more ticks
-    there are; gives what collects the garbage of one tick."""
-    was_enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield lambda: gc.collect(1)
-    finally:
-        if was_enabled:
-            gc.enable()
 
 
 def hold_until(machine: Machine, released: Callable[[], bool]) -> None:
