@@ -13,7 +13,7 @@ nearer; one at its maximum that nothing was.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -139,7 +139,7 @@ class CornerMap:
 
     def _corner(self, robots: NDArray[np.intp], depth: float) -> Corner:
         rays = self._rays(robots)
-        radius = RADII[self._radius_votes(rays, np.broadcast_to(RADII, (len(robots), len(RADII)))).argmax(axis=1)]
+        radius = RADII[self._radius_votes(rays, RADII[None]).argmax(axis=1)]
         radii = radius[:, None] + NEAR_RADII
         first_leg = self._radius_votes(rays, radii)
         low, high = self._edge(rays, radii)
@@ -156,7 +156,7 @@ class CornerMap:
         return _Rays(tip, direction, end, met, near)
 
     def _radius_votes(self, rays: _Rays, radii: Array) -> Array:
-        """For radii (k, r): how many beams end at the outer wall, y = -r, less those that end beyond it, (k, r)."""
+        """For radii (k, r) or (1, r): how many beams end at the outer wall, y = -r, less those beyond it, (k, r)."""
         below = -rays.end[..., 1]
         below = _packed(below, rays.met & (below > radii.min() - 2 * self._tolerance))
         off = (below[..., None] - radii[:, None]) / self._tolerance  # (k, m, r)
@@ -187,8 +187,7 @@ class CornerMap:
         first_free = np.where(free, x, np.inf).min(axis=-1)
         wall &= x < (first_free + radii)[..., None]  # farther on, it is the second leg's outer wall that crosses y = r
         order = np.where(wall | free, x, np.inf).argsort(axis=-1, kind="stable")
-        walls, frees = np.take_along_axis(wall, order, axis=-1), np.take_along_axis(free, order, axis=-1)
-        x = np.take_along_axis(x, order, axis=-1)
+        walls, frees, x = (_ordered(values, order) for values in (wall, free, x))
         # cost[j]: beams that contradict an edge between crossings j - 1 and j
         all_walls = walls.sum(axis=-1, keepdims=True)
         cost = np.concatenate([all_walls, all_walls - np.cumsum(walls, axis=-1) + np.cumsum(frees, axis=-1)], axis=-1)
@@ -269,13 +268,14 @@ def _best(radii: Array, edges: Array, votes: Array, agree: Array, share: Array, 
     known = np.isfinite(most)
     weight = np.maximum(flat - np.where(known, most - TIE, np.inf)[:, None], 0.0)
     weight /= np.maximum(weight.sum(axis=1, keepdims=True), 1e-9)
-    grid = (radii[:, :, None, None], np.where(none, 0.0, edges)[..., None], HEADINGS)
-    tried = [np.broadcast_to(a, votes.shape).reshape(flat.shape) for a in grid]
-    radius, edge, heading = ((weight * a).sum(axis=1) for a in tried)
+    grid = np.empty((3, *votes.shape))
+    grid[0], grid[1], grid[2] = radii[:, :, None, None], np.where(none, 0.0, edges)[..., None], HEADINGS
+    tried = grid.reshape(3, *flat.shape)
+    radius, edge, heading = (weight * tried).sum(axis=-1)
     target = _target(radius, edge, heading, depth)
     row, column = np.nonzero(weight)
     away = np.zeros_like(weight)
-    off = _target(tried[0][row, column], tried[1][row, column], tried[2][row, column], depth) - target[row]
+    off = _target(tried[0, row, column], tried[1, row, column], tried[2, row, column], depth) - target[row]
     away[row, column] = np.sqrt((off * off).sum(axis=-1))
     unknown = np.where(known, 0.0, np.nan)
     return Corner(
@@ -309,7 +309,13 @@ def _packed(values: Array, kept: Flags) -> Array:
     """
     count = kept.sum(axis=1)
     first = np.argsort(~kept, axis=1, kind="stable")[:, : count.max(initial=0)]
-    return np.where(np.arange(first.shape[1]) < count[:, None], np.take_along_axis(values, first, axis=1), -np.inf)
+    return np.where(np.arange(first.shape[1]) < count[:, None], _ordered(values, first), -np.inf)
+
+
+def _ordered(values: NDArray[Any], order: NDArray[np.intp]) -> NDArray[Any]:
+    """numpy.take_along_axis along the last axis, without what costs it more time than a few hundred values do."""
+    rows = values.reshape(-1, values.shape[-1])
+    return rows[np.arange(len(rows))[:, None], order.reshape(len(rows), -1)].reshape(order.shape)
 
 
 def _pick(values: Array, index: NDArray[np.intp]) -> Array:
