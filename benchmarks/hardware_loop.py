@@ -50,19 +50,26 @@ STAGES = {"reach": "policy and its observation", "locate": "locating", "back": "
 
 
 class Bare:
-    """A terminal with a process at its other end that waits as long as a servo does, and answers."""
+    """A terminal with a process at its other end that waits as long as a servo does, and answers.
+
+    Attributes:
+        least: time that all questions take on a machine that takes none [s].
+        times: that they took [s].
+    """
 
     def __init__(self, count: int, latency: float, baud: int) -> None:
         self._count = count
-        self.least = latency + 10 * (QUESTION + ANSWER) / baud
+        wait = latency + 10 * (QUESTION + ANSWER) / baud
+        self.least = count * wait
         self.times: list[float] = []
         far, self._near = os.openpty()
         tty.setraw(self._near)
-        if not os.fork():
+        self._process = os.fork()
+        if not self._process:
             os.close(self._near)
             with contextlib.suppress(OSError):  # the other end was closed
                 while os.read(far, QUESTION):
-                    time.sleep(self.least)
+                    time.sleep(wait)
                     os.write(far, bytes(ANSWER))
             os._exit(0)
         os.close(far)
@@ -79,7 +86,7 @@ class Bare:
 
     def close(self) -> None:
         os.close(self._near)
-        os.wait()
+        os.waitpid(self._process, 0)
 
 
 def main() -> int:
@@ -129,10 +136,10 @@ def report(records: list[dict[str, Any]], outcomes: dict[str, int], bare: Bare) 
     taken, bus = (1e3 * np.array([record["seconds"][part] for record in timed]) for part in ("taken", "bus"))
     alone = 1e3 * np.array(bare.times)
     print(f"{len(records)} ticks, runs {outcomes}, missed deadlines {late}")
-    print(f"{'ms':36} median   99 %  99.9 %  worst")
+    print(f"{'ms':36} median   99 % 99.9 %  worst")
     row("whole tick, due to goals sent", taken)
     row("servos read", bus)
-    row(f"bare answers, {1e3 * bare.least * len(records[0]['q']):.1f} ms at least", alone)
+    row(f"bare answers, {1e3 * bare.least:.1f} ms at least", alone)
     row("limits and goals", 1e3 * np.array([record["seconds"]["send"] for record in timed]))
     for stage, what in STAGES.items():
         row(what, 1e3 * np.array([r["seconds"]["decide"] for r in timed if r["stage"] == stage]))

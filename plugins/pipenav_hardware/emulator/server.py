@@ -37,7 +37,6 @@ AFTERLIFE = 1.0
 """How long the devices outlive their orders while a servo's torque is on [s]: whoever gave the orders may have been
 killed, and real servos would still hear the supervisor switch them off."""
 
-
 TURNAROUND = 0.002
 """How soon an answer must come for its servo to have the line [s]."""
 
