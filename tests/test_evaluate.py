@@ -17,6 +17,7 @@ from pipenav.controller import Controller, PolicyController, open_controller
 from pipenav.episode_runner import EpisodeResults
 from pipenav.evaluate import EvaluationRun
 from pipenav.passage import run_task
+from pipenav.pipe_run_set import parse_runs
 from pipenav.pipe_set import parse_pipes
 from pipenav.policy import load_policy
 from pipenav.robot import load_robot
@@ -113,6 +114,13 @@ def test_the_shipped_policy_passes_the_working_range() -> None:
     assert len(sample) == 12
     found = run_task(PolicyController(load_policy(policy)), sample, EPISODES, seed=11)
     assert (found.verdict == Verdict.REACHED).mean() >= 0.95
+
+
+@pytest.mark.parametrize("name", ["pirate", "pirate-gravity"])
+def test_the_whole_robots_shipped_policies_pass_corners_and_runs(name: str) -> None:
+    sample = [*parse_pipes(["working-range"])[::16], *parse_runs(["runs-level:3", "runs-level:14"])]
+    found = run_task(open_controller(name), sample, 2, seed=11)
+    assert (found.verdict == Verdict.REACHED).mean() >= 0.9
 
 
 def run(capsys: pytest.CaptureFixture[str], *args: str) -> tuple[int, str, str]:
