@@ -22,7 +22,7 @@ from pipenav.spatial.clamp import check_robot
 
 Array = NDArray[np.float64]
 
-LIMIT_FACTOR = 4
+LIMIT_FACTOR = 2
 """How many times as long as in the plane an episode may take: straights are longer, and rolling takes 10 to 20 s."""
 
 
@@ -69,7 +69,7 @@ class SpaceBatch:
         self._backend.reset(robots, episodes.pipes, episodes.q, episodes.base, planes)
         if not self.pipes:
             self.pipes = list(episodes.pipes)
-            self._pilots = [None]*self.n
+            self._pilots = [None] * self.n
         for i, run in zip(robots, episodes.pipes, strict=True):
             self.pipes[i] = run
         reading = self._backend.read()
@@ -99,10 +99,12 @@ class SpaceBatch:
             pilot.sense(row(reading, i))
         limit = self.config.max_steps * LIMIT_FACTOR * np.array([len(run.corners) for run in self.pipes])
         facts, verdict = self._judge.step(self.steps, limit, self._along(), self._end, reading.body, truth)
-        self._judge.excuse(np.array([pilot.mode is not Mode.CORNER for pilot in self._pilots]))
+        self._judge.excuse(np.array([pilot.mode is Mode.ROLL for pilot in self._pilots]))
         observed = self._observe(reading)
         cut_off = (verdict != Verdict.RUNNING) & ~facts.passed & ~facts.failed
-        return StepResult(observed, reward(self.config.reward, facts), verdict, reading.body.ranges.min(axis=1), truth, cut_off)
+        return StepResult(
+            observed, reward(self.config.reward, facts), verdict, reading.body.ranges.min(axis=1), truth, cut_off
+        )
 
     def _observe(self, reading: SpaceReading) -> Array:
         side = np.array([pilot.side for pilot in self._pilots])

@@ -16,17 +16,19 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from pipenav.backend import CONTROL_PERIOD
 from pipenav.pipe_run import PipeRun
 from pipenav.robot import RobotSpec
 from pipenav.space import SpaceReading
-from pipenav.spatial.clamp import HALF, Drive, room, steepness
+from pipenav.spatial.clamp import HALF, Drive, forwards, room, steepness
 from pipenav.spatial.roll import Phase, Roll
 
 Array = NDArray[np.float64]
 
 ENTERED, BEHIND = 0.6, 0.2
 """Shares of a corner's turn by which the front half heads another way than the rear one: once more than the first, the
-robot is around the corner; then less than the second, it has left it behind."""
+robot is around the corner; then less than the second, it has left it behind; so it has too when its wheels have rolled
+on by its length since."""
 
 STEADY = 3
 """Control steps for which the robot has to see something before it acts on it."""
@@ -47,8 +49,8 @@ AHEAD = (0.05, 0.21)
 """Beams that meet a straight's wall so far ahead of the laser tell that it ends [m]; the policy starts 60 to 100 mm
 before a corner."""
 
-LONGER = 1.5
-"""They do by readings that are so many times as long as a straight would give."""
+UNLIKE = 0.25
+"""They do by readings that differ from a straight's by more than this share."""
 
 
 class Mode(IntEnum):
@@ -75,7 +77,7 @@ class Pilot:
         self._robot, self._run = robot, run
         self.mode, self.corner, self.set_points = Mode.CORNER, 0, set_points
         self.plane = float(run.legs.inside[0]) - math.pi * (run.corners[0].turn == "right")
-        self._entered, self._since, self._goes = False, 0, 0
+        self._entered, self._gone, self._since, self._goes = False, 0.0, 0, 0
         self._drive: Drive | None = None
         self._roll: Roll | None = None
         stretch = 2 * float(robot.lengths[HALF]) * (1 - math.cos(steepness(robot, run.radius)))
@@ -111,7 +113,9 @@ class Pilot:
             whole = math.pi - self._run.corners[self.corner].angle
             self._entered |= turned > ENTERED * whole
             last = self.corner + 1 == len(self._run.corners)
-            if self._lasts(self._entered and turned < BEHIND * whole) and not last:
+            self._gone += self._rolled(reading) if self._entered else 0.0
+            straight = self._lasts(self._entered and turned < BEHIND * whole)
+            if (straight or self._gone > self._robot.length) and not last:
                 self._corner_behind(reading)
         elif self._drive is not None and self.mode is Mode.LEAVE:
             if self._drive.ready and self._drive.gone >= self._leave:
@@ -127,6 +131,12 @@ class Pilot:
     def _begin(self, mode: Mode) -> None:
         self.mode, self._since, self._drive, self._roll = mode, 0, None, None
 
+    def _rolled(self, reading: SpaceReading) -> float:
+        """How far the wheels rolled forwards in a control period, their mean [m]."""
+        assert reading.body.wheel_speeds is not None
+        speed = float((reading.body.wheel_speeds * forwards(reading.body.q)).mean())
+        return CONTROL_PERIOD * self._robot.wheels[0].radius * speed
+
     def _lasts(self, seen: bool) -> bool:
         self._since = self._since + 1 if seen else 0
         return self._since >= STEADY
@@ -135,14 +145,16 @@ class Pilot:
         inside = float(self._run.legs.inside[self.corner])
         self.plane = inside + math.pi * (self.side < 0)  # it came through in the corner's own plane
         self.corner += 1
-        self._entered, self._goes = False, 0
+        self._entered, self._gone, self._goes = False, 0.0, 0
         self._begin(Mode.LEAVE)
         self._drive = Drive(self._robot, self._run.radius, reading.body.q, self.set_points)
 
     def _roll_or_go(self, reading: SpaceReading) -> None:
         """Roll where the plane is not that of the corner ahead, else go on to it."""
         seen = self._seen_plane(reading)
-        self.log.append(f"c{self.corner} knows {math.degrees(self.plane):.0f} sees {math.degrees(seen) if seen is not None else math.nan:.0f}")
+        self.log.append(
+            f"c{self.corner} knows {math.degrees(self.plane):.0f} sees {math.degrees(seen) if seen is not None else math.nan:.0f}"
+        )
         self.plane = self.plane if seen is None else seen
         away = math.remainder(float(self._run.legs.inside[self.corner]) - self.plane, math.pi)
         bends = reading.body.q
@@ -185,4 +197,4 @@ class Pilot:
         straight = across / np.sin(np.abs(lidar.angles))
         ahead = straight * np.cos(lidar.angles)
         telling = (ahead >= AHEAD[0]) & (ahead <= AHEAD[1])
-        return drive.ready and bool((reading.body.ranges > LONGER * straight)[telling].any())
+        return drive.ready and bool((np.abs(reading.body.ranges - straight) > UNLIKE * straight)[telling].any())

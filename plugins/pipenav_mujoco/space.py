@@ -93,7 +93,10 @@ class _World:
         links = [link.name for link in robot.links]
         self._links = np.array([model.body(name).id for name in links])
         self._halves = [model.body(name).id for name in (robot.roll.link, robot.roll.link + FRONT)]
-        self._divided, self._bearing = links.index(robot.roll.link), [i for i, link in enumerate(robot.links) if link.wheel]
+        self._divided, self._bearing = (
+            links.index(robot.roll.link),
+            [i for i, link in enumerate(robot.links) if link.wheel],
+        )
         self._effort = robot.effort_limits
         self._record = np.zeros((settings.substeps, model.nsensordata))
         self._ranges = np.zeros(robot.laser.beams)
@@ -122,7 +125,8 @@ class _World:
         self._loads = data.actuator_force[:-1] / self._effort
         self._scan()
         distance = self._record[:, -1]
-        self._depth = float(max(-distance.min(), 0.0)) if np.isfinite(distance).all() else np.inf
+        known = np.isfinite(data.qpos).all() and np.isfinite(distance).all()
+        self._depth = float(max(-distance.min(), 0.0)) if known else np.inf
         self._share = float((distance < 0).mean())
         means = self._windows.means(self._record[None, :, :-1]).reshape(1, self._windows.count, -1, 3)
         links = len(self._links)

@@ -36,7 +36,9 @@ def space_spec(robot: RobotSpec, run: PipeRun, timestep: float, contact: Contact
     """An MjSpec of the robot in the run; gravity [m/s^2] pulls along -z."""
     assert robot.roll is not None
     spec = new_spec(robot, timestep)
-    spec.option.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_MIDPHASE)  # one body, the world, has all the walls' geoms
+    spec.option.disableflags &= ~int(
+        mujoco.mjtDisableBit.mjDSBL_MIDPHASE
+    )  # one body, the world, has all the walls' geoms
     spec.option.gravity = [0.0, 0.0, -gravity]
     _add_walls(spec, robot, run, contact)
     parent, offset = spec.worldbody, 0.0
@@ -121,9 +123,7 @@ def _add_wheel(link: Any, wheel: Wheel, robot: RobotSpec, radius: float, contact
     add_driven_joint(body, wheel, actuator, axis=(0, 0, 1))
     size = [wheel.radius, wheel.height / 2, 0]
     seen = {"contype": 0, "conaffinity": 0}
-    body.add_geom(
-        name=f"{wheel.name}_seen", type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=size, mass=wheel.mass, **seen
-    )
+    body.add_geom(name=f"{wheel.name}_seen", type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=size, mass=wheel.mass, **seen)
     away = wheel.height / 2 * math.sqrt(1 - wheel.radius / radius)
     for side in (-1, 1):
         body.add_geom(
