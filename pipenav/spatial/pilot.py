@@ -190,11 +190,15 @@ class Pilot:
         return math.atan2(across[2], across[1]) - math.atan2(z, sideways)
 
     def _sees_corner(self, reading: SpaceReading, drive: Drive) -> bool:
-        """Whether a wall ends ahead, of a robot whose head lies along the axis on the side of its last wheel."""
+        """Whether a wall ends ahead of a clamped robot: its last two wheels stand on either wall."""
         lidar, radius = self._robot.laser, self._run.radius
-        offset = -drive.third * room(self._robot, radius)  # of the tip, to the left
-        across = np.where(lidar.angles > 0, radius - offset, radius + offset)
-        straight = across / np.sin(np.abs(lidar.angles))
-        ahead = straight * np.cos(lidar.angles)
+        way = self._ways(reading.body.q)
+        front = way[HALF + 1 : 2 * HALF].sum(axis=0)  # along the axis: from one wheel to another one on the same wall
+        heading = math.atan2(front[0] * way[-1, 1] - front[1] * way[-1, 0], front @ way[-1])
+        offset = -drive.third * room(self._robot, radius) + float(self._robot.lengths[-1]) * math.sin(heading)
+        beams = lidar.angles + heading
+        across = np.where(beams > 0, radius - offset, radius + offset)
+        straight = across / np.maximum(np.abs(np.sin(beams)), 1e-6)
+        ahead = straight * np.cos(beams)
         telling = (ahead >= AHEAD[0]) & (ahead <= AHEAD[1])
-        return drive.ready and bool((np.abs(reading.body.ranges - straight) > UNLIKE * straight)[telling].any())
+        return drive.ready and bool((reading.body.ranges - straight > UNLIKE * straight)[telling].any())
