@@ -46,7 +46,7 @@ def written(folder: Path, text: str) -> str:
     return str(path)
 
 
-@pytest.mark.parametrize("name", run_set_names())
+@pytest.mark.parametrize("name", ["runs-level", "runs-rolled"])
 def test_a_shipped_set_covers_the_working_range_in_runs_of_five_corners(name: str) -> None:
     runs = parse_runs([name])
     corners = [corner for run in runs for corner in run.corners]
@@ -54,6 +54,13 @@ def test_a_shipped_set_covers_the_working_range_in_runs_of_five_corners(name: st
     assert Counter(round(m_to_mm(run.diameter)) for run in runs) == dict.fromkeys(range(70, 121, 10), 4)
     assert {round(rad_to_deg(corner.angle)) for corner in corners} == set(range(55, 126, 5))
     assert 0.4 < sum(corner.turn == "left" for corner in corners) / len(corners) < 0.6
+
+
+def test_the_runs_for_training_are_planar_and_shorter_than_those_of_the_evaluations() -> None:
+    assert run_set_names() == ["runs-level", "runs-rolled", "runs-train"]
+    runs = parse_runs(["runs-train"])
+    assert len(set(runs)) == 400 and {len(run.corners) for run in runs} == {3}
+    assert all(run.planar for run in runs)
 
 
 def test_the_rolled_runs_leave_room_for_the_whole_robot_between_two_corners() -> None:

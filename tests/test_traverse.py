@@ -109,7 +109,8 @@ def test_left_and_right_are_seen_and_driven_alike() -> None:
 
 def test_the_observation_has_the_size_and_the_order_that_its_layout_says() -> None:
     parts = observation.layout(ROBOT, CONFIG)
-    assert [part.name for part in parts] == ["q", "qd", "wheel_speeds", "loads", "ranges", "action_before"]
+    names = ["q", "qd", "wheel_speeds", "loads", "ranges", "action_before", "turns_beside"]
+    assert [part.name for part in parts] == names
     n = 2
     reading = Reading(
         np.full((n, 6), 1.0),
@@ -119,9 +120,9 @@ def test_the_observation_has_the_size_and_the_order_that_its_layout_says() -> No
         np.full((n, 6), 3.0),
         np.ones((n, 12)),
     )
-    seen = observation.observe(ROBOT, reading, np.full((n, 12), 5.0), np.ones(n))
+    seen = observation.observe(ROBOT, reading, np.full((n, 12), 5.0), np.ones(n), np.array([[0.0, -1.0]] * n))
     assert seen.shape == (n, len(scale_of(ROBOT, CONFIG)))
-    assert list(seen[0]) == [1.0] * 6 + [2.0] * 6 + [3.0] * 6 + [1.0] * 12 + [4.0] * 10 + [5.0] * 12
+    assert list(seen[0]) == [1.0] * 6 + [2.0] * 6 + [3.0] * 6 + [1.0] * 12 + [4.0] * 10 + [5.0] * 12 + [0.0, -1.0]
 
 
 @given(seeds, st.sampled_from(["measured", "held"]))

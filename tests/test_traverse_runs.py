@@ -195,21 +195,23 @@ def test_a_run_and_its_mirror_image_are_seen_and_driven_alike_through_all_corner
 
 @settings(max_examples=15, deadline=None)
 @given(st.sampled_from(LEVEL))
-def test_the_side_is_that_of_the_first_corner_that_the_tail_has_not_passed(run: AnyPipe) -> None:
+def test_the_side_is_that_of_the_first_corner_that_the_middle_has_not_passed(run: AnyPipe) -> None:
     assert isinstance(run, PipeRun)
     ghost, robots = carried([run])
     sides, scale = any_pipe.turn_sides(run), scale_of(ROBOT, CONFIG)
-    ends = run.places[1:-1] + any_pipe.inner_edges(run) + CONFIG.through
-    before = sides[0]
+    ends = run.places[1:-1] + any_pipe.inner_edges(run)
+    around, before, corner = np.array([0.0, *sides, 0.0]), sides[0], 0
     for at in np.linspace(-1.0, run.places[-1], 60):
         ghost.tail[:] = at
         action = np.random.default_rng(0).uniform(-1.0, 1.0, (1, 12))
         seen = robots.step(action).observation * scale
-        side = sides[min(int((at >= ends).sum()), len(sides) - 1)]
+        corner = max(corner, min(int((robots.along.mean() >= ends).sum()), len(sides) - 1))
+        side = sides[corner]
         assert seen[0, :6] == pytest.approx(ghost.q[0] * (ROBOT.mirror_signs if side < 0 else 1.0))
         # What was done last keeps its meaning: the same bends of the same joints.
-        assert seen[0, -12:-6] * side == pytest.approx(action[0, :6] * before)
-        assert seen[0, -6:] == pytest.approx(action[0, 6:])
+        assert seen[0, -14:-8] * side == pytest.approx(action[0, :6] * before)
+        assert seen[0, -8:-2] == pytest.approx(action[0, 6:])
+        assert seen[0, -2:] * side == pytest.approx([around[corner], around[corner + 2]])
         before = side
 
 

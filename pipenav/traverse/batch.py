@@ -48,7 +48,7 @@ class TraverseBatch:
         self._scale = np.concatenate([part.scale for part in observation.layout(robot, config)])
         self.pipes: list[AnyPipe | None] = [None] * n
         self.steps, self._ages = np.zeros(n, int), np.zeros(n, int)
-        self._side, self._base = np.ones(n), np.zeros(n)
+        self._sides, self._base = np.ones((n, 3)), np.zeros(n)
         self._ways = Ways.of([ANYWHERE] * n)
         self._corner = np.zeros(n, np.intp)
         self._judge = Judge(robot, config, n)
@@ -94,11 +94,10 @@ class TraverseBatch:
         self._base[robots], self._q[robots], self._action[robots] = episodes.base, episodes.q, 0.0
         self._set_points[robots] = reading.q + self.config.start_press * np.sign(reading.q)
         self._ways, self._corner[robots] = self._ways.put(robots, Ways.of(episodes.pipes)), 0
-        self._side[robots] = self._ways.side[robots, 0]
+        self._sides[robots] = self._ways.sides(self._corner)[robots]
         self._judge.start(robots, self.along[robots])
-        observed = observation.observe(self.robot, reading, self._action[robots], self._side[robots])
         self._observation = self._observation.copy()
-        self._observation[robots] = observed / self._scale
+        self._observation[robots] = self._observe(reading, robots)
         return self._observation
 
     def stagger(self, rng: np.random.Generator) -> None:
@@ -112,7 +111,7 @@ class TraverseBatch:
             action: canonical actions in [-1, 1], (n, drives).
         """
         joints = self._q[:, -self._set_points.shape[1] :]
-        command = observation.to_command(self.robot, self.config, action, joints, self._set_points, self._side)
+        command = observation.to_command(self.robot, self.config, action, joints, self._set_points, self._sides[:, 0])
         self._set_points = command.values[:, : joints.shape[1]].copy()
         self._backend.step(command)
         self.steps += 1
@@ -124,9 +123,8 @@ class TraverseBatch:
         along, every, last = self.along, np.arange(self.n), self._ways.corners - 1
         limit, end = self.config.max_steps * (last + 1), self._ways.end[every, last]
         facts, verdict = self._judge.step(self.steps, limit, along, end, reading, truth)
-        self._go_on(along[:, 0])
-        observed = observation.observe(self.robot, reading, self._action, self._side)
-        self._observation = observed / self._scale
+        self._go_on(along.mean(axis=1))
+        self._observation = self._observe(reading, every)
         gained = reward(self.config.reward, facts)
         cut_off = (verdict != Verdict.RUNNING) & ~facts.passed & ~facts.failed
         return StepResult(self._observation, gained, verdict, reading.ranges.min(axis=1), truth, cut_off)
@@ -140,13 +138,18 @@ class TraverseBatch:
         tip[:, 0] -= self._base
         self._q = kinematics.configuration(self.robot, reading.q, tip)
 
-    def _go_on(self, tail: Array) -> None:
-        """The corner that a robot is in is the first one through which its tail (n,) has not come; never one before.
+    def _observe(self, reading: Reading, robots: NDArray[np.intp]) -> Array:
+        """What some robots see, scaled, from what their sensors give."""
+        side, beside = self._sides[robots, 0], self._sides[robots, 1:]
+        observed = observation.observe(self.robot, reading, self._action[robots], side, beside)
+        return np.asarray(observed / self._scale)
+
+    def _go_on(self, middle: Array) -> None:
+        """The corner that a robot is in is the first one through which its middle (n,) has not come; never one before.
 
         With the corner its side may change, and what is seen and done from there on is mirrored.
         """
-        done = (tail[:, None] >= self._ways.end + self.config.through) & (self._ways.side != 0)
+        done = (middle[:, None] >= self._ways.end) & (self._ways.side != 0)
         self._corner = np.maximum(self._corner, np.minimum(done.sum(axis=1), self._ways.corners - 1))
-        side = self._ways.side[np.arange(self.n), self._corner]
-        self._action = observation.seen_from(self.robot, self._action, side * self._side)
-        self._side = side
+        before, self._sides = self._sides[:, 0], self._ways.sides(self._corner)
+        self._action = observation.seen_from(self.robot, self._action, self._sides[:, 0] * before)

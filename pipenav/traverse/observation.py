@@ -27,6 +27,7 @@ def layout(robot: RobotSpec, config: TraverseConfig) -> list[Part]:  # noqa: ARG
         Part("loads", "1", np.ones(drives)),
         Part("ranges", "m", np.full(lidar.beams, lidar.range_max)),
         Part("action_before", "1", np.ones(drives)),
+        Part("turns_beside", "1", np.ones(2)),
     ]
 
 
@@ -64,7 +65,7 @@ def seen_from(robot: RobotSpec, action: Array, change: Array) -> Array:
     return np.concatenate([action[:, :joints] * drive_signs(robot, change)[:, :joints], action[:, joints:]], axis=1)
 
 
-def observe(robot: RobotSpec, reading: Reading, action_before: Array, side: Array) -> Array:
+def observe(robot: RobotSpec, reading: Reading, action_before: Array, side: Array, beside: Array) -> Array:
     """Unscaled observation, (n, size).
 
     Args:
@@ -72,6 +73,7 @@ def observe(robot: RobotSpec, reading: Reading, action_before: Array, side: Arra
         reading: what the sensors give.
         action_before: the last action in the canonical frame, zero at the first step, (n, drives).
         side: +1 for a left turn, -1 for a right one, (n,).
+        beside: likewise for the corners before and after the robot's, 0 where there is none, (n, 2).
 
     Raises:
         TypeError: the backend measures no wheel speeds or no loads.
@@ -81,7 +83,7 @@ def observe(robot: RobotSpec, reading: Reading, action_before: Array, side: Arra
     signs, joints = drive_signs(robot, side), len(robot.joints)
     ranges = np.where(side[:, None] > 0, reading.ranges, reading.ranges[:, ::-1])
     own = (reading.q * signs[:, :joints], reading.qd * signs[:, :joints], reading.wheel_speeds * signs[:, joints:])
-    return np.concatenate([*own, reading.loads * signs, ranges, action_before], axis=1)
+    return np.concatenate([*own, reading.loads * signs, ranges, action_before, beside * side[:, None]], axis=1)
 
 
 def to_command(

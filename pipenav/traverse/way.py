@@ -80,6 +80,11 @@ class Ways(NamedTuple):
         """How many corners each pipe has, (n,)."""
         return np.asarray(np.count_nonzero(self.side, axis=1))
 
+    def sides(self, corner: NDArray[np.intp]) -> Array:
+        """+1 or -1 for a corner (n,) of each pipe, the one before and the one after; 0 where there is none, (n, 3)."""
+        around = np.pad(self.side, [(0, 0), (1, 0)])  # the last leg's 0 stands behind the last corner
+        return np.asarray(np.take_along_axis(around, corner[:, None] + np.array([1, 0, 2]), axis=1))
+
     def along(self, points: Array) -> Array:
         """Distance along the mitred centre line, 0 at the first corner, of points (n, m, 2) of the pipes' frames.
 
