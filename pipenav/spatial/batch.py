@@ -108,7 +108,8 @@ class SpaceBatch:
 
     def _observe(self, reading: SpaceReading) -> Array:
         side = np.array([pilot.side for pilot in self._pilots])
-        return observation.observe(self.robot, reading.body, self._action, side) / self._scale
+        alone = np.zeros((self.n, 2))  # a corner is taken by itself, wherever the next one leads
+        return observation.observe(self.robot, reading.body, self._action, side, alone) / self._scale
 
     def _along(self) -> Array:
         points = self._backend.truth().points
