@@ -57,7 +57,7 @@ class EpisodeResults(NamedTuple):
     def put(self, jobs: NDArray[np.intp], part: EpisodeResults) -> None:
         """Overwrite those of some episodes, k of them, by `part`."""
         for column, rows in zip(self, part, strict=True):
-            column[jobs] = rows
+            np.asarray(column)[jobs] = rows
 
     @classmethod
     def empty(cls, total: int, robot: RobotSpec) -> EpisodeResults:

@@ -170,7 +170,9 @@ def load_spatial(name: str) -> type[Backend]:
     return kind
 
 
-def open_space(name: str, robot: RobotSpec, n: int, options: Mapping[str, Any] | BackendOptions) -> SpaceBackend:
+def open_space(
+    name: str, robot: RobotSpec, n: int, options: Mapping[str, Any] | BackendOptions, gravity: float
+) -> SpaceBackend:
     """As `open_backend`, for robots in space.
 
     Raises:
@@ -179,7 +181,7 @@ def open_space(name: str, robot: RobotSpec, n: int, options: Mapping[str, Any] |
     """
     kind = load_spatial(name)
     assert isinstance(kind, Spatial)
-    return kind.in_space(robot, n, check_options(name, kind, options))
+    return kind.in_space(robot, n, check_options(name, kind, options), gravity)
 
 
 def check_options(name: str, kind: type[Backend], options: Mapping[str, Any] | BackendOptions) -> BackendOptions:

@@ -39,6 +39,11 @@ class SpaceReading(NamedTuple):
     roll: Array
     down: Array
 
+    def row(self, i: int) -> SpaceReading:
+        """That of one robot: its arrays without their first axis."""
+        body = Reading(**{name: column[i] for name, column in self.body.measured().items()})
+        return SpaceReading(body, self.roll[i], self.down[i])
+
 
 class SpaceTruth(NamedTuple):
     """What only a simulator knows; rewards and verdicts may use it, policies never. As `Truth`, in space.
@@ -104,12 +109,13 @@ class Spatial(Protocol):
     """What a backend's class may offer besides, for runs that leave the plane."""
 
     @staticmethod
-    def in_space(robot: RobotSpec, n: int, options: BackendOptions) -> SpaceBackend:
+    def in_space(robot: RobotSpec, n: int, options: BackendOptions, gravity: float) -> SpaceBackend:
         """n robots in space.
 
         Args:
             robot: the robot, with a roll joint.
             n: how many.
-            options: an instance of the class's `Options`.
+            options: an instance of the class's `Options`; it may overrule gravity.
+            gravity: downwards, along -z [m/s^2].
         """
         ...

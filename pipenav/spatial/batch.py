@@ -1,24 +1,28 @@
-"""The traverse task in space: n robots, each in a run of its own, that roll before corners whose plane is not theirs."""
+"""The traverse task in space: n robots, each in a run of its own, that roll before corners in other planes.
+
+A policy of the plane takes a robot through each corner. Between corners its `Pilot` drives, and what the policy wants
+is not done.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pipenav.any_pipe import inner_edges
 from pipenav.batch import StepResult
 from pipenav.pipe_run import PipeRun
 from pipenav.robot import BASE, RobotSpec
-from pipenav.space import SpaceBackend, SpaceReading
-from pipenav.state import Reading
+from pipenav.space import SpaceBackend, SpaceReading, SpaceTruth
+from pipenav.spatial.clamp import check_robot
+from pipenav.spatial.pilot import Mode, Pilot
 from pipenav.task.episode import Verdict
 from pipenav.traverse import observation
 from pipenav.traverse.config import TraverseConfig
 from pipenav.traverse.judge import Judge, reward
 from pipenav.traverse.start import TraverseEpisodes
-from pipenav.spatial.pilot import Mode, Pilot
-from pipenav.spatial.clamp import check_robot
 
 Array = NDArray[np.float64]
 
@@ -27,7 +31,11 @@ LIMIT_FACTOR = 2
 
 
 class SpaceBatch:
-    """n episodes in space, stepped together. Who calls `step` also says, by `reset`, who starts anew."""
+    """n episodes in space, stepped together. Who calls `step` also says, by `reset`, who starts anew.
+
+    Raises:
+        PipenavError: a robot that cannot roll.
+    """
 
     def __init__(
         self,
@@ -41,12 +49,16 @@ class SpaceBatch:
         self.robot, self.config, self.n = robot, config, n
         self._backend, self._source = backend, source
         self._scale = np.concatenate([part.scale for part in observation.layout(robot, config)])
-        self.pipes: list[PipeRun] = []
-        self._pilots: list[Pilot] = []
+        self._pilots: dict[int, Pilot] = {}
+        self._runs: dict[int, PipeRun] = {}
         self.steps = np.zeros(n, int)
         self._judge = Judge(robot, config, n)
-        self._action = np.zeros((n, len(robot.drives)))
-        self._end = np.zeros(n)
+        self._action, self._end, self._limit = np.zeros((n, len(robot.drives))), np.zeros(n), np.zeros(n, int)
+
+    @property
+    def pipes(self) -> list[PipeRun]:
+        """The run of each robot, once all have one."""
+        return [self._runs[i] for i in range(self.n)]
 
     @property
     def observation_size(self) -> int:
@@ -58,68 +70,72 @@ class SpaceBatch:
 
     @property
     def q(self) -> Array:
-        """Joint positions after zeros where the plane has the base's pose, (n, coordinates)."""
-        joints = self._backend.read().body.q
-        return np.concatenate([np.zeros((self.n, len(BASE))), joints], axis=1)
+        """Joint positions, after zeros where a configuration in the plane has the base's pose, (n, coordinates)."""
+        return np.concatenate([np.zeros((self.n, len(BASE))), self._backend.read().body.q], axis=1)
+
+    @property
+    def doing(self) -> list[str]:
+        """Who drives each robot, in words."""
+        return [self._pilots[i].doing for i in range(self.n)]
+
+    def truth(self) -> SpaceTruth:
+        """Where the robots are; no policy knows it."""
+        return self._backend.truth()
 
     def reset(self, robots: NDArray[np.intp] | None = None) -> Array:
+        """Start new episodes for some robots (sorted, unique), or all, the first time all of them."""
         robots = np.arange(self.n) if robots is None else np.asarray(robots, np.intp)
         episodes = self._source(robots)
-        planes = np.array([run.corners[0].roll for run in episodes.pipes])
-        self._backend.reset(robots, episodes.pipes, episodes.q, episodes.base, planes)
-        if not self.pipes:
-            self.pipes = list(episodes.pipes)
-            self._pilots = [None] * self.n
-        for i, run in zip(robots, episodes.pipes, strict=True):
-            self.pipes[i] = run
-        reading = self._backend.read()
-        for i in robots:
-            q = reading.body.q[i]
-            self._pilots[i] = Pilot(self.robot, self.pipes[i], q + self.config.start_press * np.sign(q))
-            self._end[i] = self.pipes[i].places[-2] + self.pipes[i].radius * self.pipes[i].legs.reach[-1]
+        runs = [pipe if isinstance(pipe, PipeRun) else PipeRun.from_pipe(pipe) for pipe in episodes.pipes]
+        planes = np.array([run.corners[0].roll for run in runs])
+        reading = self._backend.reset(robots, runs, episodes.q, episodes.base, planes)
+        for i, run, q in zip(robots, runs, reading.body.q, strict=True):
+            self._runs[i] = run
+            self._pilots[i] = Pilot(self.robot, run, q + self.config.start_press * np.sign(q))
+            self._end[i] = run.places[-2] + inner_edges(run)[-1]
+            self._limit[i] = LIMIT_FACTOR * self.config.max_steps * len(run.corners)
         self.steps[robots], self._action[robots] = 0, 0.0
         self._judge.start(robots, self._along()[robots])
-        return self._observe(reading)
+        return self._observe(self._backend.read())
+
+    def stagger(self, rng: np.random.Generator) -> None:
+        """Nothing: it is for training, and nobody trains here."""
 
     def step(self, action: Array) -> StepResult:
-        reading = self._backend.read()
-        side = np.array([pilot.side for pilot in self._pilots])
-        held = np.array([pilot.set_points for pilot in self._pilots])
-        command = observation.to_command(self.robot, self.config, action, reading.body.q, held, side).values.copy()
-        roll = np.zeros(self.n)
-        self._action = np.clip(action, -1.0, 1.0)
-        for i, pilot in enumerate(self._pilots):
-            command[i], roll[i] = pilot.command(row(reading, i), command[i])
-            if pilot.mode is not Mode.CORNER:
-                self._action[i] = 0.0
-        self._backend.step(command, roll)
+        """One control step of every robot.
+
+        Args:
+            action: canonical actions of the policy in [-1, 1], (n, drives); not done where the pilot drives.
+        """
+        reading, pilots = self._backend.read(), [self._pilots[i] for i in range(self.n)]
+        held = np.array([pilot.set_points for pilot in pilots])
+        wanted = observation.to_command(self.robot, self.config, action, reading.body.q, held, self._side).values
+        commands = [pilot.command(reading.row(i), wanted[i]) for i, pilot in enumerate(pilots)]
+        policy_drives = np.array([pilot.mode is Mode.CORNER for pilot in pilots])
+        self._action = np.where(policy_drives[:, None], np.clip(action, -1.0, 1.0), 0.0)
+        self._backend.step(np.array([values for values, _ in commands]), np.array([roll for _, roll in commands]))
         self.steps += 1
         reading, truth = self._backend.read(), self._backend.truth()
-        for i, pilot in enumerate(self._pilots):
-            pilot.sense(row(reading, i))
-        limit = self.config.max_steps * LIMIT_FACTOR * np.array([len(run.corners) for run in self.pipes])
-        facts, verdict = self._judge.step(self.steps, limit, self._along(), self._end, reading.body, truth)
-        self._judge.excuse(np.array([pilot.mode is Mode.ROLL for pilot in self._pilots]))
-        observed = self._observe(reading)
+        for i, pilot in enumerate(pilots):
+            pilot.sense(reading.row(i))
+        self._judge.excuse(np.array([pilot.mode in (Mode.ROLL, Mode.BACK_OUT) for pilot in pilots]))
+        facts, verdict = self._judge.step(self.steps, self._limit, self._along(), self._end, reading.body, truth)
+        gained, clearance = reward(self.config.reward, facts), reading.body.ranges.min(axis=1)
         cut_off = (verdict != Verdict.RUNNING) & ~facts.passed & ~facts.failed
-        return StepResult(
-            observed, reward(self.config.reward, facts), verdict, reading.body.ranges.min(axis=1), truth, cut_off
-        )
-
-    def _observe(self, reading: SpaceReading) -> Array:
-        side = np.array([pilot.side for pilot in self._pilots])
-        alone = np.zeros((self.n, 2))  # a corner is taken by itself, wherever the next one leads
-        return observation.observe(self.robot, reading.body, self._action, side, alone) / self._scale
-
-    def _along(self) -> Array:
-        points = self._backend.truth().points
-        return np.array([run.along(place) for run, place in zip(self.pipes, points, strict=True)])
+        return StepResult(self._observe(reading), gained, verdict, clearance, truth, cut_off)
 
     def close(self) -> None:
         self._backend.close()
 
+    @property
+    def _side(self) -> Array:
+        return np.array([self._pilots[i].side for i in range(self.n)])
 
-def row(reading: SpaceReading, i: int) -> SpaceReading:
-    """That of one robot, its arrays without the first axis."""
-    body = Reading(*(None if part is None else part[i] for part in reading.body))
-    return SpaceReading(body, reading.roll[i], reading.down[i])
+    def _observe(self, reading: SpaceReading) -> Array:
+        alone = np.zeros((self.n, 2))  # every corner is taken by itself, wherever the ones beside it turn
+        seen = observation.observe(self.robot, reading.body, self._action, self._side, alone)
+        return np.asarray(seen / self._scale)
+
+    def _along(self) -> Array:
+        points = self._backend.truth().points
+        return np.array([run.along(place) for run, place in zip(self.pipes, points, strict=True)])

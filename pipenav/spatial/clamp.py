@@ -1,7 +1,7 @@
 """How a robot of two mirrored halves clamps in a straight pipe and drives: wheels by turns on either wall.
 
 A robot clamps in its plane with its wheels on the left wall and on the right one by turns; the joint in the middle of
-each half presses. `third` says on which wall wheel 3 stands, +1 for the left one: that is which of the two zigzags it is.
+each half presses. There are two such zigzags: `third` is the wall on which wheel 3 stands, +1 for the left one.
 """
 
 from __future__ import annotations
@@ -27,8 +27,9 @@ PRESS = 0.3
 SPEED = 0.8
 """Speed of set-points and of rolling, as a share of the motors' no-load speed."""
 
-LAG = 0.25
-"""Distance of a joint from its set-point at which the robot no longer rolls on [rad]; it slows down towards that."""
+LAG, CREEP = 0.25, 0.3
+"""A driving robot slows down as joints are away from their set-points, at this distance [rad] to this share of its
+speed: a wheel that is caught comes free as the robot goes on."""
 
 ZIGZAG = np.array([-1.0, 2.0, -2.0, 2.0, -2.0, 1.0])
 """Bends of the zigzag with wheel 3 on the left wall, in steepnesses of its links."""
@@ -81,19 +82,21 @@ class Drive:
         third: see above.
     """
 
-    def __init__(self, robot: RobotSpec, radius: float, bends: Array, set_points: Array) -> None:
+    def __init__(
+        self, robot: RobotSpec, radius: float, bends: Array, set_points: Array, direction: float = 1.0
+    ) -> None:
         self.third, self.gone = nearest(bends), 0.0
         self._goal = self.third * steepness(robot, radius) * ZIGZAG
         self._press = self.third * PRESS * PRESSING
-        self._set_points = set_points - self._press
+        self._set_points, self._near = set_points - self._press, False
         self._step = SPEED * robot.speed_limits * CONTROL_PERIOD
-        self._speed = SPEED * robot.actuators[robot.wheels[0].actuator].speed_limit
+        self._speed = direction * SPEED * robot.actuators[robot.wheels[0].actuator].speed_limit
         self._rim = robot.wheels[0].radius
 
     @property
-    def ready(self) -> bool:
-        """Whether its set-points are those of the zigzag."""
-        return bool(np.array_equal(self._set_points, self._goal))
+    def clamped(self) -> bool:
+        """Whether it is clamped."""
+        return self._near and bool(np.array_equal(self._set_points, self._goal))
 
     def act(self, bends: Array, wheel_speeds: Array) -> Array:
         """Set-points of joints and wheels for one control period, (12,).
@@ -105,5 +108,6 @@ class Drive:
         self.gone += CONTROL_PERIOD * self._rim * float((wheel_speeds * forwards(bends)).mean())
         self._set_points = self._set_points + np.clip(self._goal - self._set_points, -self._step, self._step)
         away = float(np.abs(self._goal - bends)[self._press == 0].max())
-        speed = self._speed * max(0.0, 1.0 - away / LAG)
+        self._near = away < LAG
+        speed = self._speed * max(CREEP, 1.0 - (1.0 - CREEP) * away / LAG)
         return np.concatenate([self._set_points + self._press, speed * forwards(bends)])

@@ -1,11 +1,9 @@
 """What one robot in space knows and does besides its policy: where it is, and when and how far to roll.
 
-It knows the pipe's drawing: its diameter, and of every corner the angle, the turn and the roll. All else it finds out from
-its own sensors. Around a corner the policy drives; its front half heads another way there than its rear half, and when
-they head the same way again the corner is behind. In a straight the robot clamps and rolls along; having left the
-corner behind it turns its plane into that of the next one, and goes on until its laser sees a wall end.
-
-How its plane lies tell its accelerometers, where a straight is not too steep for that, and else how far it has turned.
+It knows the pipe's drawing: the diameter, and how every corner turns and is rolled. All else it finds out from its own
+sensors (`senses`). Around a corner the policy drives; the front half heads another way there than the rear one, and when
+they head the same way again, the corner is behind. Then the robot clamps, goes on until there is room, turns its plane
+into that of the next corner, and goes on until its laser sees the straight end. Where it stalls it tries another way.
 """
 
 from __future__ import annotations
@@ -16,22 +14,21 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from pipenav.backend import CONTROL_PERIOD
 from pipenav.pipe_run import PipeRun
 from pipenav.robot import RobotSpec
 from pipenav.space import SpaceReading
-from pipenav.spatial.clamp import HALF, Drive, forwards, room, steepness
+from pipenav.spatial import senses
+from pipenav.spatial.clamp import HALF, Drive, steepness
 from pipenav.spatial.roll import Phase, Roll
 
 Array = NDArray[np.float64]
 
-ENTERED, BEHIND = 0.6, 0.2
-"""Shares of a corner's turn by which the front half heads another way than the rear one: once more than the first, the
-robot is around the corner; then less than the second, it has left it behind; so it has too when its wheels have rolled
-on by its length since."""
+ENTERED, BEHIND, NEARLY = 0.6, 0.2, 0.45
+"""Shares of a corner's turn by which the front half heads another way than the rear one. Once it was more than the first,
+the robot is around the corner. The corner is behind after `STEADY` steps of less than the second, after `LONG` ones of
+less than the third, as some policies lie in a straight, or after the wheels have rolled on by the robot's length."""
 
-STEADY = 3
-"""Control steps for which the robot has to see something before it acts on it."""
+STEADY, LONG = 3, 15
 
 MARGIN = 0.03
 """How far behind it leaves a corner before it rolls, besides what it stretches backwards [m]."""
@@ -42,25 +39,25 @@ TOLERANCE = math.radians(6.0)
 GOES = 3
 """How often it rolls at most before a corner."""
 
-STEEPEST = 0.25
-"""Share of the weight that must pull across a straight for the accelerometers to tell how the robot's plane lies."""
+STALL = 20
+"""Control steps in which a robot is stalled that has not moved."""
 
-AHEAD = (0.05, 0.21)
-"""Beams that meet a straight's wall so far ahead of the laser tell that it ends [m]; the policy starts 60 to 100 mm
-before a corner."""
+STILL, ON_THE_SPOT = 0.15, 0.01
+"""A robot has not moved if no joint has by more than this [rad] nor, where it drives itself, its wheels by this [m]."""
 
-UNLIKE = 0.25
-"""They do by readings that differ from a straight's by more than this share."""
+BACK = 0.12
+"""How far it backs out of a corner in which it stalled [m]."""
 
 
 class Mode(IntEnum):
-    """Who drives: the policy around a corner; or, in a straight, the robot going on to where it may roll, rolling, and
-    going on to the next corner."""
+    """Who drives: the policy around a corner; or the robot itself, on from a corner to where it may roll, rolling, on to
+    the next corner, or back out of one in which the policy stalled."""
 
     CORNER = 0
     LEAVE = 1
     ROLL = 2
     APPROACH = 3
+    BACK_OUT = 4
 
 
 class Pilot:
@@ -69,20 +66,29 @@ class Pilot:
     Attributes:
         mode: who drives.
         corner: the corner ahead or around the robot.
-        plane: how the robot's plane is turned from the straights' untwisted frames, as it knows [rad].
+        plane: how the robot's plane is turned from the straights' untwisted frames, as far as it knows [rad].
         set_points: of the joints, (6,) [rad].
     """
 
     def __init__(self, robot: RobotSpec, run: PipeRun, set_points: Array) -> None:
         self._robot, self._run = robot, run
         self.mode, self.corner, self.set_points = Mode.CORNER, 0, set_points
-        self.plane = float(run.legs.inside[0]) - math.pi * (run.corners[0].turn == "right")
-        self._entered, self._gone, self._since, self._goes = False, 0.0, 0, 0
+        self.plane = run.corners[0].roll
         self._drive: Drive | None = None
         self._roll: Roll | None = None
+        self._entered, self._gone, self._goes = False, 0.0, 0
+        self._straight, self._nearly, self._seen = 0, 0, 0  # control steps for which it has been so
+        self._past: list[Array] = []  # joints and way gone in the last control steps of this mode
         stretch = 2 * float(robot.lengths[HALF]) * (1 - math.cos(steepness(robot, run.radius)))
         self._leave = float(robot.lengths[0]) + stretch + MARGIN
-        self.log: list[str] = []
+
+    @property
+    def doing(self) -> str:
+        """Who drives, in words."""
+        if self._roll is not None:
+            return f"rolling: {self._roll.phase.name.lower().replace('_', ' ')}"
+        words = {Mode.CORNER: "policy in ", Mode.LEAVE: "room before ", Mode.APPROACH: "on to "}
+        return words.get(self.mode, "back out of ") + f"corner {self.corner + 1}"
 
     @property
     def side(self) -> float:
@@ -93,7 +99,7 @@ class Pilot:
         """Set-points of joints and wheels, (12,), and of the roll joint [rad].
 
         Args:
-            reading: one robot's, its arrays without the first axis.
+            reading: one robot's, as `SpaceReading.row` gives it.
             of_policy: what the policy wants of joints and wheels, (12,).
         """
         bends, wheels, roll = reading.body.q, reading.body.wheel_speeds, 0.0
@@ -107,98 +113,78 @@ class Pilot:
         return command, roll
 
     def sense(self, reading: SpaceReading) -> None:
-        """Take in what the sensors give after a control period, and decide who drives next."""
-        if self.mode is Mode.CORNER:
-            turned = self._side_of_halves(reading.body.q) * self.side
-            whole = math.pi - self._run.corners[self.corner].angle
-            self._entered |= turned > ENTERED * whole
-            last = self.corner + 1 == len(self._run.corners)
-            self._gone += self._rolled(reading) if self._entered else 0.0
-            straight = self._lasts(self._entered and turned < BEHIND * whole)
-            if (straight or self._gone > self._robot.length) and not last:
-                self._corner_behind(reading)
-        elif self._drive is not None and self.mode is Mode.LEAVE:
-            if self._drive.ready and self._drive.gone >= self._leave:
-                self._roll_or_go(reading)
-        elif self._roll is not None:
-            if self._roll.phase is Phase.DONE:
-                self.plane += self._roll.turn
-                self._roll = None
-                self._roll_or_go(reading)
-        elif self._drive is not None and self._lasts(self._sees_corner(reading, self._drive)):
+        """Take in what one robot's sensors give after a control period, and decide who drives next."""
+        stalled = self._stalled(reading)
+        if self._drive is not None:
+            self._go_on(self._drive, reading, stalled)
+        elif self._roll is None:
+            self._around(reading, stalled)
+        elif self._roll.phase is Phase.DONE:
+            self.plane += self._roll.turn
+            self._roll_or_approach(reading)
+
+    def _around(self, reading: SpaceReading, stalled: bool) -> None:
+        """The policy drives: is the corner behind?"""
+        turned = senses.turn_of_halves(self._robot, reading.body.q) * self.side
+        share = turned / max(math.pi - self._run.corners[self.corner].angle, 1e-6)
+        self._entered |= share > ENTERED
+        if self._entered:
+            self._gone += senses.rolled(self._robot, reading)
+            self._straight = self._straight + 1 if share < BEHIND else 0
+            self._nearly = self._nearly + 1 if share < NEARLY else 0
+        behind = self._straight >= STEADY or self._nearly >= LONG or self._gone > self._robot.length
+        if behind and self.corner + 1 < len(self._run.corners):
+            self.plane = float(self._run.legs.inside[self.corner]) + math.pi * (
+                self.side < 0
+            )  # it turned in this plane
+            self.corner, self._goes = self.corner + 1, 0
+            self._begin_driving(Mode.LEAVE, reading)
+        elif stalled:
+            self._begin_driving(Mode.BACK_OUT, reading, direction=-1.0)
+
+    def _go_on(self, drive: Drive, reading: SpaceReading, stalled: bool) -> None:
+        """The robot drives itself: is it where it wants to be?"""
+        ends = drive.clamped and senses.sees_end(self._robot, reading, self._run.radius, drive.third)
+        self._seen = self._seen + 1 if ends else 0
+        near = self._seen >= STEADY
+        if self.mode is Mode.BACK_OUT:
+            if stalled or drive.gone <= -BACK:
+                self._begin_driving(Mode.APPROACH, reading)
+        elif self.mode is Mode.APPROACH:
+            if near or stalled:
+                self._begin(Mode.CORNER)
+        elif drive.clamped and (near or stalled or drive.gone >= self._leave):
+            self._roll_or_approach(reading)
+        elif stalled:  # the corner was not behind
+            self.corner -= 1
             self._begin(Mode.CORNER)
+            self._entered = True
 
     def _begin(self, mode: Mode) -> None:
-        self.mode, self._since, self._drive, self._roll = mode, 0, None, None
+        self.mode, self._drive, self._roll = mode, None, None
+        self._entered, self._gone = False, 0.0
+        self._straight, self._nearly, self._seen = 0, 0, 0
+        self._past = []
 
-    def _rolled(self, reading: SpaceReading) -> float:
-        """How far the wheels rolled forwards in a control period, their mean [m]."""
-        assert reading.body.wheel_speeds is not None
-        speed = float((reading.body.wheel_speeds * forwards(reading.body.q)).mean())
-        return CONTROL_PERIOD * self._robot.wheels[0].radius * speed
+    def _begin_driving(self, mode: Mode, reading: SpaceReading, direction: float = 1.0) -> None:
+        self._begin(mode)
+        self._drive = Drive(self._robot, self._run.radius, reading.body.q, self.set_points, direction)
 
-    def _lasts(self, seen: bool) -> bool:
-        self._since = self._since + 1 if seen else 0
-        return self._since >= STEADY
-
-    def _corner_behind(self, reading: SpaceReading) -> None:
-        inside = float(self._run.legs.inside[self.corner])
-        self.plane = inside + math.pi * (self.side < 0)  # it came through in the corner's own plane
-        self.corner += 1
-        self._entered, self._gone, self._goes = False, 0.0, 0
-        self._begin(Mode.LEAVE)
-        self._drive = Drive(self._robot, self._run.radius, reading.body.q, self.set_points)
-
-    def _roll_or_go(self, reading: SpaceReading) -> None:
+    def _roll_or_approach(self, reading: SpaceReading) -> None:
         """Roll where the plane is not that of the corner ahead, else go on to it."""
-        seen = self._seen_plane(reading)
-        self.log.append(
-            f"c{self.corner} knows {math.degrees(self.plane):.0f} sees {math.degrees(seen) if seen is not None else math.nan:.0f}"
-        )
+        seen = senses.plane_of(self._robot, reading, self._run.legs.axes[self.corner])
         self.plane = self.plane if seen is None else seen
         away = math.remainder(float(self._run.legs.inside[self.corner]) - self.plane, math.pi)
-        bends = reading.body.q
         if abs(away) > TOLERANCE and self._goes < GOES:
             self._goes += 1
             self._begin(Mode.ROLL)
-            self._roll = Roll(self._robot, self._run.radius, away, bends, reading.down)
+            self._roll = Roll(self._robot, self._run.radius, away, reading.body.q, reading.down)
         else:
-            self._begin(Mode.APPROACH)
-            self._drive = Drive(self._robot, self._run.radius, bends, self.set_points)
+            self._begin_driving(Mode.APPROACH, reading)
 
-    def _side_of_halves(self, bends: Array) -> float:
-        """By how much the front half heads to the left of the rear half, each from its first wheel to its last [rad]."""
-        way = self._ways(bends)
-        rear, front = way[1:HALF].sum(axis=0), way[HALF + 1 : 2 * HALF].sum(axis=0)
-        return math.atan2(rear[0] * front[1] - rear[1] * front[0], rear @ front)
-
-    def _ways(self, bends: Array) -> Array:
-        """From one end of each link to the other, (links, 2) [m], in the frame of the first link."""
-        headings = np.cumsum(np.append(0.0, bends))
-        return self._robot.lengths[:, None] * np.stack([np.cos(headings), np.sin(headings)], axis=1)
-
-    def _seen_plane(self, reading: SpaceReading) -> float | None:
-        """The plane's angle from the accelerometers; None where the straight is too steep."""
-        across = -self._run.legs.axes[self.corner][2]  # which way is down, in the straight's frame
-        if math.hypot(across[1], across[2]) < STEEPEST or not np.any(reading.down):
-            return None
-        way = self._ways(reading.body.q)
-        axis = way[1:-1].sum(axis=0)
-        heading = math.atan2(way[HALF, 1], way[HALF, 0]) - math.atan2(axis[1], axis[0])  # of the divided link
-        x, y, z = reading.down.mean(axis=0)
-        sideways = math.sin(heading) * x + math.cos(heading) * y
-        return math.atan2(across[2], across[1]) - math.atan2(z, sideways)
-
-    def _sees_corner(self, reading: SpaceReading, drive: Drive) -> bool:
-        """Whether a wall ends ahead of a clamped robot: its last two wheels stand on either wall."""
-        lidar, radius = self._robot.laser, self._run.radius
-        way = self._ways(reading.body.q)
-        front = way[HALF + 1 : 2 * HALF].sum(axis=0)  # along the axis: from one wheel to another one on the same wall
-        heading = math.atan2(front[0] * way[-1, 1] - front[1] * way[-1, 0], front @ way[-1])
-        offset = -drive.third * room(self._robot, radius) + float(self._robot.lengths[-1]) * math.sin(heading)
-        beams = lidar.angles + heading
-        across = np.where(beams > 0, radius - offset, radius + offset)
-        straight = across / np.maximum(np.abs(np.sin(beams)), 1e-6)
-        ahead = straight * np.cos(beams)
-        telling = (ahead >= AHEAD[0]) & (ahead <= AHEAD[1])
-        return drive.ready and bool((reading.body.ranges - straight > UNLIKE * straight)[telling].any())
+    def _stalled(self, reading: SpaceReading) -> bool:
+        """Whether it has not moved for a while."""
+        gone = 0.0 if self._drive is None else self._drive.gone
+        self._past = [*self._past[-STALL:], np.append(reading.body.q, gone)]
+        moved = np.ptp(self._past, axis=0)
+        return len(self._past) > STALL and bool((moved[:-1] < STILL).all() and moved[-1] < ON_THE_SPOT)

@@ -1,8 +1,8 @@
 """The roll manoeuvre: a whole robot turns its plane about a straight pipe's axis, one half after the other.
 
-One half clamps with its three wheels; the other one stretches along a wall and is turned by the roll joint. Then that one
-clamps in its new plane, the first one stretches, and follows as the roll joint turns back. Decided from the robot's own
-sensors alone: joints, wheel odometry, and which side of a half hangs low.
+One half clamps with its three wheels; the other one stretches along a wall and is turned by the roll joint. Then that
+one clamps in its new plane, the first one stretches, and follows as the roll joint turns back. All is decided from the
+robot's own sensors: joints, wheel odometry, and which side of a half hangs low.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ SETTLED = 0.1
 """How near to their set-points joints that do not press are when a phase is over [rad]."""
 
 DWELL, PATIENCE = 3, 15
-"""Control steps for which a phase goes on after its set-points have arrived: at least, and where joints do not settle."""
+"""Control steps for which a phase goes on after its set-points have arrived: at least, and if joints do not settle."""
 
 HOLD = 3.0
 """How fast standing wheels turn back to where they stood, per angle by which they were turned [1/s]."""
@@ -89,7 +89,7 @@ class Roll:
         onwards = forwards(bends)
         self._odometer += CONTROL_PERIOD * (wheel_speeds * onwards).reshape(2, HALF).mean(axis=1)
         if self._arrived(bends, roll):
-            self._next(bends, roll, down)
+            self._next(down)
         self._since += 1
         ways = np.append(self._to - self._from, self._roll_to - self._roll_from)
         share = min(1.0, self._since / max(1.0, float(np.abs(ways / self._speed).max())))
@@ -104,7 +104,7 @@ class Roll:
         settled = max(away, abs(self._roll_to - roll)) <= SETTLED
         return after >= PATIENCE or (after >= DWELL and bool(settled))
 
-    def _next(self, bends: Array, roll: float, down: Array) -> None:
+    def _next(self, down: Array) -> None:
         held = self._holds
         self._from, self._roll_from = self._to, self._roll_to
         self.phase, self._since = Phase(self.phase + 1), 0

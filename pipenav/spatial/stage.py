@@ -14,7 +14,7 @@ from pipenav.spatial.batch import SpaceBatch
 from pipenav.spatial.clamp import check_robot
 from pipenav.stage import TaskStage
 from pipenav.traverse.config import TraverseConfig
-from pipenav.traverse.start import TraverseEpisodes
+from pipenav.traverse.start import GRAVITY, TraverseEpisodes
 
 
 def check_in_space(robot: RobotSpec, backend: str, disturb: str | None = None) -> None:
@@ -29,11 +29,16 @@ def check_in_space(robot: RobotSpec, backend: str, disturb: str | None = None) -
         raise PipenavError("--disturb disturbs robots in a plane: choose runs without rolls, or leave it out.")
 
 
+def gravity_of(task: TraverseConfig) -> float:
+    """Downwards in runs that leave the plane [m/s^2]: none for a policy of a level plane, in which nothing weighs."""
+    return 0.0 if task.inclination_deg is None else GRAVITY
+
+
 def space_stage(
     controller: Controller, backend: str, options: Mapping[str, Any], queue: EpisodeQueue[TraverseEpisodes]
 ) -> TaskStage:
     """The controller's task in space, with as many robots as the queue, which is its source."""
     robot, task, n = controller.robot, controller.task, len(queue.running)
     assert isinstance(task, TraverseConfig)  # no other task takes such runs
-    simulator = open_space(backend, robot, n, options)
+    simulator = open_space(backend, robot, n, options, gravity_of(task))
     return TaskStage(SpaceBatch(robot, task, simulator, n, lambda r: joined(queue.take(r))), controller)

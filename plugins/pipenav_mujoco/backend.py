@@ -31,11 +31,8 @@ class MujocoOptions(backend.BackendOptions):
     timestep: float = Field(0.0025, gt=0, le=0.01, description="physics step [s]; must divide the control period")
     threads: int = Field(0, ge=0, le=1024, description="threads that step the robots; 0 uses every core")
     contact_time_constant: float = Field(0.005, gt=0, le=0.1, description="solref time constant of contacts [s]")
-    gravity: float = Field(
-        9.81,
-        ge=0,
-        le=20,
-        description="downwards, in runs that leave the plane [m/s^2]; in the plane the task says what weighs",
+    gravity: float | None = Field(
+        None, ge=0, le=20, description="downwards, in runs that leave the plane [m/s^2]; none: as the task has it"
     )
     contact_impedance: tuple[float, float, float] = Field(
         (0.95, 0.99, 0.001), strict=False, description="solimp d0, d_width [1] and width [m] of contacts"
@@ -64,12 +61,13 @@ class MujocoBackend(backend.Backend):
         self._bind(n)
 
     @staticmethod
-    def in_space(robot: RobotSpec, n: int, options: backend.BackendOptions) -> MujocoSpace:
+    def in_space(robot: RobotSpec, n: int, options: backend.BackendOptions, gravity: float) -> MujocoSpace:
         """See `pipenav.space.Spatial`."""
         assert isinstance(options, MujocoOptions)
         _substeps(options.timestep)
         contact = Contact(options.contact_time_constant, options.contact_impedance)
-        return MujocoSpace(robot, n, SpaceSettings(options.timestep, contact, options.gravity, options.threads))
+        weight = gravity if options.gravity is None else options.gravity
+        return MujocoSpace(robot, n, SpaceSettings(options.timestep, contact, weight, options.threads))
 
     def _bind(self, n: int) -> None:
         """Live views of the batch's state, and room for what every physics step records."""
