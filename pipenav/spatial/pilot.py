@@ -1,9 +1,10 @@
 """What one robot in space knows and does besides its policy: where it is, and when and how far to roll.
 
 It knows the pipe's drawing: the diameter, and how every corner turns and is rolled. All else it finds out from its own
-sensors (`senses`). Around a corner the policy drives; the front half heads another way there than the rear one, and when
-they head the same way again, the corner is behind. Then the robot clamps, goes on until there is room, turns its plane
-into that of the next corner, and goes on until its laser sees the straight end. Where it stalls it tries another way.
+sensors (`senses`). Around a corner the policy drives; the front half heads another way there than the rear one, and
+when they head the same way again, the corner is behind. Then the robot clamps, goes on until there is room, turns its
+plane into that of the next corner, and goes on until its laser sees the straight end. Where it stalls it tries another
+way.
 """
 
 from __future__ import annotations
@@ -24,9 +25,9 @@ from pipenav.spatial.roll import Phase, Roll
 Array = NDArray[np.float64]
 
 ENTERED, BEHIND, NEARLY = 0.6, 0.2, 0.45
-"""Shares of a corner's turn by which the front half heads another way than the rear one. Once it was more than the first,
-the robot is around the corner. The corner is behind after `STEADY` steps of less than the second, after `LONG` ones of
-less than the third, as some policies lie in a straight, or after the wheels have rolled on by the robot's length."""
+"""Shares of a corner's turn by which the front half heads another way than the rear one. Once it was more than the
+first, the robot is around the corner. The corner is behind after `STEADY` steps of less than the second, after `LONG`
+ones of less than the third, as some policies lie in a straight, or after the wheels have rolled on by its length."""
 
 STEADY, LONG = 3, 15
 
@@ -50,8 +51,8 @@ BACK = 0.12
 
 
 class Mode(IntEnum):
-    """Who drives: the policy around a corner; or the robot itself, on from a corner to where it may roll, rolling, on to
-    the next corner, or back out of one in which the policy stalled."""
+    """Who drives: the policy around a corner; or the robot itself, on from a corner to where it may roll, rolling, on
+    to the next corner, or back out of one in which the policy stalled."""
 
     CORNER = 0
     LEAVE = 1

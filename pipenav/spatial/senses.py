@@ -21,8 +21,8 @@ STEEPEST = 0.25
 """Share of the weight that must pull across a straight for the accelerometers to tell how the robot's plane lies."""
 
 AHEAD = (0.05, 0.21)
-"""Beams that meet a straight's wall so far ahead of the laser tell that it ends [m]; a policy starts 60 to 100 mm before
-a corner."""
+"""Beams that meet a straight's wall so far ahead of the laser tell that it ends [m]; a policy starts 60 to 100 mm
+before a corner."""
 
 LONGER = 1.25
 """They do by readings that are so many times as long as a straight would give."""
