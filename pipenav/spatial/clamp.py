@@ -74,6 +74,11 @@ def forwards(bends: Array) -> Array:
     return -np.clip(bends / STRAIGHT, -1.0, 1.0)
 
 
+def rolled(robot: RobotSpec, bends: Array, wheel_speeds: Array) -> float:
+    """How far the wheels rolled forwards in a control period, their median, as some may slip [m]."""
+    return CONTROL_PERIOD * robot.wheels[0].radius * float(np.median(wheel_speeds * forwards(bends)))
+
+
 class Drive:
     """A clamped robot rolls along a straight.
 
@@ -85,13 +90,12 @@ class Drive:
     def __init__(
         self, robot: RobotSpec, radius: float, bends: Array, set_points: Array, direction: float = 1.0
     ) -> None:
-        self.third, self.gone = nearest(bends), 0.0
+        self._robot, self.third, self.gone = robot, nearest(bends), 0.0
         self._goal = self.third * steepness(robot, radius) * ZIGZAG
         self._press = self.third * PRESS * PRESSING
         self._set_points, self._near = set_points - self._press, False
         self._step = SPEED * robot.speed_limits * CONTROL_PERIOD
         self._speed = direction * SPEED * robot.actuators[robot.wheels[0].actuator].speed_limit
-        self._rim = robot.wheels[0].radius
 
     @property
     def clamped(self) -> bool:
@@ -105,9 +109,9 @@ class Drive:
             bends: joint positions, (6,) [rad].
             wheel_speeds: (6,) [rad/s].
         """
-        self.gone += CONTROL_PERIOD * self._rim * float((wheel_speeds * forwards(bends)).mean())
+        self.gone += rolled(self._robot, bends, wheel_speeds)
         self._set_points = self._set_points + np.clip(self._goal - self._set_points, -self._step, self._step)
-        away = float(np.abs(self._goal - bends)[self._press == 0].max())
+        away = float(np.abs(self._goal - bends).max())
         self._near = away < LAG
         speed = self._speed * max(CREEP, 1.0 - (1.0 - CREEP) * away / LAG)
         return np.concatenate([self._set_points + self._press, speed * forwards(bends)])

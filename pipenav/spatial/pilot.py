@@ -19,7 +19,7 @@ from pipenav.pipe_run import PipeRun
 from pipenav.robot import RobotSpec
 from pipenav.space import SpaceReading
 from pipenav.spatial import senses
-from pipenav.spatial.clamp import HALF, Drive, steepness
+from pipenav.spatial.clamp import HALF, Drive, rolled, steepness
 from pipenav.spatial.roll import Phase, Roll
 
 Array = NDArray[np.float64]
@@ -30,6 +30,9 @@ first, the robot is around the corner. The corner is behind after `STEADY` steps
 ones of less than the third, as some policies lie in a straight, or after the wheels have rolled on by its length."""
 
 STEADY, LONG = 3, 15
+
+LEAST = 0.15
+"""How far it rolls on around a corner until that can be behind [m]."""
 
 MARGIN = 0.03
 """How far behind it leaves a corner before it rolls, besides what it stretches backwards [m]."""
@@ -130,14 +133,15 @@ class Pilot:
         share = turned / max(math.pi - self._run.corners[self.corner].angle, 1e-6)
         self._entered |= share > ENTERED
         if self._entered:
-            self._gone += senses.rolled(self._robot, reading)
+            assert reading.body.wheel_speeds is not None
+            self._gone += rolled(self._robot, reading.body.q, reading.body.wheel_speeds)
             self._straight = self._straight + 1 if share < BEHIND else 0
             self._nearly = self._nearly + 1 if share < NEARLY else 0
         behind = self._straight >= STEADY or self._nearly >= LONG or self._gone > self._robot.length
+        behind = behind and self._gone >= LEAST
         if behind and self.corner + 1 < len(self._run.corners):
-            self.plane = float(self._run.legs.inside[self.corner]) + math.pi * (
-                self.side < 0
-            )  # it turned in this plane
+            inside = float(self._run.legs.inside[self.corner])
+            self.plane = inside + math.pi * (self.side < 0)  # it turned in the corner's plane
             self.corner, self._goes = self.corner + 1, 0
             self._begin_driving(Mode.LEAVE, reading)
         elif stalled:
@@ -150,7 +154,7 @@ class Pilot:
         near = self._seen >= STEADY
         if self.mode is Mode.BACK_OUT:
             if stalled or drive.gone <= -BACK:
-                self._begin_driving(Mode.APPROACH, reading)
+                self._roll_or_approach(reading)
         elif self.mode is Mode.APPROACH:
             if near or stalled:
                 self._begin(Mode.CORNER)
@@ -159,7 +163,7 @@ class Pilot:
         elif stalled:  # the corner was not behind
             self.corner -= 1
             self._begin(Mode.CORNER)
-            self._entered = True
+            self._entered, self._straight, self._nearly = True, -STALL, -STALL
 
     def _begin(self, mode: Mode) -> None:
         self.mode, self._drive, self._roll = mode, None, None

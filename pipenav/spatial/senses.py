@@ -10,10 +10,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from pipenav.backend import CONTROL_PERIOD
 from pipenav.robot import RobotSpec
 from pipenav.space import SpaceReading
-from pipenav.spatial.clamp import HALF, forwards, room
+from pipenav.spatial.clamp import HALF, room
 
 Array = NDArray[np.float64]
 
@@ -46,14 +45,6 @@ def turn_of_halves(robot: RobotSpec, bends: Array) -> float:
     """
     way = ways(robot, bends)
     return angle_between(way[1:HALF].sum(axis=0), way[HALF + 1 : 2 * HALF].sum(axis=0))
-
-
-def rolled(robot: RobotSpec, reading: SpaceReading) -> float:
-    """How far the wheels rolled forwards in a control period, their mean [m]."""
-    assert reading.body.wheel_speeds is not None
-    return (
-        CONTROL_PERIOD * robot.wheels[0].radius * float((reading.body.wheel_speeds * forwards(reading.body.q)).mean())
-    )
 
 
 def plane_of(robot: RobotSpec, reading: SpaceReading, axes: Array) -> float | None:
