@@ -33,16 +33,19 @@ class SpaceReading(NamedTuple):
         down: what an accelerometer in either half of the divided link gives at rest, turned round: which way is down,
             in the half's frame (x forwards along the link, y to its left, z across its plane), unit vectors
             (n, halves, 3); 0 where nothing has weight.
+        turned: by how much either half of the divided link turned about the link's axis in the last control period, as
+            its gyroscope sums it up, (n, halves) [rad].
     """
 
     body: Reading
     roll: Array
     down: Array
+    turned: Array
 
     def row(self, i: int) -> SpaceReading:
         """That of one robot: its arrays without their first axis."""
         body = Reading(**{name: column[i] for name, column in self.body.measured().items()})
-        return SpaceReading(body, self.roll[i], self.down[i])
+        return SpaceReading(body, self.roll[i], self.down[i], self.turned[i])
 
 
 class SpaceTruth(NamedTuple):

@@ -54,7 +54,7 @@ def reading(bends: np.ndarray, ranges: np.ndarray | None = None, down: np.ndarra
     """Of one robot that stands still."""
     seen = np.full(ROBOT.laser.beams, 0.5) if ranges is None else ranges
     body = Reading(bends, np.zeros(6), seen, np.zeros(()), np.zeros(6), np.zeros(12))
-    return SpaceReading(body, np.zeros(()), np.zeros((2, 3)) if down is None else down)
+    return SpaceReading(body, np.zeros(()), np.zeros((2, 3)) if down is None else down, np.zeros(2))
 
 
 @pytest.mark.parametrize("third", [1.0, -1.0])

@@ -119,12 +119,12 @@ class Pilot:
     def sense(self, reading: SpaceReading) -> None:
         """Take in what one robot's sensors give after a control period, and decide who drives next."""
         stalled = self._stalled(reading)
+        self.plane += float(reading.turned.mean())
         if self._drive is not None:
             self._go_on(self._drive, reading, stalled)
         elif self._roll is None:
             self._around(reading, stalled)
         elif self._roll.phase is Phase.DONE:
-            self.plane += self._roll.turn
             self._roll_or_approach(reading)
 
     def _around(self, reading: SpaceReading, stalled: bool) -> None:
@@ -140,8 +140,6 @@ class Pilot:
         behind = self._straight >= STEADY or self._nearly >= LONG or self._gone > self._robot.length
         behind = behind and self._gone >= LEAST
         if behind and self.corner + 1 < len(self._run.corners):
-            inside = float(self._run.legs.inside[self.corner])
-            self.plane = inside + math.pi * (self.side < 0)  # it turned in the corner's plane
             self.corner, self._goes = self.corner + 1, 0
             self._begin_driving(Mode.LEAVE, reading)
         elif stalled:

@@ -99,6 +99,7 @@ class _World:
         )
         self._effort = robot.effort_limits
         self._record = np.zeros((settings.substeps, model.nsensordata))
+        self._turned = np.zeros(HALVES)
         self._ranges = np.zeros(robot.laser.beams)
         self._loads = np.zeros(len(robot.drives))
         self._forces, self._depth, self._share = np.zeros((len(links), 3)), 0.0, 0.0
@@ -124,11 +125,13 @@ class _World:
         mujoco.mj_kinematics(model, data)
         self._loads = data.actuator_force[:-1] / self._effort
         self._scan()
+        rates = self._record[:, : 3 * HALVES].reshape(-1, HALVES, 3)
+        self._turned = rates[:, :, 0].sum(axis=0) * self._settings.timestep
         distance = self._record[:, -1]
         known = np.isfinite(data.qpos).all() and np.isfinite(distance).all()
         self._depth = float(max(-distance.min(), 0.0)) if known else np.inf
         self._share = float((distance < 0).mean())
-        means = self._windows.means(self._record[None, :, :-1]).reshape(1, self._windows.count, -1, 3)
+        means = self._windows.means(self._record[None, :, 3 * HALVES : -1]).reshape(1, self._windows.count, -1, 3)
         links = len(self._links)
         forces = means[:, :, :links].copy()
         forces[:, :, self._divided] += means[:, :, links]
@@ -154,7 +157,7 @@ class _World:
         down = weight / max(np.linalg.norm(weight), 1e-9)
         q, qd, wheels = data.qpos[self._q], data.qvel[self._v[:-1]], data.qvel[self._wheels].copy()
         time = np.array(data.time)
-        return q[:-1], qd, self._ranges, time, wheels, self._loads, q[-1], down @ self._axes()
+        return q[:-1], qd, self._ranges, time, wheels, self._loads, q[-1], down @ self._axes(), self._turned
 
     def truth(self) -> tuple[Any, ...]:
         """One row of a truth's arrays, in order."""
@@ -165,5 +168,5 @@ class _World:
 
 
 def _readings(worlds: list[_World]) -> SpaceReading:
-    *body, roll, down = map(np.array, zip(*(world.reading() for world in worlds), strict=True))
-    return SpaceReading(Reading(*body), roll, down)
+    *body, roll, down, turned = map(np.array, zip(*(world.reading() for world in worlds), strict=True))
+    return SpaceReading(Reading(*body), roll, down, turned)

@@ -58,8 +58,16 @@ def space_spec(robot: RobotSpec, run: PipeRun, timestep: float, contact: Contact
     for driven, actuator in zip((*robot.driven, robot.roll.joint), (*robot.drives, roll_actuator(robot)), strict=True):
         add_servo(spec, driven, actuator)
     parent.add_site(name="tip", pos=[offset, 0, 0])
+    _add_gyroscopes(spec, [robot.roll.link, robot.roll.link + FRONT])
     add_sensors(spec, [*(link.name for link in robot.links), robot.roll.link + FRONT, *(w.name for w in robot.wheels)])
     return spec
+
+
+def _add_gyroscopes(spec: Any, bodies: list[str]) -> None:
+    for name in bodies:
+        spec.body(name).add_site(name=f"gyroscope_{name}")
+        kind, site = mujoco.mjtSensor.mjSENS_GYRO, mujoco.mjtObj.mjOBJ_SITE
+        spec.add_sensor(name=f"gyroscope_{name}", type=kind, objtype=site, objname=f"gyroscope_{name}")
 
 
 def roll_actuator(robot: RobotSpec) -> Any:
