@@ -94,7 +94,7 @@ def parse_planar(given: Sequence[str]) -> list[AnyPipe]:
     for pipe in pipes:
         if isinstance(pipe, PipeRun) and not pipe.planar:
             raise PipenavError(
-                f"{pipe.name} leaves the plane, in which the robot is trained: choose a run without rolls, as runs-level."
+                f"{pipe.name} leaves the plane, in which robots are trained: choose a run without rolls, as runs-level."
             )
     return pipes
 
