@@ -40,8 +40,8 @@ MARGIN = 0.03
 TOLERANCE = math.radians(6.0)
 """How far the robot's plane may be from a corner's."""
 
-GOES = 3
-"""How often it rolls at most before a corner."""
+GOES, TRIES = 3, 4
+"""How often it rolls at most before a corner, and backs out of it or goes back to its end."""
 
 STALL = 20
 """Control steps in which a robot is stalled that has not moved."""
@@ -80,7 +80,7 @@ class Pilot:
         self.plane = run.corners[0].roll
         self._drive: Drive | None = None
         self._roll: Roll | None = None
-        self._entered, self._gone, self._goes = False, 0.0, 0
+        self._entered, self._gone, self._goes, self._tries = False, 0.0, 0, 0
         self._straight, self._nearly, self._seen = 0, 0, 0  # control steps for which it has been so
         self._past: list[Array] = []  # joints and way gone in the last control steps of this mode
         stretch = 2 * float(robot.lengths[HALF]) * (1 - math.cos(steepness(robot, run.radius)))
@@ -142,7 +142,8 @@ class Pilot:
         if behind and self.corner + 1 < len(self._run.corners):
             self.corner, self._goes = self.corner + 1, 0
             self._begin_driving(Mode.LEAVE, reading)
-        elif stalled:
+        elif stalled and self._tries < TRIES:
+            self._goes, self._tries = 0, self._tries + 1
             self._begin_driving(Mode.BACK_OUT, reading, direction=-1.0)
 
     def _go_on(self, drive: Drive, reading: SpaceReading, stalled: bool) -> None:
@@ -157,9 +158,10 @@ class Pilot:
             if near or stalled:
                 self._begin(Mode.CORNER)
         elif drive.clamped and (near or stalled or drive.gone >= self._leave):
+            self._tries = 0
             self._roll_or_approach(reading)
-        elif stalled:  # the corner was not behind
-            self.corner -= 1
+        elif stalled and self._tries < TRIES:  # the corner was not behind
+            self.corner, self._tries = self.corner - 1, self._tries + 1
             self._begin(Mode.CORNER)
             self._entered, self._straight, self._nearly = True, -STALL, -STALL
 
