@@ -46,7 +46,7 @@ GOES, TRIES = 3, 4
 STALL = 20
 """Control steps in which a robot is stalled that has not moved."""
 
-STILL, ON_THE_SPOT = 0.15, 0.01
+STILL, ON_THE_SPOT = 0.15, 0.03
 """A robot has not moved if no joint has by more than this [rad] nor, where it drives itself, its wheels by this [m]."""
 
 BACK = 0.12
