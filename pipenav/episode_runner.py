@@ -156,13 +156,14 @@ def run_stage(
     def make_in_plane(queue: EpisodeQueue[Episode]) -> Stage:
         return make(open_backend(backend, robot, len(queue.running), options or {}, segments), queue)
 
-    return run_queue(make_in_plane, start, len(pipes), progress)
+    return run_queue(make_in_plane, start, len(pipes), robots_for(len(pipes)), progress)
 
 
 def run_queue(
     make: Callable[[EpisodeQueue[Episode]], Stage],
     start: Callable[[int], Episode],
     total: int,
+    n: int,
     progress: Callable[[int, int], None] | None = None,
 ) -> EpisodeResults:
     """As `run_stage`, of a stage that brings what it runs on.
@@ -171,9 +172,10 @@ def run_queue(
         make: the stage, from the queue of its episodes.
         start: gives an episode by its number.
         total: how many episodes there are.
+        n: how many robots share them.
         progress: as of `run_stage`.
     """
-    queue = EpisodeQueue(start, total, robots_for(total))
+    queue = EpisodeQueue(start, total, n)
     with closing(make(queue)) as stage:
         return drain(stage, queue, progress)
 

@@ -7,6 +7,7 @@ mirrored final pose of a successful front and plays the passage backwards (appro
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
@@ -167,6 +168,7 @@ class Passages:
             lambda queue: space_stage(controller, self._backend, self._options, queue),
             lambda i: self._given(int(rolled[i])),
             len(rolled),
+            min(len(rolled), os.cpu_count() or 1),  # a few: episodes are long, and the last one keeps all robots busy
             lambda done, successes: self._progress(f"{self._kind.stage} in space", len(rolled), done, successes),
         )
         results.put(np.searchsorted(jobs, rolled), in_space)
