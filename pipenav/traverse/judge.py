@@ -28,7 +28,7 @@ class Facts(NamedTuple):
         force: the step's peak contact force [N].
         penetration: the step's deepest overlap [m].
         passed: whether the tail is through.
-        failed: whether the step ended the episode as a failure; running out of time is none.
+        failed: whether the step ended the episode as a failure, being stuck among them; running out of time is none.
     """
 
     progress: Array
@@ -95,12 +95,12 @@ class Judge:
         back = middle < self._furthest - config.slide_back * self._robot.length
         passed = (along[:, 0] >= end + config.through) & ~sank
         verdict = np.where(steps >= limit, Verdict.TIMEOUT.value, Verdict.RUNNING.value)
-        stuck = self._waited >= config.patience
+        stuck = (self._waited >= config.patience) & ~passed
         verdict[stuck] = self._why_stuck(along, reading)[stuck]
         verdict[passed] = Verdict.REACHED.value
         verdict[back] = Verdict.SLID_BACK.value
         verdict[sank] = Verdict.PENETRATION.value
-        facts = Facts(progress, truth.contact_force, truth.penetration, passed, sank | back)
+        facts = Facts(progress, truth.contact_force, truth.penetration, passed, sank | back | stuck)
         return facts, verdict.astype(np.int8)
 
     def _why_stuck(self, along: Array, reading: Reading) -> NDArray[np.int_]:
