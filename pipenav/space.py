@@ -33,8 +33,8 @@ class SpaceReading(NamedTuple):
         down: what an accelerometer in either half of the divided link gives at rest, turned round: which way is down,
             in the half's frame (x forwards along the link, y to its left, z across its plane), unit vectors
             (n, halves, 3); 0 where nothing has weight.
-        turned: by how much either half of the divided link turned about the link's axis in the last control period, as
-            its gyroscope sums it up, (n, halves) [rad].
+        turned: by how much either half of the divided link turned about its x, y and z in the last control period, as
+            its gyroscope sums it up, (n, halves, 3) [rad].
     """
 
     body: Reading

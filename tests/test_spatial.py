@@ -54,21 +54,26 @@ def reading(bends: np.ndarray, ranges: np.ndarray | None = None, down: np.ndarra
     """Of one robot that stands still."""
     seen = np.full(ROBOT.laser.beams, 0.5) if ranges is None else ranges
     body = Reading(bends, np.zeros(6), seen, np.zeros(()), np.zeros(6), np.zeros(12))
-    return SpaceReading(body, np.zeros(()), np.zeros((2, 3)) if down is None else down, np.zeros(2))
+    return SpaceReading(body, np.zeros(()), np.zeros((2, 3)) if down is None else down, np.zeros((2, 3)))
 
 
 @pytest.mark.parametrize("third", [1.0, -1.0])
 @pytest.mark.parametrize("diameter", [0.07, 0.12])
-def test_in_a_zigzag_both_halves_head_the_same_way(diameter: float, third: float) -> None:
+def test_in_a_zigzag_the_rear_half_heads_along_the_pipe(diameter: float, third: float) -> None:
     bends = clamped(diameter / 2, third)
-    assert senses.turn_of_halves(ROBOT, bends) == pytest.approx(0.0, abs=1e-9)
+    first = senses.ways(ROBOT, bends)[0]  # the first link lies along the axis
+    rear = senses.ways(ROBOT, bends)[1:3].sum(axis=0)
+    assert senses.angle_between(first, rear) == pytest.approx(0.0, abs=1e-9)
     assert nearest(bends) == third
 
 
-@given(st.floats(-2.0, 2.0))
-def test_the_halves_head_apart_by_the_bend_between_them(bend: float) -> None:
-    bends = np.array([0.0, 0.0, bend / 2, bend / 2, 0.0, 0.0])
-    assert senses.turn_of_halves(ROBOT, bends) == pytest.approx(bend)
+@given(st.floats(-1.0, 1.0), st.lists(st.floats(-2.0, 2.0), min_size=6, max_size=6))
+def test_the_divided_links_heading_counts_from_the_rear_half(turn: float, bends: list[float]) -> None:
+    """However the robot is bent: a bend of the third joint turns the divided link and leaves the rear half."""
+    before = np.array(bends)
+    after = before + np.array([0, 0, turn, 0, 0, 0])
+    change = senses.from_rear_half(ROBOT, after) - senses.from_rear_half(ROBOT, before)
+    assert change == pytest.approx(turn, abs=1e-9)
 
 
 @given(st.floats(-math.pi, math.pi), st.floats(-1.2, 1.2), st.floats(-0.6, 0.6))

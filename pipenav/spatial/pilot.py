@@ -1,10 +1,9 @@
 """What one robot in space knows and does besides its policy: where it is, and when and how far to roll.
 
 It knows the pipe's drawing: the diameter, and how every corner turns and is rolled. All else it finds out from its own
-sensors (`senses`). Around a corner the policy drives; the front half heads another way there than the rear one, and
-when they head the same way again, the corner is behind. Then the robot clamps, goes on until there is room, turns its
-plane into that of the next corner, and goes on until its laser sees the straight end. Where it stalls it tries another
-way.
+sensors (`senses`). Around a corner the policy drives, until the rear half heads along the next straight. Then the robot
+clamps, goes on until there is room, turns its plane into that of the next corner, and goes on until its laser sees the
+straight end. Where it stalls it tries another way.
 """
 
 from __future__ import annotations
@@ -19,20 +18,16 @@ from pipenav.pipe_run import PipeRun
 from pipenav.robot import RobotSpec
 from pipenav.space import SpaceReading
 from pipenav.spatial import senses
-from pipenav.spatial.clamp import HALF, Drive, rolled, steepness
+from pipenav.spatial.clamp import HALF, Drive, steepness
 from pipenav.spatial.roll import Phase, Roll
 
 Array = NDArray[np.float64]
 
-ENTERED, BEHIND, NEARLY = 0.6, 0.2, 0.45
-"""Shares of a corner's turn by which the front half heads another way than the rear one. Once it was more than the
-first, the robot is around the corner. The corner is behind after `STEADY` steps of less than the second, after `LONG`
-ones of less than the third, as some policies lie in a straight, or after the wheels have rolled on by its length."""
+BEHIND = 0.85
+"""Share of a corner's turn by which the rear half heads another way than before the corner when that is behind."""
 
-STEADY, LONG = 3, 15
-
-LEAST = 0.15
-"""How far it rolls on around a corner until that can be behind [m]."""
+STEADY = 3
+"""Control steps for which the robot has to see something before it acts on it."""
 
 MARGIN = 0.03
 """How far behind it leaves a corner before it rolls, besides what it stretches backwards [m]."""
@@ -80,8 +75,10 @@ class Pilot:
         self.plane = run.corners[0].roll
         self._drive: Drive | None = None
         self._roll: Roll | None = None
-        self._entered, self._gone, self._goes, self._tries = False, 0.0, 0, 0
-        self._straight, self._nearly, self._seen = 0, 0, 0  # control steps for which it has been so
+        self._goes, self._tries = 0, 0
+        self._seen = 0  # control steps for which it has seen what it waits for
+        self._heading = 0.0  # of the divided link, by its gyroscope
+        self._before: float | None = None  # that of the rear half before the corner
         self._past: list[Array] = []  # joints and way gone in the last control steps of this mode
         stretch = 2 * float(robot.lengths[HALF]) * (1 - math.cos(steepness(robot, run.radius)))
         self._leave = float(robot.lengths[0]) + stretch + MARGIN
@@ -119,7 +116,8 @@ class Pilot:
     def sense(self, reading: SpaceReading) -> None:
         """Take in what one robot's sensors give after a control period, and decide who drives next."""
         stalled = self._stalled(reading)
-        self.plane += float(reading.turned.mean())
+        self.plane += float(reading.turned[:, 0].mean())
+        self._heading += float(reading.turned[0, 2])
         if self._drive is not None:
             self._go_on(self._drive, reading, stalled)
         elif self._roll is None:
@@ -129,17 +127,11 @@ class Pilot:
 
     def _around(self, reading: SpaceReading, stalled: bool) -> None:
         """The policy drives: is the corner behind?"""
-        turned = senses.turn_of_halves(self._robot, reading.body.q) * self.side
-        share = turned / max(math.pi - self._run.corners[self.corner].angle, 1e-6)
-        self._entered |= share > ENTERED
-        if self._entered:
-            assert reading.body.wheel_speeds is not None
-            self._gone += rolled(self._robot, reading.body.q, reading.body.wheel_speeds)
-            self._straight = self._straight + 1 if share < BEHIND else 0
-            self._nearly = self._nearly + 1 if share < NEARLY else 0
-        behind = self._straight >= STEADY or self._nearly >= LONG or self._gone > self._robot.length
-        behind = behind and self._gone >= LEAST
-        if behind and self.corner + 1 < len(self._run.corners):
+        rear = self._heading - senses.from_rear_half(self._robot, reading.body.q)
+        self._before = rear if self._before is None else self._before
+        turn = math.pi - self._run.corners[self.corner].angle
+        behind = (rear - self._before) * self.side >= BEHIND * turn
+        if self._lasts(behind) and self.corner + 1 < len(self._run.corners):
             self.corner, self._goes = self.corner + 1, 0
             self._begin_driving(Mode.LEAVE, reading)
         elif stalled and self._tries < TRIES:
@@ -148,28 +140,29 @@ class Pilot:
 
     def _go_on(self, drive: Drive, reading: SpaceReading, stalled: bool) -> None:
         """The robot drives itself: is it where it wants to be?"""
-        ends = drive.clamped and senses.sees_end(self._robot, reading, self._run.radius, drive.third)
-        self._seen = self._seen + 1 if ends else 0
-        near = self._seen >= STEADY
+        near = self._lasts(drive.clamped and senses.sees_end(self._robot, reading, self._run.radius, drive.third))
         if self.mode is Mode.BACK_OUT:
             if stalled or drive.gone <= -BACK:
                 self._roll_or_approach(reading)
         elif self.mode is Mode.APPROACH:
             if near or stalled:
                 self._begin(Mode.CORNER)
+                self._before = None
         elif drive.clamped and (near or stalled or drive.gone >= self._leave):
             self._tries = 0
             self._roll_or_approach(reading)
         elif stalled and self._tries < TRIES:  # the corner was not behind
             self.corner, self._tries = self.corner - 1, self._tries + 1
             self._begin(Mode.CORNER)
-            self._entered, self._straight, self._nearly = True, -STALL, -STALL
+            self._seen = -STALL
 
     def _begin(self, mode: Mode) -> None:
         self.mode, self._drive, self._roll = mode, None, None
-        self._entered, self._gone = False, 0.0
-        self._straight, self._nearly, self._seen = 0, 0, 0
-        self._past = []
+        self._seen, self._past = 0, []
+
+    def _lasts(self, seen: bool) -> bool:
+        self._seen = self._seen + 1 if seen else min(self._seen, 0)
+        return self._seen >= STEADY
 
     def _begin_driving(self, mode: Mode, reading: SpaceReading, direction: float = 1.0) -> None:
         self._begin(mode)

@@ -38,13 +38,14 @@ def angle_between(one: Array, other: Array) -> float:
     return math.atan2(one[0] * other[1] - one[1] * other[0], one @ other)
 
 
-def turn_of_halves(robot: RobotSpec, bends: Array) -> float:
-    """By how much the front half heads to the left of the rear half, each from its first wheel to its last [rad].
+def from_rear_half(robot: RobotSpec, bends: Array) -> float:
+    """By how much the divided link heads to the left of the rear half, from its first wheel to its last [rad].
 
-    In a zigzag those two stand on the same wall, so that this is 0 in a straight.
+    In a zigzag those two wheels stand on the same wall, so that the rear half heads along the pipe.
     """
     way = ways(robot, bends)
-    return angle_between(way[1:HALF].sum(axis=0), way[HALF + 1 : 2 * HALF].sum(axis=0))
+    in_first = angle_between(way[1], way[1:HALF].sum(axis=0))  # seen from the link between the first two wheels
+    return float(bends[1:HALF].sum()) - in_first
 
 
 def plane_of(robot: RobotSpec, reading: SpaceReading, axes: Array) -> float | None:

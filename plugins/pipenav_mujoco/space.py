@@ -99,7 +99,7 @@ class _World:
         )
         self._effort = robot.effort_limits
         self._record = np.zeros((settings.substeps, model.nsensordata))
-        self._turned = np.zeros(HALVES)
+        self._turned = np.zeros((HALVES, 3))
         self._ranges = np.zeros(robot.laser.beams)
         self._loads = np.zeros(len(robot.drives))
         self._forces, self._depth, self._share = np.zeros((len(links), 3)), 0.0, 0.0
@@ -126,7 +126,7 @@ class _World:
         self._loads = data.actuator_force[:-1] / self._effort
         self._scan()
         rates = self._record[:, : 3 * HALVES].reshape(-1, HALVES, 3)
-        self._turned = rates[:, :, 0].sum(axis=0) * self._settings.timestep
+        self._turned = rates.sum(axis=0) * self._settings.timestep
         distance = self._record[:, -1]
         known = np.isfinite(data.qpos).all() and np.isfinite(distance).all()
         self._depth = float(max(-distance.min(), 0.0)) if known else np.inf
