@@ -25,7 +25,9 @@ from pipenav.spatial import senses
 from pipenav.spatial.clamp import ZIGZAG, check_robot, nearest, room, steepness
 from pipenav.spatial.picture import SIDES, faces
 from pipenav.spatial.roll import Phase, Roll
+from pipenav.spatial.stage import gravity_of
 from pipenav.state import Reading
+from pipenav.traverse.config import TraverseConfig
 from pipenav.traverse.start import GRAVITY
 
 ROBOT = load_robot("pirate")
@@ -141,6 +143,11 @@ def test_a_roll_turns_the_plane_by_what_was_asked_and_the_robot_stays_where_it_i
     np.testing.assert_allclose(np.abs(after.body.q), np.abs(clamped(run.radius, 1.0)), atol=0.4)
     assert deepest < 1e-3
     assert abs(truth.points[0, :, 0].mean() - place) < 0.12
+
+
+def test_gravity_comes_with_the_task() -> None:
+    assert gravity_of(TraverseConfig(kind="traverse")) == 0.0
+    assert gravity_of(TraverseConfig(kind="traverse", inclination_deg=(0.0, 360.0))) == GRAVITY
 
 
 def test_only_a_robot_of_two_halves_rolls() -> None:

@@ -99,8 +99,8 @@ class Drive:
 
     @property
     def clamped(self) -> bool:
-        """Whether it is clamped."""
-        return self._near and bool(np.array_equal(self._set_points, self._goal))
+        """Whether its set-points have arrived, and the joints at them."""
+        return self._near and bool(np.allclose(self._set_points, self._goal))
 
     def act(self, bends: Array, wheel_speeds: Array) -> Array:
         """Set-points of joints and wheels for one control period, (12,).

@@ -6,7 +6,7 @@ import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
@@ -29,13 +29,17 @@ SEEN = np.array([group == WALL_GROUP for group in range(mujoco.mjNGROUP)], np.ui
 """Geom groups that beams meet."""
 
 
-class SpaceSettings:
-    """What every model is built with; see the backend's Options."""
+class SpaceSettings(NamedTuple):
+    """What every model is built with, and by how many threads robots are stepped; see the backend's Options."""
 
-    def __init__(self, timestep: float, contact: Contact, gravity: float, threads: int) -> None:
-        self.timestep, self.contact, self.gravity = timestep, contact, gravity
-        self.threads = threads or os.cpu_count() or 1
-        self.substeps = round(CONTROL_PERIOD / timestep)
+    timestep: float
+    contact: Contact
+    gravity: float
+    threads: int
+
+    @property
+    def substeps(self) -> int:
+        return round(CONTROL_PERIOD / self.timestep)
 
 
 class MujocoSpace(SpaceBackend):
@@ -44,7 +48,7 @@ class MujocoSpace(SpaceBackend):
     def __init__(self, robot: RobotSpec, n: int, settings: SpaceSettings) -> None:
         self._robot, self._settings = robot, settings
         self._worlds: list[_World | None] = [None] * n
-        self._pool = ThreadPoolExecutor(settings.threads)
+        self._pool = ThreadPoolExecutor(settings.threads or os.cpu_count())
         self._compiled = lru_cache(maxsize=max(64, n))(self._compile)
         self._windows = Windows(settings.substeps, settings.timestep)
 
