@@ -61,7 +61,7 @@ class Roll:
     """
 
     def __init__(self, robot: RobotSpec, radius: float, turn: float, bends: Array, down: Array) -> None:
-        self.turn = turn
+        self._turn = turn
         self._speed = SPEED * np.append(robot.speed_limits, robot.speed_limits[0]) * CONTROL_PERIOD
         self._steep = steepness(robot, radius)
         third = nearest(bends)
@@ -119,7 +119,7 @@ class Roll:
     @property
     def _roll_to(self) -> float:
         turned = Phase.TURN_FIRST <= self.phase < Phase.TURN_SECOND
-        return self.turn * (1 if self._first == FRONT else -1) * turned
+        return self._turn * (1 if self._first == FRONT else -1) * turned
 
     @property
     def _holds(self) -> NDArray[np.bool_]:
