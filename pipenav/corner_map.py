@@ -13,7 +13,7 @@ nearer; one at its maximum that nothing was.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,15 +100,13 @@ class CornerMap:
     def __init__(self, laser: Laser, n: int, tolerance: float) -> None:
         self._laser, self._tolerance = laser, tolerance
         self._scans = np.zeros(n, int)
-        self._tip = np.zeros((n, SCANS, 1, 2))
-        self._beam = np.zeros((n, SCANS, laser.beams))
-        self._range = np.full((n, SCANS, laser.beams), np.nan)
-        # One robot's votes at one radius: reused, as it fits into the processor's cache and is slow to allocate.
-        self._table = np.empty((SCANS * laser.beams, len(PLACES), len(HEADINGS)))
+        points, flags = np.full((3, n, SCANS, laser.beams, 2), np.nan), np.zeros((2, n, SCANS, laser.beams), bool)
+        self._kept = _Rays(*points, *flags)  # (n, SCANS, beams) instead of (k, m)
 
     def forget(self, robots: NDArray[np.intp]) -> None:
         """Begin anew with some robots."""
-        self._scans[robots], self._range[robots] = 0, np.nan
+        self._scans[robots] = 0
+        self._kept.end[robots], self._kept.met[robots], self._kept.near[robots] = np.nan, False, False
 
     def add(self, robots: NDArray[np.intp], tip: Array, beams: Array, ranges: Array) -> None:
         """Take in one scan of some robots.
@@ -120,9 +118,13 @@ class CornerMap:
             ranges: what they read, (k, beams) [m].
         """
         slot = self._scans[robots] % SCANS
-        self._tip[robots, slot, 0] = tip
-        self._beam[robots, slot] = beams
-        self._range[robots, slot] = ranges
+        direction, kept = np.stack([np.cos(beams), np.sin(beams)], axis=-1), self._kept
+        near, far = ranges <= self._laser.range_min, ranges >= self._laser.range_max
+        kept.tip[robots, slot] = tip[:, None]
+        kept.direction[robots, slot] = direction
+        kept.end[robots, slot] = tip[:, None] + ranges[..., None] * direction
+        kept.met[robots, slot] = ~(near | far | np.isnan(ranges))
+        kept.near[robots, slot] = near
         self._scans[robots] += 1
 
     def corner(self, robots: NDArray[np.intp], depth: float) -> Corner:
@@ -137,7 +139,7 @@ class CornerMap:
 
     def _corner(self, robots: NDArray[np.intp], depth: float) -> Corner:
         rays = self._rays(robots)
-        radius = RADII[self._radius_votes(rays, np.broadcast_to(RADII, (len(robots), len(RADII)))).argmax(axis=1)]
+        radius = RADII[self._radius_votes(rays, RADII[None]).argmax(axis=1)]
         radii = radius[:, None] + NEAR_RADII
         first_leg = self._radius_votes(rays, radii)
         low, high = self._edge(rays, radii)
@@ -148,17 +150,13 @@ class CornerMap:
 
     def _rays(self, robots: NDArray[np.intp]) -> _Rays:
         used = int(min(SCANS, self._scans[robots].max(initial=1)))
-        shape = (len(robots), used * self._laser.beams)
-        ranges = self._range[robots, :used].reshape(shape)
-        beam = self._beam[robots, :used].reshape(shape)
-        tip = np.broadcast_to(self._tip[robots, :used], (len(robots), used, self._laser.beams, 2)).reshape(*shape, 2)
-        direction = np.stack([np.cos(beam), np.sin(beam)], axis=-1)
-        end = tip + ranges[..., None] * direction
-        near, far = ranges <= self._laser.range_min, ranges >= self._laser.range_max
-        return _Rays(tip, direction, end, ~(near | far | np.isnan(ranges)), near)
+        m = used * self._laser.beams
+        tip, direction, end = (kept[robots, :used].reshape(len(robots), m, 2) for kept in self._kept[:3])
+        met, near = (kept[robots, :used].reshape(len(robots), m) for kept in self._kept[3:])
+        return _Rays(tip, direction, end, met, near)
 
     def _radius_votes(self, rays: _Rays, radii: Array) -> Array:
-        """For radii (k, r): how many beams end at the outer wall, y = -r, less those that end beyond it, (k, r)."""
+        """For radii (k, r) or (1, r): how many beams end at the outer wall, y = -r, less those beyond it, (k, r)."""
         below = -rays.end[..., 1]
         below = _packed(below, rays.met & (below > radii.min() - 2 * self._tolerance))
         off = (below[..., None] - radii[:, None]) / self._tolerance  # (k, m, r)
@@ -189,8 +187,7 @@ class CornerMap:
         first_free = np.where(free, x, np.inf).min(axis=-1)
         wall &= x < (first_free + radii)[..., None]  # farther on, it is the second leg's outer wall that crosses y = r
         order = np.where(wall | free, x, np.inf).argsort(axis=-1, kind="stable")
-        walls, frees = np.take_along_axis(wall, order, axis=-1), np.take_along_axis(free, order, axis=-1)
-        x = np.take_along_axis(x, order, axis=-1)
+        walls, frees, x = (_ordered(values, order) for values in (wall, free, x))
         # cost[j]: beams that contradict an edge between crossings j - 1 and j
         all_walls = walls.sum(axis=-1, keepdims=True)
         cost = np.concatenate([all_walls, all_walls - np.cumsum(walls, axis=-1) + np.cumsum(frees, axis=-1)], axis=-1)
@@ -201,7 +198,7 @@ class CornerMap:
 
     def _second_leg(
         self, rays: _Rays, radii: Array, high: Array, edges: Array
-    ) -> tuple[Array, NDArray[np.uint16], Array]:
+    ) -> tuple[Array, NDArray[np.intp], Array]:
         """The vote on the second leg's outer wall.
 
         Args:
@@ -217,20 +214,42 @@ class CornerMap:
         x, y = rays.end[:, None, :, 0], rays.end[:, None, :, 1]  # (k, 1, m)
         inner = (np.abs(y - radii[..., None]) <= self._tolerance) & (x <= high[..., None])
         ahead = rays.met[:, None] & ~inner & (y > self._tolerance - radii[..., None])  # (k, r, m)
-        robot, _, ray = np.nonzero(ahead)
-        end = rays.end[robot, ray]  # (beams, 2), one radius of one robot after the other
-        across = end[:, :1] * SIN - end[:, 1:] * COS  # (beams, headings)
         wall = edges[..., None] * SIN + radii[..., None, None] * (2 - COS)  # (k, r, places, headings)
-        agree, against = np.empty_like(wall), np.empty_like(wall, np.uint16)
-        count = ahead.sum(axis=-1)
-        start = 0
-        for i in np.ndindex(*count.shape):
-            beyond = np.subtract(across[start : start + count[i], None], wall[i], out=self._table[: count[i]])
-            beyond /= self._tolerance
-            (beyond > 1.0).sum(axis=0, dtype=np.uint16, out=against[i])
-            _kernel(beyond).sum(axis=0, out=agree[i])
-            start += count[i]
-        return agree, against, agree / np.maximum(count, 1)[..., None, None]
+        agree, against = np.empty_like(wall), np.empty_like(wall, np.intp)
+        for i, beams in enumerate(ahead):
+            seen = np.flatnonzero(beams.any(axis=0))
+            end = rays.end[i, seen]
+            across = end[:, :1] * SIN - end[:, 1:] * COS  # (beams, headings)
+            agree[i], against[i] = self._wall_votes(across, beams[:, seen], wall[i])
+        return agree, against, agree / np.maximum(ahead.sum(axis=-1), 1)[..., None, None]
+
+    def _wall_votes(self, across: Array, asked: Flags, wall: Array) -> tuple[Array, NDArray[np.intp]]:
+        """How many beams end at walls, and how many beyond them.
+
+        Most beams are far from most walls: they are counted together, and only the others one by one, in their order.
+
+        Args:
+            across: where beams end, across each heading, (beams, headings) [m].
+            asked: beams that have a say at each radius, (r, beams).
+            wall: across each heading, from the nearest place to the farthest, (r, places, headings) [m].
+
+        Returns:
+            Both (r, places, headings).
+        """
+        radii, places, headings = wall.shape
+        reach = 1.001 * self._tolerance  # rounding must not make a near one far
+        past, said = across > wall[:, -1:] + reach, asked[..., None]
+        near = np.flatnonzero((across >= wall[:, :1] - reach) & said & ~past)  # of (r, beams, headings)
+        cell = near // across.size * headings + near % headings  # of (r, headings)
+        off = wall.swapaxes(0, 1).reshape(places, -1).take(cell, axis=1)
+        np.subtract(across.ravel()[near % across.size], off, out=off)  # (places, near ones)
+        off /= self._tolerance
+        # What is beyond one place is beyond the nearer ones too.
+        before = np.bincount((off > 1.0).sum(axis=0) + cell * (places + 1), minlength=radii * headings * (places + 1))
+        beyond = before.reshape(radii, headings, -1)[..., :0:-1].cumsum(axis=2)[..., ::-1].swapaxes(1, 2)
+        votes: Array = np.stack([np.bincount(cell, one, radii * headings) for one in _kernel(off)])
+        far = (said & past).sum(axis=1, dtype=np.int32)[:, None]
+        return votes.reshape(places, radii, headings).swapaxes(0, 1), beyond + far
 
 
 def _best(radii: Array, edges: Array, votes: Array, agree: Array, share: Array, depth: float) -> Corner:
@@ -249,13 +268,14 @@ def _best(radii: Array, edges: Array, votes: Array, agree: Array, share: Array, 
     known = np.isfinite(most)
     weight = np.maximum(flat - np.where(known, most - TIE, np.inf)[:, None], 0.0)
     weight /= np.maximum(weight.sum(axis=1, keepdims=True), 1e-9)
-    grid = (radii[:, :, None, None], np.where(none, 0.0, edges)[..., None], HEADINGS)
-    tried = [np.broadcast_to(a, votes.shape).reshape(flat.shape) for a in grid]
-    radius, edge, heading = ((weight * a).sum(axis=1) for a in tried)
+    grid = np.empty((3, *votes.shape))
+    grid[0], grid[1], grid[2] = radii[:, :, None, None], np.where(none, 0.0, edges)[..., None], HEADINGS
+    tried = grid.reshape(3, *flat.shape)
+    radius, edge, heading = (weight * tried).sum(axis=-1)
     target = _target(radius, edge, heading, depth)
     row, column = np.nonzero(weight)
     away = np.zeros_like(weight)
-    off = _target(tried[0][row, column], tried[1][row, column], tried[2][row, column], depth) - target[row]
+    off = _target(tried[0, row, column], tried[1, row, column], tried[2, row, column], depth) - target[row]
     away[row, column] = np.sqrt((off * off).sum(axis=-1))
     unknown = np.where(known, 0.0, np.nan)
     return Corner(
@@ -289,7 +309,13 @@ def _packed(values: Array, kept: Flags) -> Array:
     """
     count = kept.sum(axis=1)
     first = np.argsort(~kept, axis=1, kind="stable")[:, : count.max(initial=0)]
-    return np.where(np.arange(first.shape[1]) < count[:, None], np.take_along_axis(values, first, axis=1), -np.inf)
+    return np.where(np.arange(first.shape[1]) < count[:, None], _ordered(values, first), -np.inf)
+
+
+def _ordered(values: NDArray[Any], order: NDArray[np.intp]) -> NDArray[Any]:
+    """numpy.take_along_axis along the last axis, without what costs it more time than a few hundred values do."""
+    rows = values.reshape(-1, values.shape[-1])
+    return rows[np.arange(len(rows))[:, None], order.reshape(len(rows), -1)].reshape(order.shape)
 
 
 def _pick(values: Array, index: NDArray[np.intp]) -> Array:

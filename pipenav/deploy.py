@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import signal
 import time
 from collections.abc import Callable, Iterator
@@ -56,8 +57,12 @@ def guarded(machine: Stoppable) -> Iterator[None]:
 
     A signal cuts torque inside its handler, before anything else can happen, and leaves the context by `Interrupted`;
     further signals cut once more and disturb nothing. A death without a handler is the supervisor process's business.
+
+    Python's own garbage collection comes at any moment and takes longer the more there is to look through, half a tick
+    after some thousand ticks: it waits until torque is off, and `drive` collects what is new between ticks.
     """
-    stopping = False
+    stopping, collecting = False, gc.isenabled()
+    gc.disable()
 
     def stop(number: int, frame: FrameType | None) -> None:  # noqa: ARG001  # the signature of a handler
         nonlocal stopping
@@ -74,6 +79,8 @@ def guarded(machine: Stoppable) -> Iterator[None]:
         machine.off()
         for number, handler in before.items():
             signal.signal(number, handler)
+        if collecting:
+            gc.enable()
 
 
 def drive(
@@ -118,6 +125,7 @@ def drive(
             return run.outcome
         if stop_file.exists():
             raise Stopped("e-stop", f"the file {stop_file} appeared", "remove it, then start again")
+        gc.collect(1)
         machine.wait()
         tick += 1
     return "ended"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import gc
 import hashlib
 from collections.abc import Callable, Iterator, Sequence
 from datetime import UTC, datetime
@@ -206,8 +205,6 @@ def rehearse(policy: Policy, settings: dict[str, Any], reading: Reading) -> None
     tip = kinematics.forward(policy.header.robot, reading.q).tip[0]
     for goal in (None, [float(tip[0]) + 0.1, float(tip[1]) + 0.1]):
         run_of(policy, settings | {"goal_m": goal}).decide(reading)
-    gc.collect()
-    gc.freeze()  # to look through all objects of a program takes longer than a tick may: leave them out from now on
 
 
 class Pace(NamedTuple):

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipenav import laser
-from pipenav.corner_map import Corner, CornerMap
+from pipenav.corner_map import HEADINGS, Corner, CornerMap
 from pipenav.pipe import Pipe
 from pipenav.robot import load_robot
 from pipenav.robot_parts import Laser
@@ -115,3 +115,17 @@ def test_the_vote_outlives_beams_that_read_the_minimum(wrong: list[tuple[int, in
                 read[0, beam] = lidar.range_min
         map.add(ONE, tip, beams, read)
     assert map.corner(ONE, DEPTH).target[0] == pytest.approx((pipe.inner_edge + DEPTH) * pipe.second_leg, abs=0.02)
+
+
+@given(seed=st.integers(0, 2**32 - 1))
+def test_votes_are_to_the_bit_those_of_every_beam_for_every_wall(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    wall = np.sort(rng.uniform(0.0, 0.3, (3, 9, len(HEADINGS))), axis=1)
+    across = rng.uniform(-0.2, 0.5, (30, len(HEADINGS)))
+    across[::2] = wall[0, rng.integers(9)] + TOLERANCE * rng.integers(-1, 2, (15, 1))  # at the edge of agreeing
+    asked = rng.random((3, 30)) < 0.7
+    votes, beyond = CornerMap(load_robot("basic").laser, 1, TOLERANCE)._wall_votes(across, asked, wall)
+    for i, beams in enumerate(asked):
+        off = (across[beams, None] - wall[i]) / TOLERANCE
+        assert np.array_equal(votes[i], np.maximum(1.0 - off * off, 0.0).sum(axis=0))
+        assert np.array_equal(beyond[i], (off > 1.0).sum(axis=0))

@@ -81,12 +81,13 @@ class Port(PortHandler):  # type: ignore[misc]  # the SDK has no types
         self.mode = Mode.LISTEN
         self.allowance = FIRST_ALLOWANCE
         self.sent: Callable[[bytes], None] | None = None
+        self._heard = b""
 
     def setupPort(self, cflag_baud: int) -> bool:  # noqa: ARG002  # the SDK's name and argument
         if self.is_open:
             self.closePort()
         try:
-            self.ser = serial.Serial(self.port_name, self.baudrate, timeout=READ_SLICE)
+            self.ser = serial.Serial(self.port_name, self.baudrate)
         except LOST as error:
             raise port_problem(self.port_name, error) from error
         try:
@@ -97,7 +98,7 @@ class Port(PortHandler):  # type: ignore[misc]  # the SDK has no types
                 f"{self.port_name} is in use by {holder_of(self.port_name)}: one master at a time; end that process."
             ) from None
         self.is_open = True
-        self.ser.reset_input_buffer()
+        self.flush()
         self.tx_time_per_byte = 10_000.0 / self.baudrate  # [ms]
         return True
 
@@ -119,13 +120,40 @@ class Port(PortHandler):  # type: ignore[misc]  # the SDK has no types
         if refused:
             raise PipenavError(refused)
         descriptor, left = self.ser.fileno(), data
-        while left:  # pyserial's own write time-out also strikes when nothing but this program was slow
-            if not select.select([], [descriptor], [], WRITE_TIMEOUT * self._patience)[1]:
+        while left:
+            with contextlib.suppress(BlockingIOError):
+                left = left[os.write(descriptor, left) :]
+            # pyserial's own write time-out also strikes when nothing but this program was slow
+            if left and not select.select([], [descriptor], [], WRITE_TIMEOUT * self._patience)[1]:
                 raise serial.SerialTimeoutException("it takes no bytes")
-            left = left[os.write(descriptor, left) :]
         if self.sent is not None:
             self.sent(data)
         return len(data)
+
+    def readPort(self, length: int) -> bytes:
+        """At most so many bytes; waits only where none has arrived."""
+        if not self._heard and select.select([self.ser.fileno()], [], [], READ_SLICE)[0]:
+            self._heard = os.read(self.ser.fileno(), 4096)  # the SDK asks for a packet in two parts
+            if not self._heard:
+                raise serial.SerialException("it is unplugged")
+        data, self._heard = self._heard[:length], self._heard[length:]
+        return data
+
+    def clearPort(self) -> None:
+        """Drop what has arrived; not what the kernel is about to deliver, as `flush` does.
+
+        That waits for the kernel's worker thread, as `select` does where nothing has arrived. The worker runs at normal
+        priority, behind whatever other program wants the processor, and often has not ended yet when the answer before
+        this one wakes us: up to 3 ms were seen. Between an answer and the next question nothing must wait for it.
+        """
+        self._heard = b""
+        if waiting := self.ser.in_waiting:
+            os.read(self.ser.fileno(), waiting)
+
+    def flush(self) -> None:
+        """Drop whatever was sent to us until now."""
+        self._heard = b""
+        self.ser.reset_input_buffer()
 
     def closePort(self) -> None:
         if self.ser is not None:
@@ -300,6 +328,7 @@ class Bus:
         deadline = time.monotonic() + self._port.silence
         while time.monotonic() < deadline:
             self._port.readPort(256)
+        self._port.flush()
 
     @contextlib.contextmanager
     def _edge(self) -> Any:

@@ -185,7 +185,7 @@ class BeamFilter:
                 f"the scanner does not see the beam at {blind:.0f} deg that the robot's policy needs: "
                 "check mounting_deg in arm.toml, or use a scanner with a wider fan."
             )
-        self._windows = [np.flatnonzero(row) for row in near]
+        self._windows = [slice(int(row.argmax()), int(row.argmax() + row.sum())) for row in near]  # points are in order
         self._before = np.full(len(self._windows), -np.inf)  # nothing is known yet: the first scan is believed
         self._doubted = np.zeros(len(self._windows), int)
         self.all_invalid = False
@@ -198,10 +198,9 @@ class BeamFilter:
             front: what the front sensor reads [m], None without one: it replaces the middle beams where the scanner is
                 too close to the wall to measure.
         """
-        distances = np.array(scan.distances, float) / 1e3
-        valid = distances >= self._range_min
-        self.all_invalid = not valid.any()
-        beams = np.array([self._beam(distances[w], valid[w]) for w in self._windows])
+        distances = (np.array(scan.distances, float) / 1e3).tolist()  # a beam has a dozen: faster without NumPy
+        self.all_invalid = max(distances) < self._range_min
+        beams = np.array([self._beam(distances[window]) for window in self._windows])
         lowest = max(self._range_min, self._laser.range_min) + self._laser.resolution
         doubtful = (beams <= lowest) & (self._before - beams > IMPLAUSIBLE_DROP) & (self._doubted < DISBELIEF)
         self._doubted = np.where(doubtful, self._doubted + 1, 0)
@@ -212,16 +211,15 @@ class BeamFilter:
         self._before = beams
         return laser.measure(self._laser, beams)
 
-    def _beam(self, distances: Array, valid: NDArray[np.bool_]) -> float:
+    def _beam(self, distances: list[float]) -> float:
         """Median of a beam's points; those at the minimum count only where most are, for they may be dropouts."""
-        seen = distances[valid]
-        real = seen[seen > self._range_min + 0.001]
-        if len(real) * 4 >= len(seen) and len(real):
+        seen = [distance for distance in distances if distance >= self._range_min]
+        real = [distance for distance in seen if distance > self._range_min + 0.001]
+        if len(real) * 4 >= len(seen) and real:
             return _median(real)
-        return _median(seen) if len(seen) else self._laser.range_max  # no echo: nothing within reach
+        return _median(seen) if seen else self._laser.range_max  # no echo: nothing within reach
 
 
-def _median(values: Array) -> float:
-    """Of a dozen values, without the detours by which NumPy's needs ten times as long."""
-    values = np.sort(values)
-    return float((values[(len(values) - 1) // 2] + values[len(values) // 2]) / 2)
+def _median(values: list[float]) -> float:
+    values = sorted(values)
+    return (values[(len(values) - 1) // 2] + values[len(values) // 2]) / 2

@@ -7,6 +7,7 @@ closes. Orders: a fault (see `faults.Fault`), `{"clear": true}`, `{"place": [cou
 from __future__ import annotations
 
 import contextlib
+import gc
 import heapq
 import json
 import math
@@ -35,6 +36,9 @@ from pipenav_hardware.emulator.servo import EmulatedServo
 AFTERLIFE = 1.0
 """How long the devices outlive their orders while a servo's torque is on [s]: whoever gave the orders may have been
 killed, and real servos would still hear the supervisor switch them off."""
+
+TURNAROUND = 0.002
+"""How soon an answer must come for its servo to have the line [s]."""
 
 
 class EmulatorConfig(BaseModel):
@@ -133,7 +137,12 @@ class Server:
     def _deaf(self, name: str) -> bool:
         if name == "front":
             return True  # it takes no orders, and a line that nobody has open is always ready
-        return name == "bus" and self.faults.active("deaf") is not None
+        return name == "bus" and (self.faults.active("deaf") is not None or self._speaks())
+
+    def _speaks(self) -> bool:
+        """Whether a servo has the line, as its answer is due: listening would wait for the kernel's worker thread that
+        delivered the question, and make the answer late."""
+        return any(out.device == "bus" and out.due - self._now < TURNAROUND for out in self._outgoing[:1])
 
     def _receive(self, name: str, line: Line) -> None:
         data = line.read()
@@ -199,6 +208,8 @@ def _plant(config: EmulatorConfig) -> Plant:
 def main() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a Ctrl-C at the terminal is for the host; our input's end ends us
     server = Server(EmulatorConfig.model_validate_json(Path(sys.argv[1]).read_text()))
+    gc.collect()
+    gc.freeze()  # to look through all of the simulator's objects takes 24 ms, in which no servo would answer
     print(json.dumps({"ready": {name: str(line.path) for name, line in server.lines.items()}}), flush=True)
     with contextlib.suppress(BrokenPipeError):
         server.run()

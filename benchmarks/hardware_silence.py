@@ -1,0 +1,112 @@
+"""What one servo that falls silent costs, judged by the bytes that reached the emulated servos.
+
+    python benchmarks/hardware_silence.py               # 20 times each of the four servos, 2 minutes
+
+A servo that answers no more must not use up the others' tick (40 ms of 100), and stops the arm in the second one. Exits
+with 1 if the arm stopped for another reason, or torque stayed on.
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import sys
+import time
+from collections import Counter
+from itertools import pairwise
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from pipenav_hardware import packets
+from pipenav_hardware.emulator import judge
+from pipenav_hardware.emulator.client import Emulator
+
+from pipenav.backend import CONTROL_PERIOD
+from pipenav.deploy import guarded
+from pipenav.machine import load_machine
+from pipenav.registry import open_backend
+from pipenav.robot import load_robot
+from pipenav.safety import Stopped
+from pipenav.state import Command
+
+ROBOT = load_robot("real-setup")
+WHOLE_TICKS = 3
+"""Ticks before the servo falls silent."""
+
+LATEST = 0.07
+"""Latest moment of a tick's idle part at which it does [s]."""
+
+
+class Silence(NamedTuple):
+    """Until torque was off: from the first question of the tick that stopped the arm, and from the silence's beginning
+    [s]."""
+
+    tick: float
+    whole: float
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--trials", type=int, default=20, help="of each servo")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--patience", type=float, default=1.0, help="factor on every time limit, on a busy machine")
+    given = parser.parse_args()
+    rng = random.Random(given.seed)
+    causes: Counter[str] = Counter()
+    with Emulator(ROBOT, boot_time=0.0) as emulator:
+        for servo in [servo for servo in emulator.arm.ids for _ in range(given.trials)]:
+            causes[fall_silent(emulator, servo, rng.uniform(0.0, LATEST), given.patience)] += 1
+        time.sleep(0.3)
+        silences = list(measured(emulator.log_path))
+    print(f"{causes.total()} silent servos, stopped by {dict(causes)}, torque off in {len(silences)}")
+    for name, what in {"tick": "the tick that stops, to torque off", "whole": "silence to torque off"}.items():
+        times = 1e3 * np.array([getattr(silence, name) for silence in silences])
+        print(f"{what:36} median {np.median(times):6.1f} ms, worst {times.max():6.1f} ms")
+    return int(len(silences) < causes.total() or set(causes) != {"comms"})
+
+
+def fall_silent(emulator: Emulator, servo: int, moment: float, patience: float) -> str:
+    """Drive until a servo has fallen silent that long after a tick's goals [s]; what stopped the arm."""
+    emulator.order(clear=True)
+    machine = open_backend("hardware", ROBOT, 1, {"arm": str(emulator.arm_path), "patience": patience})
+    assert isinstance(machine, load_machine())
+    try:
+        with guarded(machine):
+            start = machine.read().q
+            machine.reset(np.array([0]), [], start, np.zeros(1))
+            tick = 0
+            while True:
+                machine.read()
+                if machine.complete:
+                    machine.send(Command("position", start))
+                else:
+                    machine.hold()
+                tick += 1
+                if tick == WHOLE_TICKS:
+                    time.sleep(moment)
+                    emulator.order(fault="dead", servo=servo)
+                machine.wait()
+    except Stopped as stopped:
+        return stopped.cause
+    finally:
+        machine.close()
+
+
+def measured(log: Path) -> list[Silence]:
+    """Every silence that ended with torque off."""
+    begins = [r["t"] for r in judge.records(log) if r.get("event") == "order" and r["order"].get("fault") == "dead"]
+    heard = judge.instructions(log)
+    asked = [one.time for one in heard if one.packet.code == packets.READ]
+    ticks = [after for before, after in pairwise(asked) if after - before > CONTROL_PERIOD / 3]
+    offs = [one.time for one in heard if one.packet.encode() == packets.TORQUE_OFF_ALL]
+    found = []
+    for begin, end in zip(begins, [*begins[1:], float("inf")], strict=True):
+        off = min((off for off in offs if begin < off < end), default=None)
+        if off is not None:
+            found.append(Silence(off - max(tick for tick in ticks if tick < off), off - begin))
+    return found
+
+
+if __name__ == "__main__":
+    sys.exit(main())
