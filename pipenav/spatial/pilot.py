@@ -44,7 +44,7 @@ STALL = 20
 STILL, ON_THE_SPOT = 0.15, 0.03
 """A robot has not moved if no joint has by more than this [rad] nor, where it drives itself, its wheels by this [m]."""
 
-BACK = 0.12
+BACK = 0.2
 """How far it backs out of a corner in which it stalled [m]."""
 
 
@@ -135,8 +135,7 @@ class Pilot:
             self.corner, self._goes = self.corner + 1, 0
             self._begin_driving(Mode.LEAVE, reading)
         elif stalled and self._tries < TRIES:
-            self._goes, self._tries = 0, self._tries + 1
-            self._begin_driving(Mode.BACK_OUT, reading, direction=-1.0)
+            self._back_out(reading)
 
     def _go_on(self, drive: Drive, reading: SpaceReading, stalled: bool) -> None:
         """The robot drives itself: is it where it wants to be?"""
@@ -145,9 +144,13 @@ class Pilot:
             if stalled or drive.gone <= -BACK:
                 self._roll_or_approach(reading)
         elif self.mode is Mode.APPROACH:
-            if near or stalled:
+            if stalled and self._tries < TRIES:
+                self._back_out(reading)
+            elif near or stalled:
                 self._begin(Mode.CORNER)
                 self._before = None
+        elif drive.clamped and stalled and self._tries < TRIES:  # it slid into the next corner
+            self._back_out(reading)
         elif drive.clamped and (near or stalled or drive.gone >= self._leave):
             self._tries = 0
             self._roll_or_approach(reading)
@@ -155,6 +158,10 @@ class Pilot:
             self.corner, self._tries = self.corner - 1, self._tries + 1
             self._begin(Mode.CORNER)
             self._seen = -STALL
+
+    def _back_out(self, reading: SpaceReading) -> None:
+        self._goes, self._tries = 0, self._tries + 1
+        self._begin_driving(Mode.BACK_OUT, reading, direction=-1.0)
 
     def _begin(self, mode: Mode) -> None:
         self.mode, self._drive, self._roll = mode, None, None
