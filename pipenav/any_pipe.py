@@ -28,6 +28,11 @@ def inner_edges(pipe: AnyPipe) -> Array:
     return np.array([pipe.inner_edge]) if isinstance(pipe, Pipe) else pipe.radius * pipe.legs.reach
 
 
+def leaves_plane(pipe: AnyPipe) -> bool:
+    """Whether it is a run with corners in several planes."""
+    return isinstance(pipe, PipeRun) and not pipe.planar
+
+
 def corner_count(pipe: AnyPipe) -> int:
     return 1 if isinstance(pipe, Pipe) else len(pipe.corners)
 

@@ -12,6 +12,7 @@ from pipenav.any_pipe import AnyPipe
 from pipenav.backend import Backend
 from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
+from pipenav.space import SpaceTruth
 from pipenav.state import Truth
 from pipenav.task import action as actions
 from pipenav.task import episode, observation, reward
@@ -39,7 +40,7 @@ class StepResult(NamedTuple):
     reward: Array
     verdict: NDArray[np.int8]
     clearance: Array
-    truth: Truth
+    truth: Truth | SpaceTruth
     cut_off: NDArray[np.bool_]
 
 

@@ -30,7 +30,7 @@ class Windows:
 
 
 def strongest(forces: Array) -> Array:
-    """The largest of each link's forces in the plane, (n, windows, links, 2) -> (n, links, 2) [N]."""
-    peak = (forces[..., 0] ** 2 + forces[..., 1] ** 2).argmax(axis=1)  # (n, links)
+    """The largest of each link's forces, in any number of axes, (n, windows, links, axes) -> (n, links, axes) [N]."""
+    peak = (forces**2).sum(axis=-1).argmax(axis=1)  # (n, links)
     robots, links = np.ogrid[: peak.shape[0], : peak.shape[1]]
     return np.asarray(forces[robots, peak, links])

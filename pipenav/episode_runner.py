@@ -54,6 +54,18 @@ class EpisodeResults(NamedTuple):
     contact_share: Array
     q: Array
 
+    def put(self, jobs: NDArray[np.intp], part: EpisodeResults) -> None:
+        """Overwrite those of some episodes, k of them, by `part`."""
+        for column, rows in zip(self, part, strict=True):
+            np.asarray(column)[jobs] = rows
+
+    @classmethod
+    def empty(cls, total: int, robot: RobotSpec) -> EpisodeResults:
+        """Room for so many."""
+        clearance, penetration, force, contact_share = np.zeros((4, total))
+        verdict, steps, q = np.zeros(total, np.int8), np.zeros(total, np.intp), np.zeros((total, robot.coordinates))
+        return cls(verdict, steps, clearance, penetration, force, contact_share, q)
+
     def select(self, which: NDArray[np.bool_]) -> EpisodeResults:
         """Those of the episodes that are marked, (k,)."""
         return EpisodeResults(*(column[which] for column in self))  # type: ignore[arg-type]  # every column alike
@@ -139,10 +151,32 @@ def run_stage(
         options: the backend's own settings.
         progress: called with (episodes done, successes so far) now and then.
     """
-    n = robots_for(len(pipes))
     segments = max(len(pipe.segments) for pipe in pipes)
-    queue = EpisodeQueue(start, len(pipes), n)
-    with closing(make(open_backend(backend, robot, n, options or {}, segments), queue)) as stage:
+
+    def make_in_plane(queue: EpisodeQueue[Episode]) -> Stage:
+        return make(open_backend(backend, robot, len(queue.running), options or {}, segments), queue)
+
+    return run_queue(make_in_plane, start, len(pipes), robots_for(len(pipes)), progress)
+
+
+def run_queue(
+    make: Callable[[EpisodeQueue[Episode]], Stage],
+    start: Callable[[int], Episode],
+    total: int,
+    n: int,
+    progress: Callable[[int, int], None] | None = None,
+) -> EpisodeResults:
+    """As `run_stage`, of a stage that brings what it runs on.
+
+    Args:
+        make: the stage, from the queue of its episodes.
+        start: gives an episode by its number.
+        total: how many episodes there are.
+        n: how many robots share them.
+        progress: as of `run_stage`.
+    """
+    queue = EpisodeQueue(start, total, n)
+    with closing(make(queue)) as stage:
         return drain(stage, queue, progress)
 
 
@@ -169,9 +203,7 @@ def drain(
 ) -> EpisodeResults:
     """Step until every episode of the queue, which is the stage's source, has ended."""
     total = queue.total
-    clearance, penetration, force, contact_share = np.zeros((4, total))
-    verdict, steps, q = np.zeros(total, np.int8), np.zeros(total, np.intp), np.zeros((total, stage.robot.coordinates))
-    results = EpisodeResults(verdict, steps, clearance, penetration, force, contact_share, q)
+    results = EpisodeResults.empty(total, stage.robot)
     peaks = _Peaks(stage.n)
     stage.start(np.arange(stage.n))
     finished = 0

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from pipenav.any_pipe import AnyPipe
+from pipenav.any_pipe import AnyPipe, leaves_plane
 from pipenav.controller import open_controller
 from pipenav.disturbance import UNDISTURBED, load_disturbance
 from pipenav.errors import PipenavError
@@ -17,6 +17,7 @@ from pipenav.pipe_run import PipeRun
 from pipenav.records import Evaluation, PipeRecord
 from pipenav.registry import check_options, load_backend
 from pipenav.robot import load_robot
+from pipenav.spatial.stage import check_in_space
 from pipenav.task.config import TaskConfig
 from pipenav.task.episode import Verdict, check_fits
 from pipenav.tasks import AnyTask, kind_of
@@ -73,11 +74,13 @@ class EvaluationRun:
         self._task: AnyTask = TaskConfig() if self._controller is None else self._controller.task
         self._stage: StageName = stage or kind_of(self._task).stage
         self._check_stage()
-        self._pipes = kind_of(self._task).parse(pipes)
+        self._pipes = kind_of(self._task).parse_tried(pipes)
         self._backend, self._options = backend, dict(options or {})
         check_options(backend, load_backend(backend), self._options)
         check_fits(self._robot, self._pipes)
         self._disturb, self._disturbance = disturb, UNDISTURBED if disturb is None else load_disturbance(disturb)
+        if any(map(leaves_plane, self._pipes)):
+            check_in_space(self._robot, backend, disturb)
 
     def _check_stage(self) -> None:
         traverses = isinstance(self._task, TraverseConfig)

@@ -94,11 +94,27 @@ def write_film(path: Path, trajectories: Sequence[Trajectory], progress: Progres
     told = progress or (lambda _done, _total: None)
     if path.suffix.lower() == ".png":
         atomic_write(path, _strip(trajectories, told))
-    elif path.suffix.lower() == ".gif":
-        atomic_write(path, _gif(trajectories, told))
+    else:
+        write_frames(path, _frames(trajectories, told), set(np.cumsum([len(one.q) for one in trajectories]) - 1))
+
+
+def write_frames(path: Path, frames: Iterator[NDArray[np.uint8]], ends: set[int]) -> None:
+    """Write a film, a frame in a control period.
+
+    Args:
+        path: the file, .gif or .mp4.
+        frames: (height, width, 3) each, all of one size with even sides.
+        ends: the frames that stay for a while.
+
+    Raises:
+        PipenavError: MP4 without ffmpeg.
+        FileProblem: the file cannot be written.
+    """
+    if path.suffix.lower() == ".gif":
+        atomic_write(path, _gif(frames, ends))
     else:
         encoder = _ffmpeg()
-        atomic_write(path, lambda draft: _mp4(draft, encoder, trajectories, told))
+        atomic_write(path, lambda draft: _mp4(draft, encoder, frames, ends))
 
 
 def check_suffix(path: Path, known: Sequence[str] = SUFFIXES) -> None:
@@ -224,13 +240,12 @@ def _legend(figure: Any) -> None:
     figure.legend(handles=legend_handles(), loc="center", ncols=4, frameon=False, fontsize=9.5, labelcolor=INK)
 
 
-def _gif(trajectories: Sequence[Trajectory], told: Progress) -> bytes:
+def _gif(frames: Iterator[NDArray[np.uint8]], ends: set[int]) -> bytes:
     from PIL import Image
 
     pictures, durations = [], []
     period = round(1000 * CONTROL_PERIOD)  # milliseconds
-    ends = set(np.cumsum([len(one.q) for one in trajectories]) - 1)
-    for number, pixels in enumerate(_frames(trajectories, told)):
+    for number, pixels in enumerate(frames):
         pictures.append(Image.fromarray(pixels).quantize(128, dither=Image.Dither.NONE))
         durations.append(period * HOLD if number in ends else period)
     film = io.BytesIO()
@@ -253,14 +268,12 @@ def _ffmpeg() -> str:
     return program
 
 
-def _mp4(draft: Path, encoder: str, trajectories: Sequence[Trajectory], told: Progress) -> None:
-    frames = _frames(trajectories, told)
+def _mp4(draft: Path, encoder: str, frames: Iterator[NDArray[np.uint8]], ends: set[int]) -> None:
     first = next(frames)
     size, rate = f"{first.shape[1]}x{first.shape[0]}", f"{1 / CONTROL_PERIOD:g}"
     raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", size, "-r", rate, "-i", "-"]
     # This colour format is the one that every player shows.
     command = [encoder, "-y", "-v", "error", *raw, "-pix_fmt", "yuv420p", "-movflags", "+faststart", str(draft)]
-    ends = set(np.cumsum([len(one.q) for one in trajectories]) - 1)
     with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         assert process.stdin is not None and process.stderr is not None
         with contextlib.suppress(BrokenPipeError):  # the encoder says why it left

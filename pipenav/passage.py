@@ -7,22 +7,24 @@ mirrored final pose of a successful front and plays the passage backwards (appro
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pipenav.any_pipe import AnyPipe, corner_count, single_corner
+from pipenav.any_pipe import AnyPipe, corner_count, leaves_plane, single_corner
 from pipenav.backend import Backend
 from pipenav.controller import Controller
 from pipenav.disturbance import UNDISTURBED, Disturbance
 from pipenav.disturbed import disturbed
-from pipenav.episode_runner import EpisodeQueue, EpisodeResults, joined, random_start, run_stage
+from pipenav.episode_runner import EpisodeQueue, EpisodeResults, joined, random_start, run_queue, run_stage
 from pipenav.locate import LocateConfig, Variant, robot_for
 from pipenav.locate_stage import LocateStage
 from pipenav.mirror import RearStage, join, rear_motion
 from pipenav.robot import RobotSpec
+from pipenav.spatial.stage import space_stage
 from pipenav.stage import Stage, StageStep, TaskStage
 from pipenav.task.episode import Episodes, Verdict
 from pipenav.tasks import AnyTask, kind_of, reaching
@@ -138,6 +140,9 @@ class Passages:
     def task(self, controller: Controller, located: Part | None = None) -> Part:
         """The task, a front passage or a traverse, in every episode, or in those where a target was located."""
         jobs = np.arange(len(self._pipes)) if located is None else located.jobs[located.passed]
+        rolled = np.array([leaves_plane(self._pipes[job]) for job in jobs], bool)
+        if rolled.any():
+            return self._with_space(controller, jobs[~rolled], jobs[rolled])
         start = self._given
         if located is not None:
             found = {int(job): k for k, job in enumerate(located.jobs)}
@@ -147,12 +152,35 @@ class Passages:
                 given: Episodes = self._given(job)
                 return given._replace(q=located.results.q[k : k + 1], goal=located.targets[k : k + 1])
 
-        def make(simulator: Backend, queue: EpisodeQueue[Episodes]) -> Stage:
+        return self._run(self._kind.stage, self._make(controller), self._robot, jobs, start)
+
+    def _with_space(self, controller: Controller, flat: Jobs, rolled: Jobs) -> Part:
+        """The task in pipes of which some leave the plane; nothing comes after it, so no motions are kept."""
+        jobs = np.sort(np.concatenate([flat, rolled]))
+        results = EpisodeResults.empty(len(jobs), self._robot)
+        if len(flat):
+            name = self._kind.stage
+            results.put(
+                np.searchsorted(jobs, flat),
+                self._run(name, self._make(controller), self._robot, flat, self._given).results,
+            )
+        in_space = run_queue(
+            lambda queue: space_stage(controller, self._backend, self._options, queue),
+            lambda i: self._given(int(rolled[i])),
+            len(rolled),
+            min(len(rolled), os.cpu_count() or 1),  # a few: episodes are long, and the last one keeps all robots busy
+            lambda done, successes: self._progress(f"{self._kind.stage} in space", len(rolled), done, successes),
+        )
+        results.put(np.searchsorted(jobs, rolled), in_space)
+        return Part(jobs, results, [], np.full((len(jobs), 2), np.nan))
+
+    def _make(self, controller: Controller) -> Callable[[Backend, EpisodeQueue[Any]], Stage]:
+        def make(simulator: Backend, queue: EpisodeQueue[Any]) -> Stage:
             n = len(queue.running)
             batch = self._kind.batch(self._robot, self._task, simulator, n, lambda r: joined(queue.take(r)))
             return TaskStage(batch, controller)
 
-        return self._run(self._kind.stage, make, self._robot, jobs, start)
+        return make
 
     def rear(self, front: Part, located: Part | None = None) -> Part:
         """The rear half after every successful front."""

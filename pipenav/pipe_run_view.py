@@ -78,7 +78,7 @@ def draw_tube(axes: Axes, run: PipeRun, view: View) -> Array:
     """Draw the tube and its shadow, in millimetres of the picture; returns all their points, (k, 2) [mm]."""
     from matplotlib.collections import PolyCollection
 
-    quads = _quads(run)  # (q, 4, 3)
+    quads = wall_quads(run)  # (q, 4, 3)
     normal = np.cross(quads[:, 1] - quads[:, 0], quads[:, 3] - quads[:, 0])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     light = view.to_viewer + view.up - 0.6 * view.right
@@ -96,7 +96,7 @@ def draw_tube(axes: Axes, run: PipeRun, view: View) -> Array:
     return np.concatenate([shadow, tube]).reshape(-1, 2)
 
 
-def _quads(run: PipeRun) -> Array:
+def wall_quads(run: PipeRun) -> Array:
     """The outer surface in small pieces, corners in order, counter-clockwise seen from outside, (q, 4, 3) [m]."""
     lines = run.legs.lines(run.radius + run.wall, np.arange(AROUND) * 2 * math.pi / AROUND)  # (AROUND, p, 3)
     pieces = []

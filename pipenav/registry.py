@@ -18,9 +18,10 @@ from typing import Any, NamedTuple, cast
 from pydantic import ValidationError
 
 from pipenav.backend import Backend, BackendOptions
-from pipenav.errors import BackendUnavailable, ConfigError, UnknownName
+from pipenav.errors import BackendUnavailable, ConfigError, PipenavError, UnknownName
 from pipenav.robot import RobotSpec
 from pipenav.source_imports import can_find, imported_packages
+from pipenav.space import SpaceBackend, Spatial
 
 GROUP = "pipenav.backends"
 
@@ -151,6 +152,36 @@ def open_backend(
         return kind(robot, n, checked, wall_segments)
     except ImportError as error:
         raise _not_importable(_find(name), error) from error
+
+
+def load_spatial(name: str) -> type[Backend]:
+    """Import the class of a backend that offers robots in space: see `pipenav.space.Spatial`.
+
+    Raises:
+        PipenavError: it offers none.
+        UnknownName, BackendUnavailable: as `load_backend`.
+    """
+    kind = load_backend(name)
+    if not isinstance(kind, Spatial):
+        raise PipenavError(
+            f"backend {name!r} moves robots in a plane alone: choose --backend mujoco, or runs without rolls, as "
+            "runs-level."
+        )
+    return kind
+
+
+def open_space(
+    name: str, robot: RobotSpec, n: int, options: Mapping[str, Any] | BackendOptions, gravity: float
+) -> SpaceBackend:
+    """As `open_backend`, for robots in space.
+
+    Raises:
+        PipenavError: the backend offers none.
+        UnknownName, BackendUnavailable, ConfigError: as `open_backend`.
+    """
+    kind = load_spatial(name)
+    assert isinstance(kind, Spatial)
+    return kind.in_space(robot, n, check_options(name, kind, options), gravity)
 
 
 def check_options(name: str, kind: type[Backend], options: Mapping[str, Any] | BackendOptions) -> BackendOptions:

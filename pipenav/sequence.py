@@ -139,9 +139,12 @@ class SequenceController:
         """Canonical actions in [-1, 1], (n, drives).
 
         Raises:
-            PipenavError: a pipe is a run of several corners.
+            PipenavError: a pipe is a run of several corners, or leaves the plane.
         """
-        assert isinstance(batch, TraverseBatch)  # its task is no other
+        if not isinstance(batch, TraverseBatch):
+            raise PipenavError(
+                "baseline:sequence turns corners in one plane: choose a single corner, as d=90,angle=90."
+            )
         if len(self._courses) != batch.n:
             self._courses = [_Course() for _ in range(batch.n)]
         points, along = batch.points, batch.along

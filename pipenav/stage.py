@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pipenav.controller import Controller
 from pipenav.robot import RobotSpec
+from pipenav.space import SpaceTruth
 from pipenav.state import Truth
 from pipenav.tasks import TaskBatch
 
@@ -28,7 +29,7 @@ class StageStep(NamedTuple):
 
     verdict: NDArray[np.int8]
     clearance: Array
-    truth: Truth
+    truth: Truth | SpaceTruth
     q: Array
 
 

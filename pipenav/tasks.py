@@ -12,6 +12,7 @@ from pydantic import Discriminator, Tag
 from pipenav.any_pipe import AnyPipe
 from pipenav.batch import CornerBatch, StepResult
 from pipenav.errors import PipenavError
+from pipenav.pipe_run_set import parse_any
 from pipenav.pipe_set import parse_pipes
 from pipenav.robot import RobotSpec
 from pipenav.task import action, episode
@@ -82,7 +83,8 @@ class Kind(NamedTuple):
 
     Attributes:
         stage: name of the part of a passage that it is.
-        parse: pipes that it can be done in, as a person names them.
+        parse: pipes that it can be trained in, as a person names them.
+        parse_tried: pipes that it can be tried in: runs that leave the plane among them, where the robot can roll.
         check_robot: refuses a robot that cannot do it; takes the robot alone.
         layout: parts of the observation.
         action_scale: what a full action is, (drives,).
@@ -92,6 +94,7 @@ class Kind(NamedTuple):
 
     stage: Literal["front", "traverse"]
     parse: Callable[[Sequence[str]], Sequence[AnyPipe]]
+    parse_tried: Callable[[Sequence[str]], Sequence[AnyPipe]]
     check_robot: Callable[[RobotSpec], None]
     layout: Callable[..., list[Part]]
     action_scale: Callable[..., Array]
@@ -103,6 +106,7 @@ KINDS: dict[type, Kind] = {
     TaskConfig: Kind(
         "front",
         parse_pipes,
+        parse_pipes,
         episode.check_robot,
         corner_observation.layout,
         action.full_action,
@@ -112,6 +116,7 @@ KINDS: dict[type, Kind] = {
     TraverseConfig: Kind(
         "traverse",
         start.parse_planar,
+        parse_any,
         start.check_robot,
         traverse_observation.layout,
         traverse_observation.action_scale,

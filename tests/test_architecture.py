@@ -42,7 +42,7 @@ LAYERS = [
         "wall_boxes",
         "contact_force",
     },
-    {"backend", "task"},
+    {"backend", "space", "task"},
     {"registry"},
     set[str](),  # all other modules: environments, policies, training, evaluation, ...
     {"cli", "__main__"},

@@ -130,7 +130,7 @@ def test_runs_can_be_trained_in(tmp_path: Path) -> None:
         (["train", "--robot", "pirate"], "robot 'pirate' stands free"),
         (["train", "--preset", "pirate", "--set", "task.alfa=1"], "did you mean 'task.alpha'"),
         (["eval", "--policy", "arm", "--stage", "traverse"], "reaches a target around the corner"),
-        (["train", "--preset", "pirate", "--pipes", "runs-rolled"], "leaves the plane, in which the robot moves"),
+        (["train", "--preset", "pirate", "--pipes", "runs-rolled"], "leaves the plane, in which robots are trained"),
         (["eval", "--policy", "arm", "--pipes", "runs-level"], "unknown pipe set 'runs-level'"),
         (["eval", "--stage", "locate", "--robot", "pirate"], "drives a slide followed by hinges"),
         (["eval", "--policy", "baseline:centreline", "--robot", "pirate"], "drives a slide followed by hinges"),

@@ -73,6 +73,8 @@ def evaluate(
 
         pipenav eval --policy pirate --pipes runs-level
 
+        pipenav eval --policy pirate --pipes runs-rolled
+
         pipenav eval --policy arm --disturb real-world
     """
     from pipenav.evaluate import EvaluationRun

@@ -73,9 +73,13 @@ def view(
 
         pipenav view --policy pirate --pipes runs-level:3 --out run.gif
 
+        pipenav view --policy pirate --pipes runs-rolled:3 --out roll.png
+
         pipenav view --policy baseline:centreline --live
     """
     from rich.console import Console
+
+    from pipenav.any_pipe import leaves_plane
 
     if [policy is None, behaviour is None, not trajectory].count(False) != 1:
         raise PipenavError(
@@ -88,7 +92,11 @@ def view(
             shown = _read(trajectory, robot, simulator if live else None)
         else:
             parse, record = _policy(policy, robot, seed) if policy else _locating(behaviour or "", robot, seed)
-            shown = [record(pipe, episode, simulator) for pipe in _few(parse(pipes or [DEFAULT_PIPE]))]
+            chosen = _few(parse(pipes or [DEFAULT_PIPE]))
+            if policy and any(map(leaves_plane, chosen)):
+                _view_in_space(policy, robot, chosen, seed, episode, simulator, paths, console)
+                return
+            shown = [record(pipe, episode, simulator) for pipe in chosen]
         for one in shown:
             console.print(_sentence(one), highlight=False)
     for path in paths or ([] if live else [Path(f"view-{shown[0].header.pipe.name}.png")]):
@@ -148,9 +156,41 @@ def _policy(name: str, robot: str | None, seed: int) -> tuple[Parse, Record]:
     from pipenav.tasks import kind_of
 
     controller = open_controller(name, robot, seed)
-    return kind_of(controller.task).parse, lambda pipe, episode, simulator: record_task(
+    return kind_of(controller.task).parse_tried, lambda pipe, episode, simulator: record_task(
         controller, name, pipe, seed, episode, simulator
     )
+
+
+def _view_in_space(
+    policy: str,
+    robot: str | None,
+    runs: Sequence[AnyPipe],
+    seed: int,
+    episode: int,
+    simulator: Simulator,
+    paths: list[Path],
+    console: Console,
+) -> None:
+    """Draw one run that leaves the plane."""
+    from pipenav.controller import open_controller
+    from pipenav.film import SUFFIXES, check_suffix
+    from pipenav.pipe_run import PipeRun
+    from pipenav.spatial.picture import draw_in_space
+    from pipenav.spatial.recording import record_in_space
+
+    (run, *others) = runs
+    if others or not isinstance(run, PipeRun):
+        raise PipenavError("a picture in space shows one run: name one, for example runs-rolled:3.")
+    outputs = paths or [Path(f"view-{run.name}.png")]
+    for path in outputs:
+        check_suffix(path, SUFFIXES)
+    recording = record_in_space(open_controller(policy, robot, seed), policy, run, seed, episode, simulator)
+    said = f"{run.label}, traverse: {recording.outcome} after {recording.time[-1]:.1f} s"
+    console.print(f"{said}, largest contact force {recording.contact_force.max():.1f} N", highlight=False)
+    for path in outputs:
+        with _drawing_bar(path, console) as progress:
+            draw_in_space(path, recording, progress)
+        console.print(f"written: {path}", highlight=False, soft_wrap=True)
 
 
 def _locating(behaviour: str, robot: str | None, seed: int) -> tuple[Parse, Record]:

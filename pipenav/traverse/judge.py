@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from pipenav.backend import CONTROL_PERIOD
 from pipenav.robot import RobotSpec
+from pipenav.space import SpaceTruth
 from pipenav.state import Reading, Truth
 from pipenav.task.episode import Verdict
 from pipenav.traverse.config import TraverseConfig, TraverseReward
@@ -58,6 +59,10 @@ class Judge:
         self._middle[robots] = self._furthest[robots] = along.mean(axis=1)
         self._waited[robots], self._rolled[robots] = 0, 0.0
 
+    def excuse(self, robots: NDArray[np.bool_]) -> None:
+        """Count it as no delay that some robots, (n,), did not come on."""
+        self._waited[robots], self._rolled[robots] = 0, 0.0
+
     def step(
         self,
         steps: NDArray[np.intp],
@@ -65,7 +70,7 @@ class Judge:
         along: Array,
         end: Array,
         reading: Reading,
-        truth: Truth,
+        truth: Truth | SpaceTruth,
     ) -> tuple[Facts, NDArray[np.int8]]:
         """What one control step brought, and a `Verdict` for each robot, (n,).
 

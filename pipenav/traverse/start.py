@@ -88,13 +88,13 @@ def parse_planar(given: Sequence[str]) -> list[AnyPipe]:
     """Pipes and runs as `pipenav.pipe_run_set.parse_any` takes them.
 
     Raises:
-        PipenavError: something unknown or impossible, or a run that leaves the plane in which the robot moves.
+        PipenavError: something unknown or impossible, or a run that leaves the plane in which the robot is trained.
     """
     pipes = parse_any(given)
     for pipe in pipes:
         if isinstance(pipe, PipeRun) and not pipe.planar:
             raise PipenavError(
-                f"{pipe.name} leaves the plane, in which the robot moves: choose a run without rolls, as runs-level."
+                f"{pipe.name} leaves the plane, in which robots are trained: choose a run without rolls, as runs-level."
             )
     return pipes
 

@@ -19,6 +19,7 @@ from pipenav.robot import BASE, RobotSpec
 from pipenav.state import Command, Control, Reading, Truth
 from pipenav.wall_boxes import wall_boxes
 from pipenav_mujoco.model import Contact, build_spec
+from pipenav_mujoco.space import MujocoSpace, SpaceSettings
 from pipenav_mujoco.viewer import MujocoViewer
 
 Array = NDArray[np.float64]
@@ -30,6 +31,9 @@ class MujocoOptions(backend.BackendOptions):
     timestep: float = Field(0.0025, gt=0, le=0.01, description="physics step [s]; must divide the control period")
     threads: int = Field(0, ge=0, le=1024, description="threads that step the robots; 0 uses every core")
     contact_time_constant: float = Field(0.005, gt=0, le=0.1, description="solref time constant of contacts [s]")
+    gravity: float | None = Field(
+        None, ge=0, le=20, description="downwards, in runs that leave the plane [m/s^2]; none: as the task has it"
+    )
     contact_impedance: tuple[float, float, float] = Field(
         (0.95, 0.99, 0.001), strict=False, description="solimp d0, d_width [1] and width [m] of contacts"
     )
@@ -44,12 +48,7 @@ class MujocoBackend(backend.Backend):
         assert isinstance(options, MujocoOptions)
         self._robot = robot
         self._slots = wall_segments
-        self._substeps = round(backend.CONTROL_PERIOD / options.timestep)
-        if abs(self._substeps * options.timestep - backend.CONTROL_PERIOD) > 1e-9:
-            raise PipenavError(
-                f"a timestep of {options.timestep:g} s does not divide the control period of "
-                f"{backend.CONTROL_PERIOD:g} s: choose for example 0.0025 or 0.001."
-            )
+        self._substeps = _substeps(options.timestep)
         contact = Contact(options.contact_time_constant, options.contact_impedance)
         self._model = build_spec(robot, wall_segments, options.timestep, contact).compile()
         self._batch = mujoco.batch.Batch(self._model, n, options.threads)
@@ -60,6 +59,15 @@ class MujocoBackend(backend.Backend):
         self._stiffness = np.tile([actuator.controller_gain for actuator in robot.drives], (n, 1))
         self._effort = np.tile(robot.effort_limits, (n, 1))
         self._bind(n)
+
+    @staticmethod
+    def in_space(robot: RobotSpec, n: int, options: backend.BackendOptions, gravity: float) -> MujocoSpace:
+        """See `pipenav.space.Spatial`."""
+        assert isinstance(options, MujocoOptions)
+        _substeps(options.timestep)
+        contact = Contact(options.contact_time_constant, options.contact_impedance)
+        weight = gravity if options.gravity is None else options.gravity
+        return MujocoSpace(robot, n, SpaceSettings(options.timestep, contact, weight, options.threads))
 
     def _bind(self, n: int) -> None:
         """Live views of the batch's state, and room for what every physics step records."""
@@ -192,3 +200,18 @@ class MujocoBackend(backend.Backend):
 
     def close(self) -> None:
         self.__dict__.pop("_batch", None)
+
+
+def _substeps(timestep: float) -> int:
+    """Physics steps in a control period.
+
+    Raises:
+        PipenavError: they do not fill it.
+    """
+    steps = round(backend.CONTROL_PERIOD / timestep)
+    if abs(steps * timestep - backend.CONTROL_PERIOD) > 1e-9:
+        raise PipenavError(
+            f"a timestep of {timestep:g} s does not divide the control period of {backend.CONTROL_PERIOD:g} s: "
+            "choose for example 0.0025 or 0.001."
+        )
+    return steps

@@ -18,8 +18,8 @@ Array = NDArray[np.float64]
 ROBOT, WALL = 1, 2
 """Collision groups: links meet walls only, never each other."""
 
-TOUCHING = {"contype": ROBOT, "conaffinity": WALL}
-"""What a part of the robot meets."""
+ROBOT_TOUCHES, WALL_TOUCHES = {"contype": ROBOT, "conaffinity": WALL}, {"contype": WALL, "conaffinity": ROBOT}
+"""What a part of the robot meets, and what a wall does."""
 
 HIDDEN_GROUP = 3
 """Geom group that MuJoCo's viewers do not draw unless asked."""
@@ -35,8 +35,8 @@ class Contact(NamedTuple):
     impedance: tuple[float, float, float]
 
 
-def build_spec(robot: RobotSpec, slots: int, timestep: float, contact: Contact) -> Any:
-    """An MjSpec of the robot among `slots` wall boxes on mocap bodies, parked until a reset places them."""
+def new_spec(robot: RobotSpec, timestep: float) -> Any:
+    """An empty MjSpec with the settings that every model of ours has."""
     spec = mujoco.MjSpec()
     spec.modelname = robot.name
     spec.option.timestep = timestep
@@ -49,11 +49,17 @@ def build_spec(robot: RobotSpec, slots: int, timestep: float, contact: Contact) 
     spec.option.gravity = [0.0, 0.0, 0.0]  # the arm lies in a plane, carried by its rails (thesis 4.2.1)
     spec.compiler.degree = False
     spec.add_material(name="wall", rgba=[0.7, 0.72, 0.75, 1.0])
+    return spec
+
+
+def build_spec(robot: RobotSpec, slots: int, timestep: float, contact: Contact) -> Any:
+    """An MjSpec of the robot among `slots` wall boxes on mocap bodies, parked until a reset places them."""
+    spec = new_spec(robot, timestep)
     _add_robot(spec, robot, contact)
     for i in range(slots):
         body = spec.worldbody.add_body(name=f"wall{i}", mocap=True, pos=[0, 0, PARKED])
         _add_wall_geom(body, f"wall{i}", [MAX_HALF_LENGTH, OUTER_THICKNESS, WALL_HALF_HEIGHT], robot, contact)
-    _add_sensors(spec, robot)
+    add_sensors(spec, [*(link.name for link in robot.links), *(wheel.name for wheel in robot.wheels)])
     return spec
 
 
@@ -75,21 +81,13 @@ def _add_robot(spec: Any, robot: RobotSpec, contact: Contact) -> None:
         if link.joint is None:
             _add_base(body)
         else:
-            _add_joint(body, link.joint, robot.actuators[link.joint.actuator])
+            add_driven_joint(body, link.joint, robot.actuators[link.joint.actuator])
         _add_link_geoms(body, link, robot, contact)
         if link.wheel is not None:
             _add_wheel(body, link.wheel, robot.actuators[link.wheel.actuator], contact)
         parent, offset = body, link.length
     for driven, actuator in zip(robot.driven, robot.drives, strict=True):
-        spec.add_actuator(
-            name=driven.name,
-            trntype=mujoco.mjtTrn.mjTRN_JOINT,
-            target=driven.name,
-            gaintype=mujoco.mjtGain.mjGAIN_FIXED,
-            biastype=mujoco.mjtBias.mjBIAS_AFFINE,
-            forcelimited=True,
-            forcerange=[-actuator.effort_limit, actuator.effort_limit],
-        )
+        _add_actuator(spec, driven.name, actuator)
     parent.add_site(name="tip", pos=[robot.links[-1].length, 0, 0])
 
 
@@ -101,53 +99,70 @@ def _add_base(body: Any) -> None:
         body.add_joint(name=f"base_{name}", type=kind, axis=axis)
 
 
-def _add_joint(body: Any, joint: Joint, actuator: Actuator) -> None:
-    hinge = joint.type == "hinge"
-    body.add_joint(
-        name=joint.name,
-        type=mujoco.mjtJoint.mjJNT_HINGE if hinge else mujoco.mjtJoint.mjJNT_SLIDE,
-        axis=[0, 0, 1] if hinge else [1, 0, 0],
-        range=[joint.lower, joint.upper],
-        limited=True,
+def add_driven_joint(
+    body: Any, driven: Joint | Wheel, actuator: Actuator, axis: tuple[int, int, int] | None = None
+) -> None:
+    """The joint of a link or a wheel with its motor's damping and inertia; about or along `axis`, by default about z,
+    of a slide along x."""
+    slide = isinstance(driven, Joint) and driven.type == "slide"
+    joint = body.add_joint(
+        name=driven.name,
+        type=mujoco.mjtJoint.mjJNT_SLIDE if slide else mujoco.mjtJoint.mjJNT_HINGE,
+        axis=axis or ((1, 0, 0) if slide else (0, 0, 1)),
         damping=actuator.damping,
         armature=actuator.armature,
     )
+    if isinstance(driven, Joint):
+        joint.range, joint.limited = [driven.lower, driven.upper], True
+
+
+def _add_actuator(spec: Any, name: str, actuator: Actuator) -> Any:
+    """A motor at a joint or a wheel; what it does about an error is set later."""
+    return spec.add_actuator(
+        name=name,
+        trntype=mujoco.mjtTrn.mjTRN_JOINT,
+        target=name,
+        gaintype=mujoco.mjtGain.mjGAIN_FIXED,
+        biastype=mujoco.mjtBias.mjBIAS_AFFINE,
+        forcelimited=True,
+        forcerange=[-actuator.effort_limit, actuator.effort_limit],
+    )
+
+
+def add_servo(spec: Any, driven: Joint | Wheel, actuator: Actuator) -> None:
+    """A motor with its on-board controller: it keeps the position of a joint, the speed of a wheel."""
+    servo, gain = _add_actuator(spec, driven.name, actuator), actuator.controller_gain
+    servo.gainprm[0], servo.biasprm[2 if isinstance(driven, Wheel) else 1] = gain, -gain
 
 
 def _add_wheel(link: Any, wheel: Wheel, actuator: Actuator, contact: Contact) -> None:
     """A body of its own, which turns about the axle."""
     body = link.add_body(name=wheel.name, pos=[wheel.x, 0, 0])
-    body.add_joint(
-        name=wheel.name,
-        type=mujoco.mjtJoint.mjJNT_HINGE,
-        axis=[0, 0, 1],
-        damping=actuator.damping,
-        armature=actuator.armature,
-    )
-    _add_disc(body, wheel.name, [0, 0, 0], wheel.radius, wheel.height, wheel.mass, _surface(wheel.friction, contact))
+    add_driven_joint(body, wheel, actuator)
+    _add_disc(body, wheel.name, [0, 0, 0], wheel.radius, wheel.height, wheel.mass, surface(wheel.friction, contact))
 
 
 def _add_link_geoms(body: Any, link: Link, robot: RobotSpec, contact: Contact) -> None:
     density = link.mass / sum(part.volume for part in link.parts)
-    surface = _surface(robot.friction, contact)
+    of_link = surface(robot.friction, contact)
     for i, part in enumerate(link.parts):
         name, place, mass = f"{link.name}_{i}", [part.x, part.y, 0], density * part.volume
         if isinstance(part, BoxPart):
             size = [part.length / 2, part.width / 2, part.height / 2]
             box = {"type": mujoco.mjtGeom.mjGEOM_BOX, "size": size, "mass": mass}
-            body.add_geom(name=name, pos=place, **box, **TOUCHING, **surface)
+            body.add_geom(name=name, pos=place, **box, **ROBOT_TOUCHES, **of_link)
         else:
-            _add_disc(body, name, place, part.diameter / 2, part.height, mass, surface)
+            _add_disc(body, name, place, part.diameter / 2, part.height, mass, of_link)
 
 
 def _add_disc(
-    body: Any, name: str, place: list[float], radius: float, height: float, mass: float, surface: dict[str, Any]
+    body: Any, name: str, place: list[float], radius: float, height: float, mass: float, treated: dict[str, Any]
 ) -> None:
     """A disc that meets upright walls as the ball of its diameter does, which is exact and fast."""
     kind, seen = mujoco.mjtGeom.mjGEOM_CYLINDER, {"contype": 0, "conaffinity": 0}
     body.add_geom(name=f"{name}_seen", type=kind, pos=place, size=[radius, height / 2, 0], mass=mass, **seen)
     ball = {"type": mujoco.mjtGeom.mjGEOM_SPHERE, "size": [radius, 0, 0], "mass": 0, "group": HIDDEN_GROUP}
-    body.add_geom(name=name, pos=place, **ball, **TOUCHING, **surface)
+    body.add_geom(name=name, pos=place, **ball, **ROBOT_TOUCHES, **treated)
 
 
 def _add_wall_geom(body: Any, name: str, half_size: Any, robot: RobotSpec, contact: Contact) -> Any:
@@ -156,13 +171,12 @@ def _add_wall_geom(body: Any, name: str, half_size: Any, robot: RobotSpec, conta
         type=mujoco.mjtGeom.mjGEOM_BOX,
         size=half_size,
         material="wall",
-        contype=WALL,
-        conaffinity=ROBOT,
-        **_surface(robot.friction, contact),
+        **WALL_TOUCHES,
+        **surface(robot.friction, contact),
     )
 
 
-def _surface(friction: float, contact: Contact) -> dict[str, Any]:
+def surface(friction: float, contact: Contact) -> dict[str, Any]:
     """Of a robot's part or a wall. Of the two that touch, the larger coefficient counts: that of a wheel's tread."""
     return {
         "friction": [friction, 0.0, 0.0],
@@ -172,11 +186,11 @@ def _surface(friction: float, contact: Contact) -> dict[str, Any]:
     }
 
 
-def _add_sensors(spec: Any, robot: RobotSpec) -> None:
-    """Per link, then per wheel the net force of the walls, then the depth of the deepest contact."""
+def add_sensors(spec: Any, bodies: list[str]) -> None:
+    """The net force of the walls on each body, then the depth of the deepest contact."""
     kind, reduce = mujoco.mjtSensor.mjSENS_CONTACT, {"mindist": 1, "netforce": 3}
     force, dist = 1 << 1, 1 << 3
-    for body in [*(link.name for link in robot.links), *(wheel.name for wheel in robot.wheels)]:
+    for body in bodies:
         spec.add_sensor(
             name=f"force_{body}",
             type=kind,

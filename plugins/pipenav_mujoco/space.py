@@ -1,0 +1,176 @@
+"""n robots in space on MuJoCo: a model for every run, as a run's walls are meshes of its own; stepped in threads."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav import laser
+from pipenav.backend import CONTROL_PERIOD
+from pipenav.contact_force import Windows, strongest
+from pipenav.pipe_run import PipeRun
+from pipenav.pipe_run_legs import about_x
+from pipenav.robot import BASE, RobotSpec
+from pipenav.space import HALVES, SpaceBackend, SpaceReading, SpaceTruth
+from pipenav.state import Reading
+from pipenav_mujoco.model import Contact
+from pipenav_mujoco.space_model import FRONT, WALL_GROUP, space_spec
+
+Array = NDArray[np.float64]
+
+SEEN = np.array([group == WALL_GROUP for group in range(mujoco.mjNGROUP)], np.uint8)
+"""Geom groups that beams meet."""
+
+
+class SpaceSettings(NamedTuple):
+    """What every model is built with, and by how many threads robots are stepped; see the backend's Options."""
+
+    timestep: float
+    contact: Contact
+    gravity: float
+    threads: int
+
+    @property
+    def substeps(self) -> int:
+        return round(CONTROL_PERIOD / self.timestep)
+
+
+class MujocoSpace(SpaceBackend):
+    """See `pipenav.space.SpaceBackend`."""
+
+    def __init__(self, robot: RobotSpec, n: int, settings: SpaceSettings) -> None:
+        self._robot, self._settings = robot, settings
+        self._worlds: list[_World | None] = [None] * n
+        self._pool = ThreadPoolExecutor(settings.threads or os.cpu_count())
+        self._compiled = lru_cache(maxsize=max(64, n))(self._compile)
+        self._windows = Windows(settings.substeps, settings.timestep)
+
+    def _compile(self, run: PipeRun) -> Any:
+        settings = self._settings
+        return space_spec(self._robot, run, settings.timestep, settings.contact, settings.gravity).compile()
+
+    def reset(
+        self, robots: NDArray[np.intp], runs: Sequence[PipeRun], q: Array, base: Array, plane: Array
+    ) -> SpaceReading:
+        for robot, run, *start in zip(robots, runs, q, base, plane, strict=True):
+            world = _World(self._robot, self._compiled(run), self._settings, self._windows)
+            world.put(*start)
+            self._worlds[robot] = world
+        return _readings([world for robot in robots if (world := self._worlds[robot])])
+
+    def step(self, set_points: Array, roll: Array) -> None:
+        commands = np.concatenate([set_points, roll[:, None]], axis=1)
+        list(self._pool.map(lambda world, command: world.step(command), self._placed(), commands))
+
+    def read(self) -> SpaceReading:
+        return _readings(self._placed())
+
+    def truth(self) -> SpaceTruth:
+        return SpaceTruth(*map(np.array, zip(*(world.truth() for world in self._placed()), strict=True)))
+
+    def _placed(self) -> list[_World]:
+        return [world for world in self._worlds if world is not None]
+
+    def close(self) -> None:
+        self._pool.shutdown()
+        self._worlds = []
+
+
+class _World:
+    """One robot in its run."""
+
+    def __init__(self, robot: RobotSpec, model: Any, settings: SpaceSettings, windows: Windows) -> None:
+        assert robot.roll is not None
+        self._robot, self._model, self._settings, self._windows = robot, model, settings, windows
+        self._data = mujoco.MjData(model)
+        joints = [model.joint(joint.name) for joint in (*robot.joints, robot.roll.joint)]
+        self._q = np.array([joint.qposadr[0] for joint in joints])
+        self._v = np.array([joint.dofadr[0] for joint in joints])
+        self._wheels = np.array([model.joint(wheel.name).dofadr[0] for wheel in robot.wheels])
+        links = [link.name for link in robot.links]
+        self._links = np.array([model.body(name).id for name in links])
+        self._halves = [model.body(name).id for name in (robot.roll.link, robot.roll.link + FRONT)]
+        self._divided, self._bearing = (
+            links.index(robot.roll.link),
+            [i for i, link in enumerate(robot.links) if link.wheel],
+        )
+        self._effort = robot.effort_limits
+        self._record = np.zeros((settings.substeps, model.nsensordata))
+        self._turned = np.zeros((HALVES, 3))
+        self._ranges = np.zeros(robot.laser.beams)
+        self._loads = np.zeros(len(robot.drives))
+        self._forces, self._depth, self._share = np.zeros((len(links), 3)), 0.0, 0.0
+
+    def put(self, q: Array, base: float, plane: float) -> None:
+        """At rest, its frame turned about the first leg's axis."""
+        x, y, heading = q[: len(BASE)]
+        turn = about_x(plane)
+        self._data.qpos[:3] = turn @ np.array([x, y, 0.0]) + np.array([base, 0.0, 0.0])
+        about_z, about_axis = np.array([np.cos(heading / 2), 0, 0, np.sin(heading / 2)]), np.zeros(4)
+        about_axis[:2] = np.cos(plane / 2), np.sin(plane / 2)
+        mujoco.mju_mulQuat(self._data.qpos[3:7], about_axis, about_z)
+        self._data.qpos[self._q[:-1]] = q[len(BASE) :]
+        mujoco.mj_forward(self._model, self._data)
+        self._scan()
+
+    def step(self, command: Array) -> None:
+        model, data = self._model, self._data
+        data.ctrl[:] = command
+        for row in self._record:
+            mujoco.mj_step(model, data)
+            row[:] = data.sensordata
+        mujoco.mj_kinematics(model, data)
+        self._loads = data.actuator_force[:-1] / self._effort
+        self._scan()
+        rates = self._record[:, : 3 * HALVES].reshape(-1, HALVES, 3)
+        self._turned = rates.sum(axis=0) * self._settings.timestep
+        distance = self._record[:, -1]
+        known = np.isfinite(data.qpos).all() and np.isfinite(distance).all()
+        self._depth = float(max(-distance.min(), 0.0)) if known else np.inf
+        self._share = float((distance < 0).mean())
+        means = self._windows.means(self._record[None, :, 3 * HALVES : -1]).reshape(1, self._windows.count, -1, 3)
+        links = len(self._links)
+        forces = means[:, :, :links].copy()
+        forces[:, :, self._divided] += means[:, :, links]
+        forces[:, :, self._bearing] += means[:, :, links + 1 :]  # a wheel's force is its link's
+        self._forces = -strongest(forces)[0]  # the sensors give what the link does to the wall
+
+    def _scan(self) -> None:
+        data, tip = self._data, self._data.site("tip")
+        axes = tip.xmat.reshape(3, 3)
+        beams = np.stack([np.cos(self._robot.laser.angles), np.sin(self._robot.laser.angles)], axis=1) @ axes[:, :2].T
+        geom = np.zeros(1, np.int32)
+        met = [mujoco.mj_ray(self._model, data, tip.xpos, beam, SEEN, 1, -1, geom, None) for beam in beams]
+        distances = np.array(met)
+        self._ranges = laser.measure(self._robot.laser, np.where(distances < 0, np.inf, distances))
+
+    def _axes(self) -> Array:
+        """Of the halves of the divided link, (halves, 3, 3)."""
+        return np.asarray(self._data.xmat[self._halves].reshape(HALVES, 3, 3))
+
+    def reading(self) -> tuple[Array, ...]:
+        """One row of a reading's arrays, in order."""
+        data, weight = self._data, self._model.opt.gravity
+        down = weight / max(np.linalg.norm(weight), 1e-9)
+        q, qd, wheels = data.qpos[self._q], data.qvel[self._v[:-1]], data.qvel[self._wheels].copy()
+        time = np.array(data.time)
+        return q[:-1], qd, self._ranges, time, wheels, self._loads, q[-1], down @ self._axes(), self._turned
+
+    def truth(self) -> tuple[Any, ...]:
+        """One row of a truth's arrays, in order."""
+        data = self._data
+        points = np.concatenate([data.xpos[self._links], data.site("tip").xpos[None]])
+        force = float(np.linalg.norm(self._forces, axis=1).max())
+        return points, self._axes()[:, :, 2], force, self._depth, self._share, self._forces
+
+
+def _readings(worlds: list[_World]) -> SpaceReading:
+    *body, roll, down, turned = map(np.array, zip(*(world.reading() for world in worlds), strict=True))
+    return SpaceReading(Reading(*body), roll, down, turned)

@@ -1,0 +1,146 @@
+"""The MuJoCo model of a robot in space, in one run of pipe: walls of prisms, a free base, the roll joint."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from pipenav.pipe_run import PipeRun
+from pipenav.pipe_run_shapes import wall_prisms
+from pipenav.robot import RobotSpec
+from pipenav.robot_parts import BoxPart, Link, Roll, Wheel
+from pipenav.wall_boxes import OUTER_THICKNESS
+from pipenav_mujoco.model import (
+    HIDDEN_GROUP,
+    ROBOT_TOUCHES,
+    WALL_TOUCHES,
+    Contact,
+    add_driven_joint,
+    add_sensors,
+    add_servo,
+    new_spec,
+    surface,
+)
+
+WALL_GROUP = 2
+"""Geom group of the walls, which beams see."""
+
+FRONT = "_front"
+"""What is added to the divided link's name for its front half."""
+
+
+def space_spec(robot: RobotSpec, run: PipeRun, timestep: float, contact: Contact, gravity: float) -> Any:
+    """An MjSpec of the robot in the run; gravity [m/s^2] pulls along -z."""
+    assert robot.roll is not None
+    spec = new_spec(robot, timestep)
+    spec.option.disableflags &= ~int(
+        mujoco.mjtDisableBit.mjDSBL_MIDPHASE
+    )  # one body, the world, has all the walls' geoms
+    spec.option.gravity = [0.0, 0.0, -gravity]
+    _add_walls(spec, robot, run, contact)
+    parent, offset = spec.worldbody, 0.0
+    for link in robot.links:
+        body = parent.add_body(name=link.name, pos=[offset, 0, 0])
+        if link.joint is None:
+            body.add_freejoint(name="base")
+        else:
+            add_driven_joint(body, link.joint, robot.actuators[link.joint.actuator])
+        if link.wheel is not None:
+            _add_wheel(body, link.wheel, robot, run.radius, contact)
+        if link.name == robot.roll.link:
+            parent, offset = _add_halves(body, link, robot.roll, robot, contact)
+        else:
+            _add_boxes(body, link, robot, contact, 0.0, link.length, 0.0)
+            parent, offset = body, link.length
+    for driven, actuator in zip((*robot.driven, robot.roll.joint), (*robot.drives, roll_actuator(robot)), strict=True):
+        add_servo(spec, driven, actuator)
+    parent.add_site(name="tip", pos=[offset, 0, 0])
+    _add_gyroscopes(spec, [robot.roll.link, robot.roll.link + FRONT])
+    add_sensors(spec, [*(link.name for link in robot.links), robot.roll.link + FRONT, *(w.name for w in robot.wheels)])
+    return spec
+
+
+def _add_gyroscopes(spec: Any, bodies: list[str]) -> None:
+    for name in bodies:
+        spec.body(name).add_site(name=f"gyroscope_{name}")
+        kind, site = mujoco.mjtSensor.mjSENS_GYRO, mujoco.mjtObj.mjOBJ_SITE
+        spec.add_sensor(name=f"gyroscope_{name}", type=kind, objtype=site, objname=f"gyroscope_{name}")
+
+
+def roll_actuator(robot: RobotSpec) -> Any:
+    assert robot.roll is not None
+    return robot.actuators[robot.roll.joint.actuator]
+
+
+def _add_walls(spec: Any, robot: RobotSpec, run: PipeRun, contact: Contact) -> None:
+    prisms = wall_prisms(run, thickness=OUTER_THICKNESS)
+    for leg, side in np.ndindex(prisms.shape[:2]):
+        name = f"wall{leg}_{side}"
+        spec.add_mesh(name=name, uservert=prisms[leg, side].ravel())
+        spec.worldbody.add_geom(
+            name=name,
+            type=mujoco.mjtGeom.mjGEOM_MESH,
+            meshname=name,
+            material="wall",
+            group=WALL_GROUP,
+            **WALL_TOUCHES,
+            **surface(robot.friction, contact),
+        )
+
+
+def _add_halves(body: Any, link: Link, roll: Roll, robot: RobotSpec, contact: Contact) -> tuple[Any, float]:
+    """The link that the roll joint divides: its rear half is the body, its front half one that turns on it."""
+    front = body.add_body(name=link.name + FRONT, pos=[roll.x, 0, 0])
+    add_driven_joint(front, roll.joint, robot.actuators[roll.joint.actuator], axis=(1, 0, 0))
+    _add_boxes(body, link, robot, contact, 0.0, roll.x, 0.0)
+    _add_boxes(front, link, robot, contact, roll.x, link.length, roll.x)
+    return front, link.length - roll.x
+
+
+def _add_boxes(
+    body: Any, link: Link, robot: RobotSpec, contact: Contact, start: float, end: float, origin: float
+) -> None:
+    """The parts of a link between two places on it, whose body stands at `origin` on it; a disc counts as its box."""
+    density = link.mass / sum(part.volume for part in link.parts)
+    for i, part in enumerate(link.parts):
+        long = part.length if isinstance(part, BoxPart) else part.diameter
+        low, high = max(start, part.x - long / 2), min(end, part.x + long / 2)
+        if low >= high:
+            continue
+        body.add_geom(
+            name=f"{body.name}_{i}",
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            pos=[(low + high) / 2 - origin, part.y, 0],
+            size=[(high - low) / 2, part.width / 2, part.height / 2],
+            mass=density * part.volume * (high - low) / long,
+            **ROBOT_TOUCHES,
+            **surface(robot.friction, contact),
+        )
+
+
+def _add_wheel(link: Any, wheel: Wheel, robot: RobotSpec, radius: float, contact: Contact) -> None:
+    """A body of its own, which meets the wall with two balls on its axle: they keep it upright, as a tread does.
+
+    They lie so far apart that they touch the bore where the tread's edges would.
+    """
+    actuator = robot.actuators[wheel.actuator]
+    body = link.add_body(name=wheel.name, pos=[wheel.x, 0, 0])
+    add_driven_joint(body, wheel, actuator, axis=(0, 0, 1))
+    size = [wheel.radius, wheel.height / 2, 0]
+    seen = {"contype": 0, "conaffinity": 0}
+    body.add_geom(name=f"{wheel.name}_seen", type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=size, mass=wheel.mass, **seen)
+    away = wheel.height / 2 * math.sqrt(1 - wheel.radius / radius)
+    for side in (-1, 1):
+        body.add_geom(
+            name=f"{wheel.name}_{side}",
+            type=mujoco.mjtGeom.mjGEOM_SPHERE,
+            pos=[0, 0, side * away],
+            size=[wheel.radius, 0, 0],
+            mass=0,
+            group=HIDDEN_GROUP,
+            **ROBOT_TOUCHES,
+            **surface(wheel.friction, contact),
+        )

@@ -1,0 +1,125 @@
+"""Robots in space on MuJoCo: the same robot as in the plane, in a pipe of prisms."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from pipenav.errors import PipenavError
+from pipenav.pipe_run import PipeRun
+from pipenav.pipe_run_legs import about_x
+from pipenav.registry import open_backend, open_space
+from pipenav.robot import load_robot
+from pipenav.space import SpaceBackend
+from pipenav.spatial.clamp import ZIGZAG, Drive, steepness
+from pipenav.traverse.config import TraverseConfig
+from pipenav.traverse.start import GRAVITY, sample
+from pipenav.traverse.way import waypoints
+
+Array = NDArray[np.float64]
+
+ROBOT = load_robot("pirate")
+RUN = PipeRun.of(90, [(90, "left", 0), (75, "right", 90)], [1200, 900, 800])
+ONE = np.arange(1)
+
+
+def world(n: int = 1, gravity: float = GRAVITY, **options: float) -> SpaceBackend:
+    return open_space("mujoco", ROBOT, n, options, gravity)
+
+
+@contextmanager
+def placed(run: PipeRun, plane: float = 0.0, gravity: float = GRAVITY) -> Iterator[tuple[SpaceBackend, Array, float]]:
+    """A robot in its plane at the start of a run; the backend, its configuration and its base."""
+    task = TraverseConfig(kind="traverse", start_spread=(1.0, 1.0), start_gap=(0.4, 0.5))
+    episode = sample(ROBOT, task, [run], np.random.default_rng(3))
+    with closing(world(gravity=gravity)) as backend:
+        backend.reset(ONE, [run], episode.q, episode.base, np.array([plane]))
+        yield backend, episode.q, float(episode.base[0])
+
+
+@pytest.mark.parametrize("plane", [0.0, 0.7, -math.pi / 2, math.pi])
+def test_a_robot_lies_in_its_plane_and_feels_which_way_is_down(plane: float) -> None:
+    with placed(RUN, plane) as (backend, q, base):
+        flat = np.concatenate([waypoints(ROBOT, q)[0], np.zeros((len(ROBOT.links) + 1, 1))], axis=1)
+        truth, reading = backend.truth(), backend.read()
+        np.testing.assert_allclose(truth.points[0], flat @ about_x(plane).T + [base, 0, 0], atol=1e-9)
+        np.testing.assert_allclose(truth.normals[0], [about_x(plane) @ [0, 0, 1]] * 2, atol=1e-9)
+        np.testing.assert_allclose(reading.down[0, :, 2], -math.cos(plane), atol=1e-9)
+        np.testing.assert_allclose(np.linalg.norm(reading.down, axis=2), 1.0)
+        np.testing.assert_allclose(reading.body.q, q[:, 3:])
+        assert reading.roll[0] == 0.0
+
+
+def test_where_nothing_weighs_nothing_is_down() -> None:
+    with placed(RUN, gravity=0.0) as (backend, *_):
+        assert not backend.read().down.any()
+
+
+def test_an_option_overrules_the_tasks_gravity() -> None:
+    with (
+        placed(RUN, gravity=0.0) as (_, q, base),
+        closing(open_space("mujoco", ROBOT, 1, {"gravity": 9.81}, 0.0)) as other,
+    ):
+        assert other.reset(ONE, [RUN], q, np.array([base]), np.zeros(1)).down.any()
+
+
+def test_the_laser_reads_in_the_corners_plane_what_it_reads_in_the_plane() -> None:
+    level = PipeRun.of(90, [(90, "left", 0), (75, "right", 0)], [1200, 900, 800])
+    with placed(level) as (backend, q, base), closing(open_backend("mujoco", ROBOT, 1, {}, 6)) as plane:
+        flat = plane.reset(ONE, [level], q, np.array([base])).ranges
+        assert np.abs(backend.read().body.ranges - flat).max() <= ROBOT.laser.resolution + 1e-9
+
+
+@pytest.mark.parametrize("diameter", [70, 120])
+@pytest.mark.parametrize("plane", [0.0, math.pi / 2])
+def test_a_clamped_robot_drives_and_stays_in_its_plane_and_out_of_the_wall(diameter: int, plane: float) -> None:
+    run = PipeRun.of(diameter, [(90, "left", 0)], [1500, 900])
+    with placed(run, plane) as (backend, *_):
+        q = backend.read().body.q[0]
+        drive = Drive(ROBOT, run.radius, q, q)
+        start, deepest = backend.truth().points[0, :, 0].mean(), 0.0
+        for _ in range(30):
+            body = backend.read().body
+            assert body.wheel_speeds is not None
+            backend.step(drive.act(body.q[0], body.wheel_speeds[0])[None], np.zeros(1))
+            deepest = max(deepest, backend.truth().penetration[0])
+        truth = backend.truth()
+        gone = truth.points[0, :, 0].mean() - start
+        assert gone > 0.1
+        assert drive.clamped and drive.gone == pytest.approx(gone, abs=0.02)
+        zigzag = drive.third * steepness(ROBOT, run.radius) * ZIGZAG
+        np.testing.assert_allclose(backend.read().body.q[0], zigzag, atol=0.1)
+        assert deepest < 1e-3
+        upright = about_x(plane) @ np.array([0, 0, 1])
+        assert (truth.normals[0] @ upright > math.cos(math.radians(5))).all()
+
+
+def test_robots_do_not_depend_on_each_other_nor_on_threads() -> None:
+    runs = [RUN, PipeRun.of(70, [(120, "right", 90), (90, "left", 0)], [1300, 1000, 800])]
+    episodes = sample(ROBOT, TraverseConfig(kind="traverse"), runs, np.random.default_rng(0))
+    assert all(isinstance(run, PipeRun) for run in episodes.pipes)
+    ends = []
+    for rows, threads in ([0, 1], 2), ([0, 1], 1), ([1], 1):
+        chosen = [runs[row] for row in rows]
+        with closing(world(len(rows), threads=threads)) as backend:
+            backend.reset(np.arange(len(rows)), chosen, episodes.q[rows], episodes.base[rows], np.zeros(len(rows)))
+            for _ in range(5):
+                backend.step(np.full((len(rows), len(ROBOT.drives)), 0.3), np.full(len(rows), 0.2))
+            ends.append(backend.truth().points)
+    np.testing.assert_array_equal(ends[0], ends[1])
+    np.testing.assert_array_equal(ends[0][1:], ends[2])
+
+
+def test_a_backend_of_the_plane_says_so() -> None:
+    with pytest.raises(PipenavError, match="'pybullet' moves robots in a plane alone: choose --backend mujoco"):
+        open_space("pybullet", ROBOT, 1, {}, GRAVITY)
+
+
+def test_a_timestep_must_divide_the_control_period_in_space_too() -> None:
+    with pytest.raises(PipenavError, match="does not divide the control period"):
+        world(timestep=0.003)
