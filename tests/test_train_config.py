@@ -9,8 +9,8 @@ import pytest
 
 from pipenav.cli import main
 from pipenav.errors import PipenavError
-from pipenav.pipe_set import parse_pipes
 from pipenav.robot import load_robot
+from pipenav.tasks import kind_of
 from pipenav.train_config import DEFAULT_PRESET, load_config, preset_names, validate_config
 
 THESIS = [name for name in preset_names() if name.startswith("thesis")]
@@ -26,7 +26,7 @@ def problem(*settings: str) -> str:
 def test_every_preset_can_be_trained(name: str) -> None:
     config = load_config(name)
     load_robot(config.robot)
-    assert parse_pipes(config.pipes)
+    assert kind_of(config.task).parse(config.pipes)
     assert config.description
     assert config.learner.noise_stop < config.learner.noise_start
 
