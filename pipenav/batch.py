@@ -44,7 +44,22 @@ class StepResult(NamedTuple):
     cut_off: NDArray[np.bool_]
 
 
-class CornerBatch:
+class Sized:
+    """How long observations and actions of one robot are: the same question to the batch of every task."""
+
+    robot: RobotSpec
+    _scale: Array
+
+    @property
+    def observation_size(self) -> int:
+        return len(self._scale)
+
+    @property
+    def action_size(self) -> int:
+        return len(self.robot.drives)
+
+
+class CornerBatch(Sized):
     """n episodes of the corner task, stepped together. Who calls `step` also says, by `reset`, who starts anew.
 
     Raises:
@@ -70,14 +85,6 @@ class CornerBatch:
             np.zeros((n, 2)),
             np.zeros(n),
         )
-
-    @property
-    def observation_size(self) -> int:
-        return len(self._scale)
-
-    @property
-    def action_size(self) -> int:
-        return len(self.robot.joints)
 
     @property
     def goal(self) -> Array:

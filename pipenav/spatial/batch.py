@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipenav.any_pipe import inner_edges
-from pipenav.batch import StepResult
+from pipenav.batch import Sized, StepResult
 from pipenav.pipe_run import PipeRun
 from pipenav.robot import BASE, RobotSpec
 from pipenav.space import SpaceBackend, SpaceReading, SpaceTruth
@@ -30,7 +30,7 @@ LIMIT_FACTOR = 2
 """How many times as long as in the plane an episode may take: straights are longer, and rolling takes 10 to 20 s."""
 
 
-class SpaceBatch:
+class SpaceBatch(Sized):
     """n episodes in space, stepped together. Who calls `step` also says, by `reset`, who starts anew.
 
     Raises:
@@ -59,14 +59,6 @@ class SpaceBatch:
     def pipes(self) -> list[PipeRun]:
         """The run of each robot, once all have one."""
         return [self._runs[i] for i in range(self.n)]
-
-    @property
-    def observation_size(self) -> int:
-        return len(self._scale)
-
-    @property
-    def action_size(self) -> int:
-        return len(self.robot.drives)
 
     @property
     def q(self) -> Array:

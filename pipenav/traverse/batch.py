@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pipenav import kinematics
 from pipenav.any_pipe import AnyPipe
 from pipenav.backend import Backend, Inclinable
-from pipenav.batch import StepResult
+from pipenav.batch import Sized, StepResult
 from pipenav.errors import PipenavError
 from pipenav.pipe import Pipe
 from pipenav.robot import RobotSpec
@@ -30,7 +30,7 @@ TraverseSource = Callable[[NDArray[np.intp]], TraverseEpisodes]
 """Given the robots that start anew, their next episodes."""
 
 
-class TraverseBatch:
+class TraverseBatch(Sized):
     """n episodes of the traverse task, stepped together. Who calls `step` also says, by `reset`, who starts anew.
 
     Raises:
@@ -55,14 +55,6 @@ class TraverseBatch:
         self._action, self._q = np.zeros((n, len(robot.drives))), np.zeros((n, robot.coordinates))
         self._set_points = np.zeros((n, len(robot.joints)))
         self._observation = np.zeros((n, len(self._scale)))
-
-    @property
-    def observation_size(self) -> int:
-        return len(self._scale)
-
-    @property
-    def action_size(self) -> int:
-        return len(self.robot.drives)
 
     @property
     def q(self) -> Array:
