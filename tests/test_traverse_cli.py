@@ -149,3 +149,19 @@ def test_a_random_baseline_traverses_where_the_robot_does(tmp_path: Path) -> Non
     args = ("--robot", "pirate", "--pipes", "d=90,angle=90", "--episodes", "1", "--out", str(tmp_path))
     assert run("eval", "--policy", "baseline:random", *args) == 0
     assert read_evaluation(tmp_path).stage == "traverse"
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (["--policy", "baseline:sequence", "--pipes", "runs-rolled:1"], "turns corners in one plane"),
+        (["--policy", "pirate-gravity", "--backend", "pybullet"], "knows no gravity along the pipe"),
+    ],
+)
+def test_an_evaluation_that_is_refused_once_it_runs_leaves_no_folder(
+    args: list[str], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run("eval", *args, "--episodes", "1") == 1
+    assert said in " ".join(capsys.readouterr().err.split())
+    assert not list(tmp_path.iterdir())

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -85,6 +87,7 @@ def evaluate(
     options = parse_options(option or [])
     run = EvaluationRun(policy, names, episodes, seed, stage, robot, variant, backend, options, disturb)
     folder = out or _default_folder(policy, stage, robot or "basic", variant, [*names, *([disturb] if disturb else [])])
+    fresh = not folder.exists()
     prepare_folder(folder)
     console = Console()
     columns = (
@@ -103,7 +106,13 @@ def evaluate(
                 bars[part] = bar.add_task(part, total=total)
             bar.update(bars[part], completed=done, description=f"{part}: success {successes / done:.1%}")
 
-        evaluation = run.run(report)
+        try:
+            evaluation = run.run(report)
+        except PipenavError:
+            if fresh:
+                with suppress(OSError):
+                    os.removedirs(folder)  # with the empty folders above it
+            raise
     write_evaluation(folder, evaluation)
     console.print(evaluation_table(evaluation))
     console.print(f"evaluation folder {folder}: eval.json, eval.csv, success.png, map.png")
@@ -124,7 +133,7 @@ def parse_options(given: list[str]) -> dict[str, Any]:
 
 def _default_folder(policy: str | None, stage: str | None, robot: str, variant: str, pipes: list[str]) -> Path:
     """`eval-<stage>-<pipes>` beside a policy file, under `runs/` otherwise; the task's own has no stage in its name."""
-    label = "-".join(Path(name).stem.replace("=", "").replace(",", "-") for name in pipes)
+    label = "-".join(Path(name).stem.replace("=", "").replace(",", "-").replace(":", "-") for name in pipes)
     if policy is None:
         return Path("runs") / f"{robot}-{variant}" / f"eval-{stage}-{label}"
     folder = f"eval-{label}" if stage in (None, "front", "traverse") else f"eval-{stage}-{label}"
