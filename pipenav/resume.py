@@ -14,6 +14,9 @@ from stable_baselines3 import PPO
 from pipenav.errors import PipenavError
 from pipenav.files import atomic_write
 
+UNREADABLE = (OSError, SafetensorError, RuntimeError, KeyError, TypeError, ValueError)
+"""What a corrupt file, or one of another network, may raise."""
+
 
 class State(NamedTuple):
     """How far a run had come: control steps, seconds of training, success of its best check (-1 before any)."""
@@ -40,16 +43,33 @@ def load_state(path: Path, model: PPO) -> State:
         PipenavError: a file that is corrupt or of another network.
     """
     try:
-        with safe_open(path, framework="pt") as file:
-            state = State(**json.loads(file.metadata()["pipenav"]))
-            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118  # safe_open is no dict
-        weights = {name.removeprefix("policy."): t for name, t in tensors.items() if name.startswith("policy.")}
-        model.policy.load_state_dict(weights)
+        state, tensors = _load_policy(path, model)
         _load_optimizer(model, tensors)
-    except (OSError, SafetensorError, RuntimeError, KeyError, TypeError, ValueError) as error:
+    except UNREADABLE as error:
         raise PipenavError(f"{path} cannot be resumed from: {error}.") from error
     model.num_timesteps = state.steps
     return state
+
+
+def load_weights(path: Path, model: PPO) -> None:
+    """Give a fresh model what another run has learned, policy and value function, and nothing else of it.
+
+    Raises:
+        PipenavError: a file that is corrupt or of another network.
+    """
+    try:
+        _load_policy(path, model)
+    except UNREADABLE as error:
+        raise PipenavError(f"{path} cannot be started from: {error}.") from error
+
+
+def _load_policy(path: Path, model: PPO) -> tuple[State, dict[str, torch.Tensor]]:
+    with safe_open(path, framework="pt") as file:
+        state = State(**json.loads(file.metadata()["pipenav"]))
+        tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118  # safe_open is no dict
+    weights = {name.removeprefix("policy."): t for name, t in tensors.items() if name.startswith("policy.")}
+    model.policy.load_state_dict(weights)
+    return state, tensors
 
 
 def _load_optimizer(model: PPO, tensors: dict[str, torch.Tensor]) -> None:

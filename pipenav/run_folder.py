@@ -56,7 +56,7 @@ class RunFolder:
         """A run to resume, with its configuration."""
         folder = cls(path)
         if not folder.config.is_file() or not folder.resume.is_file():
-            raise PipenavError(f"{path} holds no run to resume: it needs config.json and resume.safetensors.")
+            raise PipenavError(f"{path} holds no run: it needs config.json and resume.safetensors.")
         try:
             table = json.loads(folder.config.read_text(encoding="utf-8"))
         except (OSError, ValueError) as error:

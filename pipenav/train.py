@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -43,8 +44,17 @@ def train(
     resumed: bool = False,
     report: Callable[[Progress], None] | None = None,
     should_stop: Callable[[], bool] = lambda: False,
+    start: Path | None = None,
 ) -> Outcome:
     """Run PPO to `config.steps`, or until `should_stop`; then the folder holds best.zip, last.zip and the rest.
+
+    Args:
+        config: what to compute.
+        folder: of this run.
+        resumed: go on with what the folder holds.
+        report: told of each update.
+        should_stop: asked at every step.
+        start: folder of another run, whose weights a new one starts from.
 
     Raises:
         TrainingDiverged: a non-finite value; best.zip and last.zip stay those of the last sound update.
@@ -65,6 +75,8 @@ def train(
     try:
         model = new_model(config, env)
         state = resume.load_state(folder.resume, model) if resumed else resume.State(0, 0.0, -1.0)
+        if start is not None:
+            resume.load_weights(RunFolder.open(start)[0].resume, model)
         if resumed:  # other episodes than those that the run has had already
             rng.bit_generator.state = np.random.default_rng([config.seed, state.steps]).bit_generator.state
         model.set_logger(configure(str(folder.path), ["tensorboard"]))

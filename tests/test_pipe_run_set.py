@@ -57,10 +57,13 @@ def test_a_shipped_set_covers_the_working_range_in_runs_of_five_corners(name: st
 
 
 def test_the_runs_for_training_are_planar_and_shorter_than_those_of_the_evaluations() -> None:
-    assert run_set_names() == ["runs-level", "runs-rolled", "runs-train"]
-    runs = parse_runs(["runs-train"])
-    assert len(set(runs)) == 400 and {len(run.corners) for run in runs} == {3}
-    assert all(run.planar for run in runs)
+    sizes = {"runs-narrow-train": 200, "runs-train": 400, "runs-wide-train": 200}
+    assert run_set_names() == sorted(["runs-level", "runs-rolled", *sizes])
+    for name, size in sizes.items():
+        runs = parse_runs([name])
+        assert len(set(runs)) == size and {len(run.corners) for run in runs} == {3}
+        assert all(run.planar for run in runs)
+        assert not set(runs) & set(parse_runs(["runs-level"]))
 
 
 def test_the_rolled_runs_leave_room_for_the_whole_robot_between_two_corners() -> None:

@@ -137,6 +137,17 @@ def test_resume_restores_weights_and_keeps_the_best(copied: RunFolder) -> None:
     assert copied.best.read_bytes() == best
 
 
+def test_a_run_that_starts_from_another_has_its_weights_and_its_own_count(run: RunFolder, tmp_path: Path) -> None:
+    folder, outcome = trained(tmp_path / "new", tiny(seed=1), should_stop=lambda: True, start=run.path)
+    assert outcome.steps <= 16
+    assert weights(folder.last) == weights(run.last)
+    (tmp_path / "half").mkdir()
+    shutil.copy(run.config, tmp_path / "half")
+    (tmp_path / "half" / run.resume.name).write_bytes(b"half")
+    with pytest.raises(PipenavError, match="cannot be started from"):
+        trained(tmp_path / "newer", tiny(), start=tmp_path / "half")
+
+
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [
@@ -144,7 +155,7 @@ def test_resume_restores_weights_and_keeps_the_best(copied: RunFolder) -> None:
         ("config.json", b"{", "config.json cannot be read"),
         ("config.json", b"{}", "description: field required"),
         ("progress.csv", b"\xff\xfe", "progress.csv cannot be read"),
-        ("resume.safetensors", None, "holds no run to resume"),
+        ("resume.safetensors", None, "holds no run"),
     ],
 )
 def test_a_spoilt_run_is_refused(copied: RunFolder, name: str, content: bytes | None, message: str) -> None:
@@ -227,7 +238,7 @@ def test_an_existing_run_is_not_overwritten(run: RunFolder, capsys: pytest.Captu
 def test_what_a_killed_start_left_is_no_run(tmp_path: Path) -> None:
     for _ in range(2):
         RunFolder.create(tmp_path / "run", tiny(), "pipenav train")
-    with pytest.raises(PipenavError, match="holds no run to resume"):
+    with pytest.raises(PipenavError, match="holds no run"):
         RunFolder.open(tmp_path / "run")
 
 
@@ -243,8 +254,19 @@ def test_a_folder_that_cannot_be_is_one_line(tmp_path: Path, capsys: pytest.Capt
     file.touch()
     assert "it is a file" in refused(capsys, "--out", str(file))
     assert "Not a directory" in refused(capsys, "--out", str(file / "run"))
-    assert "holds no run to resume" in refused(capsys, "--resume", str(tmp_path))
+    assert "holds no run" in refused(capsys, "--resume", str(tmp_path))
     assert "only --steps" in refused(capsys, "--resume", str(tmp_path), "--seed", "1")
+
+
+def test_a_start_that_does_not_fit_is_refused_before_anything_is_written(
+    run: RunFolder, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    new, begin = tmp_path / "new", ["--from", str(run.path)]
+    assert "another network" in refused(capsys, *begin, "--set", "network.policy=[8]", "--out", str(new))
+    assert "robot 'basic'" in refused(capsys, *begin, "--preset", "pirate", "--out", str(new))
+    assert "holds no run" in refused(capsys, "--from", str(tmp_path), "--out", str(new))
+    assert "only --steps" in refused(capsys, *begin, "--resume", str(run.path))
+    assert not new.exists()
 
 
 def test_resume_checks_its_steps(run: RunFolder, capsys: pytest.CaptureFixture[str]) -> None:

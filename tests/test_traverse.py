@@ -86,6 +86,25 @@ def test_gravity_is_drawn_over_the_whole_circle_or_is_none() -> None:
     assert quarters.min() > 0.8 * quarters.mean()
 
 
+def test_where_down_is_is_felt_in_the_divided_link_and_mirrored_as_all_else() -> None:
+    config = CONFIG.model_copy(update={"inclination_deg": (0.0, 360.0), "start_spread": (1.0, 1.0)})
+    left = episodes(config, 3, [Pipe.of(90, 75), Pipe.of(110, 110)])
+    mirrored = tuple(pipe.model_copy(update={"turn": "right"}) for pipe in left.pipes)
+    mirror = np.array([1.0, -1.0])
+    right = left._replace(pipes=mirrored, q=left.q * ROBOT.mirror_coordinates, gravity=left.gravity * mirror)
+    with batch(left, config) as one, batch(right, config) as other:
+        for _ in range(3):
+            still = np.zeros((2, one.action_size))
+            down, seen = one.step(still).observation[:, -2:], other.step(still).observation[:, -2:]
+            assert down == pytest.approx(seen, abs=0.02)
+            rear, front = one.points[:, 3:5].swapaxes(0, 1)  # of the link between wheel 3 and wheel 4
+            ahead = (front - rear) / np.linalg.norm(front - rear, axis=1)[:, None]
+            across = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1)
+            felt = np.stack([(left.gravity * axis).sum(axis=1) for axis in (ahead, across)], axis=1) / GRAVITY
+            assert down == pytest.approx(felt)
+    assert [part.name for part in observation.layout(ROBOT, config)][-1] == "down"
+
+
 @given(seeds)
 def test_the_way_is_the_pipes_centre_line(seed: int) -> None:
     points = np.random.default_rng(seed).uniform(-1.0, 1.0, (len(PIPES), 6, 2))

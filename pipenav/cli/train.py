@@ -35,6 +35,9 @@ def train(
     control: Annotated[str | None, typer.Option(help="torque or position.")] = None,
     pipes: Annotated[list[str] | None, typer.Option(help="Pipe set, file or d=90,angle=60; repeatable.")] = None,
     out: Annotated[Path | None, typer.Option(help="Run folder; default runs/PRESET.")] = None,
+    start: Annotated[
+        Path | None, typer.Option("--from", help="Run folder of another training, to start from its weights.")
+    ] = None,
     resume: Annotated[Path | None, typer.Option(help="Run folder to go on with.")] = None,
 ) -> None:
     """Train a policy by PPO and save it as one file, best.zip.
@@ -47,6 +50,8 @@ def train(
 
         pipenav train --pipes d=90,angle=60 --steps 50000 --set learner.epochs=4
 
+        pipenav train --preset pirate-gravity-runs --from runs/pirate-gravity
+
         pipenav train --resume runs/arm
     """
     options = {
@@ -57,10 +62,10 @@ def train(
         "task.control": control,
         "pipes": pipes,
     }
-    folder, resolved, where = _prepare(preset, config, set_ or [], options, out, resume)
+    folder, resolved, where = _prepare(preset, config, set_ or [], options, out, start, resume)
     console = Console()
     console.print(f"training {where} on {resolved.backend}: {resolved.steps:,} steps, run folder {folder.path}")
-    outcome = _run(console, resolved, folder, resumed=resume is not None)
+    outcome = _run(console, resolved, folder, resume is not None, start)
     _tell(console, folder, outcome)
     if outcome.stopped:
         raise typer.Exit(130)
@@ -72,13 +77,14 @@ def _prepare(
     settings: list[str],
     options: dict[str, Any],
     out: Path | None,
+    start: Path | None,
     resume: Path | None,
 ) -> tuple[RunFolder, TrainConfig, str]:
     """The run folder and its configuration, new or to be resumed."""
     from pipenav.run_folder import RunFolder, default_run_path
 
     if resume is not None:
-        given = [preset, config, out, *settings, *(value for key, value in options.items() if key != "steps")]
+        given = [preset, config, out, start, *settings, *(value for key, value in options.items() if key != "steps")]
         if any(value is not None for value in given):
             raise PipenavError("--resume goes on with a run as it was configured: only --steps can be given with it.")
         folder, resolved = RunFolder.open(resume)
@@ -89,6 +95,8 @@ def _prepare(
     preset = preset or DEFAULT_PRESET
     resolved = load_config(preset, config, settings, options)
     _check_names(resolved)
+    if start is not None:
+        _check_start(start, resolved)
     command = shlex.join(["pipenav", *sys.argv[1:]])
     return RunFolder.create(out or default_run_path(preset), resolved, command), resolved, preset
 
@@ -105,7 +113,22 @@ def _check_names(config: TrainConfig) -> None:
     check_options(config.backend, load_backend(config.backend), config.options)
 
 
-def _run(console: Console, config: TrainConfig, folder: RunFolder, resumed: bool) -> Outcome:
+def _check_start(start: Path, config: TrainConfig) -> None:
+    """Refuse a run whose weights do not fit the new one, before a folder is made for it."""
+    from pipenav.robot import load_robot
+    from pipenav.run_folder import RunFolder
+    from pipenav.tasks import scale_of
+
+    _, other = RunFolder.open(start)
+    scales = [scale_of(load_robot(one.robot), one.task).tolist() for one in (config, other)]
+    if config.network != other.network or scales[0] != scales[1]:
+        raise PipenavError(
+            f"{start} was trained with another network or for another observation: --from takes a run of the same "
+            f"robot, observation and network, this one has robot {other.robot!r}."
+        )
+
+
+def _run(console: Console, config: TrainConfig, folder: RunFolder, resumed: bool, start: Path | None) -> Outcome:
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
@@ -131,7 +154,7 @@ def _run(console: Console, config: TrainConfig, folder: RunFolder, resumed: bool
                 last_line[0] = time.monotonic()
                 console.print(f"{progress.steps:>9,} of {config.steps:,} steps: {text}")
 
-        return run_training(config, folder, resumed, report, stopped)
+        return run_training(config, folder, resumed, report, stopped, start)
 
 
 def _tell(console: Console, folder: RunFolder, outcome: Outcome) -> None:

@@ -18,6 +18,7 @@ from pipenav.robot import BASE, RobotSpec
 from pipenav.space import SpaceBackend, SpaceReading, SpaceTruth
 from pipenav.spatial.clamp import check_robot
 from pipenav.spatial.pilot import Mode, Pilot
+from pipenav.spatial.roll import FRONT
 from pipenav.task.episode import Verdict
 from pipenav.traverse import observation
 from pipenav.traverse.config import TraverseConfig
@@ -125,7 +126,8 @@ class SpaceBatch(Sized):
 
     def _observe(self, reading: SpaceReading) -> Array:
         alone = np.zeros((self.n, 2))  # every corner is taken by itself, wherever the ones beside it turn
-        seen = observation.observe(self.robot, reading.body, self._action, self._side, alone)
+        down = None if self.config.inclination_deg is None else reading.down[:, FRONT, :2]
+        seen = observation.observe(self.robot, reading.body, self._action, self._side, alone, down)
         return np.asarray(seen / self._scale)
 
     def _along(self) -> Array:

@@ -19,7 +19,7 @@ from pipenav.task.episode import Verdict
 from pipenav.traverse import observation
 from pipenav.traverse.config import TraverseConfig
 from pipenav.traverse.judge import Judge, reward
-from pipenav.traverse.start import TraverseEpisodes, check_robot
+from pipenav.traverse.start import GRAVITY, TraverseEpisodes, check_robot
 from pipenav.traverse.way import Ways, waypoints
 
 Array = NDArray[np.float64]
@@ -51,6 +51,7 @@ class TraverseBatch(Sized):
         self._sides, self._base = np.ones((n, 3)), np.zeros(n)
         self._ways = Ways.of([ANYWHERE] * n)
         self._corner = np.zeros(n, np.intp)
+        self._gravity = np.zeros((n, 2))
         self._judge = Judge(robot, config, n)
         self._action, self._q = np.zeros((n, len(robot.drives))), np.zeros((n, robot.coordinates))
         self._set_points = np.zeros((n, len(robot.joints)))
@@ -84,6 +85,7 @@ class TraverseBatch(Sized):
             self.pipes[i] = pipe
         self.steps[robots], self._ages[robots] = self._ages[robots], 0
         self._base[robots], self._q[robots], self._action[robots] = episodes.base, episodes.q, 0.0
+        self._gravity[robots] = episodes.gravity
         self._set_points[robots] = reading.q + self.config.start_press * np.sign(reading.q)
         self._ways, self._corner[robots] = self._ways.put(robots, Ways.of(episodes.pipes)), 0
         self._sides[robots] = self._ways.sides(self._corner)[robots]
@@ -133,8 +135,16 @@ class TraverseBatch(Sized):
     def _observe(self, reading: Reading, robots: NDArray[np.intp]) -> Array:
         """What some robots see, scaled, from what their sensors give."""
         side, beside = self._sides[robots, 0], self._sides[robots, 1:]
-        observed = observation.observe(self.robot, reading, self._action[robots], side, beside)
+        down = None if self.config.inclination_deg is None else self._down(robots)
+        observed = observation.observe(self.robot, reading, self._action[robots], side, beside, down)
         return np.asarray(observed / self._scale)
+
+    def _down(self, robots: NDArray[np.intp]) -> Array:
+        """What some robots' accelerometers say of where down is, (k, 2), see `pipenav.traverse.observation.observe`."""
+        heading = kinematics.forward(self.robot, self._q[robots]).headings[:, observation.accelerometer(self.robot)]
+        x, y = self._gravity[robots].T / GRAVITY
+        cos, sin = np.cos(heading), np.sin(heading)
+        return np.stack([x * cos + y * sin, y * cos - x * sin], axis=1)
 
     def _go_on(self, middle: Array) -> None:
         """The corner that a robot is in is the first one through which its middle (n,) has not come; never one before.

@@ -17,9 +17,10 @@ STRAIGHT = 0.1
 from one wall to the other, and its forwards turns round."""
 
 
-def layout(robot: RobotSpec, config: TraverseConfig) -> list[Part]:  # noqa: ARG001  # as the corner task's
+def layout(robot: RobotSpec, config: TraverseConfig) -> list[Part]:
     """The observation's parts in order, with the scale that each value is divided by."""
     drives, lidar = len(robot.drives), robot.laser
+    weighs = config.inclination_deg is not None
     return [
         Part("q", "rad", np.maximum(-robot.lower, robot.upper)),
         Part("qd", "rad/s", np.array(robot.speed_limits)),
@@ -28,6 +29,7 @@ def layout(robot: RobotSpec, config: TraverseConfig) -> list[Part]:  # noqa: ARG
         Part("ranges", "m", np.full(lidar.beams, lidar.range_max)),
         Part("action_before", "1", np.ones(drives)),
         Part("turns_beside", "1", np.ones(2)),
+        *([Part("down", "1", np.ones(2))] if weighs else []),
     ]
 
 
@@ -65,7 +67,14 @@ def seen_from(robot: RobotSpec, action: Array, change: Array) -> Array:
     return np.concatenate([action[:, :joints] * drive_signs(robot, change)[:, :joints], action[:, joints:]], axis=1)
 
 
-def observe(robot: RobotSpec, reading: Reading, action_before: Array, side: Array, beside: Array) -> Array:
+def accelerometer(robot: RobotSpec) -> int:
+    """Which link carries it: the one that the roll joint divides, else the last one."""
+    return len(robot.links) - 1 if robot.roll is None else [link.name for link in robot.links].index(robot.roll.link)
+
+
+def observe(
+    robot: RobotSpec, reading: Reading, action_before: Array, side: Array, beside: Array, down: Array | None = None
+) -> Array:
     """Unscaled observation, (n, size).
 
     Args:
@@ -74,6 +83,8 @@ def observe(robot: RobotSpec, reading: Reading, action_before: Array, side: Arra
         action_before: the last action in the canonical frame, zero at the first step, (n, drives).
         side: +1 for a left turn, -1 for a right one, (n,).
         beside: likewise for the corners before and after the robot's, 0 where there is none, (n, 2).
+        down: what the accelerometer gives at rest, turned round, as a share of the weight: forwards along its link and
+            to its left, (n, 2); none in a level plane.
 
     Raises:
         TypeError: the backend measures no wheel speeds or no loads.
@@ -83,7 +94,9 @@ def observe(robot: RobotSpec, reading: Reading, action_before: Array, side: Arra
     signs, joints = drive_signs(robot, side), len(robot.joints)
     ranges = np.where(side[:, None] > 0, reading.ranges, reading.ranges[:, ::-1])
     own = (reading.q * signs[:, :joints], reading.qd * signs[:, :joints], reading.wheel_speeds * signs[:, joints:])
-    return np.concatenate([*own, reading.loads * signs, ranges, action_before, beside * side[:, None]], axis=1)
+    felt = [] if down is None else [down[:, :1], down[:, 1:] * side[:, None]]
+    beside = beside * side[:, None]
+    return np.concatenate([*own, reading.loads * signs, ranges, action_before, beside, *felt], axis=1)
 
 
 def to_command(
