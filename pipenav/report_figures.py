@@ -66,9 +66,11 @@ def headline(evaluation: Evaluation) -> str:
 def circumstances(evaluation: Evaluation) -> str:
     """Where and how it was measured, in one line."""
     pipes = len(evaluation.pipes)
+    settings = ", ".join(f"{name} {value}" for name, value in evaluation.options.items())
     return (
         f"stage {evaluation.stage}, {pipes} pipe{'s' if pipes > 1 else ''} × {evaluation.episodes_per_pipe} episodes, "
-        f"{evaluation.robot} robot, backend {evaluation.backend}, seed {evaluation.seed}"
+        f"{evaluation.robot} robot, backend {evaluation.backend}{settings and f' ({settings})'}, "
+        f"seed {evaluation.seed}"
     )
 
 

@@ -264,6 +264,7 @@ def test_a_start_that_does_not_fit_is_refused_before_anything_is_written(
     new, begin = tmp_path / "new", ["--from", str(run.path)]
     assert "another network" in refused(capsys, *begin, "--set", "network.policy=[8]", "--out", str(new))
     assert "robot 'basic'" in refused(capsys, *begin, "--preset", "pirate", "--out", str(new))
+    assert "control" in refused(capsys, *begin, "--control", "torque", "--out", str(new))
     assert "holds no run" in refused(capsys, "--from", str(tmp_path), "--out", str(new))
     assert "only --steps" in refused(capsys, *begin, "--resume", str(run.path))
     assert not new.exists()

@@ -119,12 +119,16 @@ def _check_start(start: Path, config: TrainConfig) -> None:
     from pipenav.run_folder import RunFolder
     from pipenav.tasks import scale_of
 
+    def interface(run: TrainConfig) -> tuple[object, ...]:
+        scale = scale_of(load_robot(run.robot), run.task).tolist()
+        return run.network, run.task.kind, run.task.observation, run.task.control, scale
+
     _, other = RunFolder.open(start)
-    scales = [scale_of(load_robot(one.robot), one.task).tolist() for one in (config, other)]
-    if config.network != other.network or scales[0] != scales[1]:
+    if interface(config) != interface(other):
         raise PipenavError(
-            f"{start} was trained with another network or for another observation: --from takes a run of the same "
-            f"robot, observation and network, this one has robot {other.robot!r}."
+            f"{start} was trained with another network, observation or control (robot {other.robot!r}, "
+            f"{other.task.kind}, {other.task.observation}, {other.task.control}, network.policy "
+            f"{list(other.network.policy)}): --from takes a run that has the new one's."
         )
 
 
