@@ -25,9 +25,9 @@ from pipenav_hardware.emulator.client import Emulator
 from pipenav_hardware.ranging import BeamFilter, RangeScan
 from pipenav_hardware.servos import Servos
 
-from pipenav.robot import load_robot
-from pipenav.safety import Stopped
-from pipenav.state import Command
+from pipenav.backends.messages import Command
+from pipenav.backends.safety import Stopped
+from pipenav.robots.robot import load_robot
 
 ROBOT = load_robot("real-setup")
 NONSENSE: list[Any] = [

@@ -25,14 +25,14 @@ from numpy.typing import NDArray
 from pipenav_hardware import table
 from pipenav_hardware.emulator.client import Emulator
 
-from pipenav.deploy import drive, guarded
-from pipenav.machine import load_machine
-from pipenav.pipe import Pipe
-from pipenav.real_run import policy_for, rehearse, run_settings
-from pipenav.registry import open_backend
-from pipenav.replay import run_of
-from pipenav.task import episode
-from pipenav.telemetry import Telemetry
+from pipenav.backends.real_robot import load_machine
+from pipenav.backends.registry import open_backend
+from pipenav.deployment.loop import drive, guarded
+from pipenav.deployment.mission import run_of
+from pipenav.deployment.session import policy_for, rehearse, run_settings
+from pipenav.deployment.telemetry import Telemetry
+from pipenav.pipes.corner import Pipe
+from pipenav.tasks.reach import episode
 
 Array = NDArray[np.float64]
 

@@ -17,8 +17,8 @@ from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from pipenav.real_run import TELEMETRY
-from pipenav.telemetry import read_telemetry
+from pipenav.deployment.session import TELEMETRY
+from pipenav.deployment.telemetry import read_telemetry
 
 PROMISED = 0.98
 

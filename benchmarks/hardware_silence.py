@@ -22,13 +22,13 @@ from pipenav_hardware import packets
 from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
 
-from pipenav.backend import CONTROL_PERIOD
-from pipenav.deploy import guarded
-from pipenav.machine import load_machine
-from pipenav.registry import open_backend
-from pipenav.robot import load_robot
-from pipenav.safety import Stopped
-from pipenav.state import Command
+from pipenav.backends.backend import CONTROL_PERIOD
+from pipenav.backends.messages import Command
+from pipenav.backends.real_robot import load_machine
+from pipenav.backends.registry import open_backend
+from pipenav.backends.safety import Stopped
+from pipenav.deployment.loop import guarded
+from pipenav.robots.robot import load_robot
 
 ROBOT = load_robot("real-setup")
 WHOLE_TICKS = 3

@@ -29,11 +29,11 @@ from pipenav_hardware import packets, table
 from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
 
-from pipenav.deploy import guarded
-from pipenav.machine import load_machine
-from pipenav.registry import open_backend
-from pipenav.robot import load_robot
-from pipenav.state import Command
+from pipenav.backends.messages import Command
+from pipenav.backends.real_robot import load_machine
+from pipenav.backends.registry import open_backend
+from pipenav.deployment.loop import guarded
+from pipenav.robots.robot import load_robot
 
 ROBOT = load_robot("real-setup")
 ENDINGS = {

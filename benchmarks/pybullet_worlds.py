@@ -21,12 +21,12 @@ import pybullet
 from pipenav_pybullet import world
 from pipenav_pybullet.backend import PybulletOptions
 
-from pipenav.pipe_set import parse_pipes
-from pipenav.registry import open_backend
-from pipenav.robot import load_robot
-from pipenav.state import Command
-from pipenav.task import episode
-from pipenav.task.config import TaskConfig
+from pipenav.backends.messages import Command
+from pipenav.backends.registry import open_backend
+from pipenav.pipes.corner_sets import parse_pipes
+from pipenav.robots.robot import load_robot
+from pipenav.tasks.reach import episode
+from pipenav.tasks.reach.config import TaskConfig
 
 ROBOT = load_robot("basic")
 PIPES = parse_pipes(["working-range"])

@@ -29,17 +29,18 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import DummyVecEnv
 
 import pipenav.env  # noqa: F401  # registers the environment
-from pipenav.batch import CornerBatch, random_episodes
-from pipenav.pipe_set import parse_pipes
-from pipenav.registry import open_backend
-from pipenav.robot import load_robot
-from pipenav.sb3_env import TaskVecEnv
-from pipenav.task import episode
-from pipenav.task.episode import Verdict
-from pipenav.train import EPISODE_STOCK, new_model
-from pipenav.train_config import TrainConfig, load_config
-from pipenav.training_watch import noise_at
-from pipenav.wall_boxes import wall_boxes
+from pipenav.backends.registry import open_backend
+from pipenav.backends.wall_boxes import wall_boxes
+from pipenav.envs.sb3_env import TaskVecEnv
+from pipenav.learning.callback import noise_at
+from pipenav.learning.config import TrainConfig, load_config
+from pipenav.learning.train import EPISODE_STOCK, new_model
+from pipenav.pipes.corner_sets import parse_pipes
+from pipenav.robots.robot import load_robot
+from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.reach import episode
+from pipenav.tasks.reach.batch import CornerBatch
+from pipenav.tasks.sampling import random_episodes
 
 HELD_OUT = [f"d={d},angle={a},turn={t}" for d in (76, 93, 114) for a in (58, 78, 98, 118) for t in ("left", "right")]
 """Pipes that are in no training set."""

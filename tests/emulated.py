@@ -10,9 +10,9 @@ import numpy as np
 from pipenav_hardware.backend import HardwareBackend
 from pipenav_hardware.emulator.client import Emulator
 
-from pipenav.registry import open_backend
-from pipenav.robot import load_robot
-from pipenav.state import Command
+from pipenav.backends.messages import Command
+from pipenav.backends.registry import open_backend
+from pipenav.robots.robot import load_robot
 
 ROBOT = load_robot("basic")
 PATIENCE = 4.0

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipenav.agreement import Agreement, Check, Sides, checks, compare
+from pipenav.backends.registry import availability, find_backends
 from pipenav.cli import main
-from pipenav.registry import availability, find_backends
-from pipenav.robot import load_robot, robot_names
+from pipenav.comparison.agreement import Agreement, Check, Sides, checks, compare
+from pipenav.robots.robot import load_robot, robot_names
 
 ARMS = [name for name in robot_names() if not load_robot(name).free]
 BOTH = ("mujoco", "pybullet")
@@ -72,7 +72,7 @@ def test_a_difference_is_noticed(field: str, shift: float, lines: list[str]) -> 
 
 def command(agreement: Agreement, folder: Path, monkeypatch: pytest.MonkeyPatch) -> int:
     """Exit code of `pipenav compare-backends` with an agreement that has been measured already."""
-    monkeypatch.setattr("pipenav.agreement.compare", lambda *_: agreement)
+    monkeypatch.setattr("pipenav.comparison.agreement.compare", lambda *_: agreement)
     with pytest.raises(SystemExit) as left:
         main(["compare-backends", "--out", str(folder)])
     return int(left.value.code or 0)

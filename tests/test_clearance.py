@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from pipenav_mujoco.model import Contact, static_spec
 
-from pipenav.clearance import clearance
-from pipenav.pipe import Pipe
-from pipenav.robot import load_robot, robot_names
+from pipenav.pipes.corner import Pipe
+from pipenav.policies.baselines.wall_distance import clearance
+from pipenav.robots.robot import load_robot, robot_names
 
 
 @pytest.mark.parametrize("name", robot_names())

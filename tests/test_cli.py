@@ -9,7 +9,8 @@ import pytest
 from command import run
 
 import pipenav
-from pipenav import cli, registry
+from pipenav import cli
+from pipenav.backends import registry
 from pipenav.cli import COMMANDS, LazyCommand, main
 from pipenav.errors import PipenavError
 

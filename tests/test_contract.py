@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from pipenav.backend import Array, Backend
-from pipenav.pipe import Pipe
-from pipenav.registry import availability, find_backends
-from pipenav.robot import load_robot
-from pipenav.state import Command, Reading, Truth
+from pipenav.backends.backend import Array, Backend
+from pipenav.backends.messages import Command, Reading, Truth
+from pipenav.backends.registry import availability, find_backends
+from pipenav.pipes.corner import Pipe
+from pipenav.robots.robot import load_robot
 from pipenav.testing import CONTRACT, VARIATION_LAWS, Bench, KinematicBackend
 
 NEEDS_A_MACHINE = {"hardware"}

@@ -5,15 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipenav.batch import CornerBatch, random_episodes
-from pipenav.centreline import CentrelineController
-from pipenav.clearance import clearance
-from pipenav.controller import Controller, RandomController, open_controller
 from pipenav.errors import PipenavError, UnknownName
-from pipenav.pipe import Pipe
-from pipenav.robot import load_robot
-from pipenav.task.config import TaskConfig
-from pipenav.task.episode import Verdict
+from pipenav.pipes.corner import Pipe
+from pipenav.policies.baselines.centreline import CentrelineController
+from pipenav.policies.baselines.wall_distance import clearance
+from pipenav.policies.controller import Controller, RandomController, open_controller
+from pipenav.robots.robot import load_robot
+from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.reach.batch import CornerBatch
+from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.sampling import random_episodes
 
 ROBOT = load_robot("basic")
 
@@ -124,7 +125,7 @@ def test_clearance_agrees_with_a_dense_outline() -> None:
 
 
 def _outline_inside(pipe: Pipe, q: np.ndarray, base: float) -> bool:
-    from pipenav import kinematics
+    from pipenav.robots import kinematics
 
     chain = kinematics.forward(ROBOT, q[None])
     t = np.linspace(0.0, 1.0, 200)

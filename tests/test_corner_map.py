@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipenav import laser
-from pipenav.corner_map import HEADINGS, Corner, CornerMap
-from pipenav.pipe import Pipe
-from pipenav.robot import load_robot
-from pipenav.robot_parts import Laser
+from pipenav.locating.corner_map import HEADINGS, Corner, CornerMap
+from pipenav.pipes.corner import Pipe
+from pipenav.robots import laser
+from pipenav.robots.parts import Laser
+from pipenav.robots.robot import load_robot
 
 DEPTH = 0.1
 TOLERANCE = 0.01

@@ -9,7 +9,7 @@ import signal
 
 import pytest
 
-from pipenav.deploy import Interrupted, guarded
+from pipenav.deployment.loop import Interrupted, guarded
 
 
 class Arm:

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from pipenav.cli import main
-from pipenav.disturbance import UNDISTURBED, Disturbance, disturbance_names, load_disturbance
+from pipenav.disturbances.disturbance import UNDISTURBED, Disturbance, disturbance_names, load_disturbance
 from pipenav.errors import PipenavError
-from pipenav.task.config import TaskConfig
-from pipenav.train_config import load_config, preset_names, validate_config
+from pipenav.learning.config import load_config, preset_names, validate_config
+from pipenav.tasks.reach.config import TaskConfig
 
 DOCUMENT = Path(__file__).resolve().parents[1] / "docs" / "disturbances.md"
 

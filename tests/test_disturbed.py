@@ -10,13 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from pipenav.backend import Array, Backend, BackendOptions, Variation
-from pipenav.disturbance import UNDISTURBED, Disturbance
-from pipenav.disturbed import DisturbedBackend, disturbed
+from pipenav.backends.backend import Array, Backend, BackendOptions, Variation
+from pipenav.backends.messages import Command, Control, Reading
+from pipenav.disturbances.disturbance import UNDISTURBED, Disturbance
+from pipenav.disturbances.disturbed_backend import DisturbedBackend, disturbed
 from pipenav.errors import PipenavError
-from pipenav.pipe import Pipe
-from pipenav.robot import RobotSpec, load_robot
-from pipenav.state import Command, Control, Reading
+from pipenav.pipes.corner import Pipe
+from pipenav.robots.robot import RobotSpec, load_robot
 from pipenav.testing import CONTRACT, Bench, KinematicBackend, KinematicOptions, starts
 
 ROBOT = load_robot("basic")

@@ -18,14 +18,15 @@ from stable_baselines3.common import env_checker as sb3_checker
 from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.monitor import Monitor
 
-from pipenav.batch import CornerBatch, random_episodes
+from pipenav.backends.registry import open_backend
 from pipenav.env import CornerEnv, CornerVectorEnv
+from pipenav.envs.sb3_env import TaskVecEnv
 from pipenav.errors import ConfigError, PipenavError, UnknownName
-from pipenav.pipe_set import parse_pipes
-from pipenav.registry import open_backend
-from pipenav.robot import load_robot
-from pipenav.sb3_env import TaskVecEnv
-from pipenav.task.config import TaskConfig
+from pipenav.pipes.corner_sets import parse_pipes
+from pipenav.robots.robot import load_robot
+from pipenav.tasks.reach.batch import CornerBatch
+from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.sampling import random_episodes
 
 SHORT = {"max_steps": 7}
 FAST = {"timestep": 0.005, "threads": 1}

@@ -10,17 +10,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from pipenav import kinematics
-from pipenav.backend import Backend, BackendOptions
-from pipenav.batch import CornerBatch, random_episodes
-from pipenav.pipe import Pipe
-from pipenav.pipe_set import parse_pipes
-from pipenav.robot import load_robot
-from pipenav.state import Command, Reading, Truth
-from pipenav.task import episode
-from pipenav.task.config import RewardConfig, TaskConfig
-from pipenav.task.episode import Verdict, way_to_goal
-from pipenav.task.observation import scale_of
+from pipenav.backends.backend import Backend, BackendOptions
+from pipenav.backends.messages import Command, Reading, Truth
+from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner_sets import parse_pipes
+from pipenav.robots import kinematics
+from pipenav.robots.robot import load_robot
+from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.reach import episode
+from pipenav.tasks.reach.batch import CornerBatch
+from pipenav.tasks.reach.config import RewardConfig, TaskConfig
+from pipenav.tasks.reach.episode import way_to_goal
+from pipenav.tasks.reach.observation import scale_of
+from pipenav.tasks.sampling import random_episodes
 
 Array = NDArray[np.float64]
 

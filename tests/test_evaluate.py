@@ -10,20 +10,21 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from pipenav import assets, episode_runner
-from pipenav.batch import CornerBatch
 from pipenav.cli import main
-from pipenav.controller import Controller, PolicyController, open_controller
-from pipenav.episode_runner import EpisodeResults
-from pipenav.evaluate import EvaluationRun
-from pipenav.passage import run_task
-from pipenav.pipe_run_set import parse_runs
-from pipenav.pipe_set import parse_pipes
-from pipenav.policy import load_policy
-from pipenav.robot import load_robot
-from pipenav.task.config import TaskConfig
-from pipenav.task.episode import Verdict
-from pipenav.task.observation import scale_of
+from pipenav.evaluation import episode_runner
+from pipenav.evaluation.episode_runner import EpisodeResults
+from pipenav.evaluation.evaluate import EvaluationRun
+from pipenav.evaluation.passage import run_task
+from pipenav.pipes.corner_sets import parse_pipes
+from pipenav.pipes.route_sets import parse_runs
+from pipenav.policies.controller import Controller, PolicyController, open_controller
+from pipenav.policies.policy import load_policy
+from pipenav.robots.robot import load_robot
+from pipenav.storage import shipped
+from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.reach.batch import CornerBatch
+from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.reach.observation import scale_of
 
 Array = NDArray[np.float64]
 
@@ -108,7 +109,7 @@ def test_progress_is_told_until_the_end() -> None:
 
 
 def test_the_shipped_policy_passes_the_working_range() -> None:
-    policy = assets.policies_dir() / "arm" / "best.zip"
+    policy = shipped.policies_dir() / "arm" / "best.zip"
     assert policy.is_file(), "models/policies/arm/best.zip is missing: train it by pipenav train --preset arm"
     sample = parse_pipes(["working-range"])[::16]
     assert len(sample) == 12

@@ -9,13 +9,13 @@ from typing import Any
 import pytest
 from command import run
 
+from pipenav.evaluation.results import Evaluation, PipeRecord
+from pipenav.evaluation.thesis import ANGLES_DEG, thesis_rows
 from pipenav.experiments.definition import agents_of, chosen, experiment_names, load_agents, load_experiment
 from pipenav.experiments.figures import success_figure
 from pipenav.experiments.findings import paragraph
-from pipenav.experiments.run import Plan, Settings, evaluation_jobs, open_plan, resolved_agent, training_jobs
+from pipenav.experiments.runner import Plan, Settings, evaluation_jobs, open_plan, resolved_agent, training_jobs
 from pipenav.experiments.tables import PHASES, results
-from pipenav.records import Evaluation, PipeRecord
-from pipenav.thesis import ANGLES_DEG, thesis_rows
 
 
 def evaluation(stage: str, percent: dict[str, dict[float, float]], policy: str = "p") -> Evaluation:

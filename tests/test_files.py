@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from pipenav.errors import FileProblem
-from pipenav.files import atomic_write, atomic_write_all, prepare_folder
+from pipenav.storage.atomic_files import atomic_write, atomic_write_all, prepare_folder
 
 
 def _no_space(*_: object) -> None:

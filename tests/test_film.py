@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from pipenav import film
 from pipenav.errors import FileProblem, PipenavError
-from pipenav.film import box_of, check_suffix, write_film
-from pipenav.outline import link_outlines
-from pipenav.pipe import Pipe
-from pipenav.robot import load_robot
-from pipenav.trajectory import Trajectory, TrajectoryHeader
+from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
+from pipenav.pipes.corner import Pipe
+from pipenav.recording import film
+from pipenav.recording.film import box_of, check_suffix, write_film
+from pipenav.robots.outline import link_outlines
+from pipenav.robots.robot import load_robot
 
 ROBOT = load_robot("basic")
 
@@ -143,7 +143,7 @@ def test_drawing_needs_no_display(tmp_path: Path) -> None:
         "os.environ.pop('DISPLAY', None)\n"
         "from pathlib import Path\n"
         "from tests.test_film import TWO\n"
-        "from pipenav.film import write_film\n"
+        "from pipenav.recording.film import write_film\n"
         "write_film(Path(sys.argv[1]), TWO[:1])\n"
         "assert not {'matplotlib.pyplot', 'OpenGL', 'glfw'} & set(sys.modules)\n"
     )

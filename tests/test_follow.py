@@ -9,8 +9,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from pipenav.follow import CAUGHT, FOLLOWING, PATIENCE, SLACK, Follower
-from pipenav.robot import load_robot
+from pipenav.motions.follower import CAUGHT, FOLLOWING, PATIENCE, SLACK, Follower
+from pipenav.robots.robot import load_robot
 
 ROBOT = load_robot("basic")
 PERIOD = 0.1

@@ -10,10 +10,10 @@ from typer.testing import CliRunner, Result
 
 from pipenav.cli.gen_pipe import gen_pipe
 from pipenav.errors import PipenavError
-from pipenav.pipe import Pipe
-from pipenav.pipe_export import FILES, read_pipe
-from pipenav.pipe_run_export import read_run_folder, run_files
-from pipenav.pipe_run_set import parse_runs, read_run
+from pipenav.export.corner_folder import FILES, read_pipe
+from pipenav.export.route_folder import read_run_folder, run_files
+from pipenav.pipes.corner import Pipe
+from pipenav.pipes.route_sets import parse_runs, read_run
 
 app = typer.Typer()
 app.command("gen-pipe")(gen_pipe)
@@ -23,8 +23,8 @@ WIDE = {"COLUMNS": "200", "TERM": "dumb", "NO_COLOR": "1"}
 @pytest.fixture(autouse=True)
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without the slow part, the drawing."""
-    monkeypatch.setattr("pipenav.pipe_drawing.draw_pipe", lambda _, path: path.write_bytes(b"png"))
-    monkeypatch.setattr("pipenav.pipe_run_drawing.draw_run", lambda _, name, path: path.write_bytes(name.encode()))
+    monkeypatch.setattr("pipenav.drawing.corner.draw_pipe", lambda _, path: path.write_bytes(b"png"))
+    monkeypatch.setattr("pipenav.drawing.route.draw_run", lambda _, name, path: path.write_bytes(name.encode()))
 
 
 def run(*arguments: object) -> Result:

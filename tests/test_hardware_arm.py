@@ -24,10 +24,10 @@ from pipenav_hardware.codec import JUMP_MARGIN, LIMIT_MARGIN, STEP_SLACK, Codec,
 from pipenav_hardware.ranging import AFTER_SCAN, DISBELIEF, BeamFilter, RangeScan, late_for_scan
 from pipenav_hardware.realsense import scanline
 
+from pipenav.backends.messages import Command
+from pipenav.backends.safety import Stopped
 from pipenav.errors import ConfigError, PipenavError
-from pipenav.robot import load_robot
-from pipenav.safety import Stopped
-from pipenav.state import Command
+from pipenav.robots.robot import load_robot
 
 ROBOT = load_robot("basic")
 SCANNER = ScannerConfig(driver="scip2", port="scanner")

@@ -15,10 +15,10 @@ from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
 from pipenav_hardware.servos import Servos
 
-from pipenav.deploy import hold_until
+from pipenav.backends.messages import Command
+from pipenav.backends.safety import Stopped
+from pipenav.deployment.loop import hold_until
 from pipenav.errors import PipenavError
-from pipenav.safety import Stopped
-from pipenav.state import Command
 
 pytestmark = pytest.mark.flaky(reruns=2)  # real time over a serial line: a busy machine may miss a deadline
 

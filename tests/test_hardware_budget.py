@@ -16,7 +16,7 @@ from pipenav_hardware.emulator.plant import FreePlant
 from pipenav_hardware.emulator.servo import EmulatedServo
 from pipenav_hardware.servos import Servos
 
-from pipenav.robot import load_robot
+from pipenav.robots.robot import load_robot
 
 BAUD = 1_000_000
 ARM = default_arm(load_robot("real-setup"), "servos", ScannerConfig(driver="scip2", port="scanner"), None)

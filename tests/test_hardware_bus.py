@@ -16,7 +16,7 @@ from pipenav_hardware.servos import Servos
 from pipenav_hardware.table import Alarm
 
 from pipenav.errors import PipenavError
-from pipenav.robot import load_robot
+from pipenav.robots.robot import load_robot
 
 pytestmark = pytest.mark.flaky(reruns=2)  # real time over a serial line: a busy machine may miss a deadline
 

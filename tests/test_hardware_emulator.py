@@ -13,10 +13,10 @@ from pipenav_hardware.emulator.servo import EmulatedServo
 from pipenav_hardware.packets import Packet, Stream
 from pipenav_hardware.table import Alarm, Register
 
+from pipenav.backends.registry import open_backend
 from pipenav.errors import PipenavError
-from pipenav.pipe import Pipe
-from pipenav.registry import open_backend
-from pipenav.robot import load_robot
+from pipenav.pipes.corner import Pipe
+from pipenav.robots.robot import load_robot
 
 pytestmark = pytest.mark.flaky(reruns=2)  # real time over a serial line: a busy machine may miss a deadline
 

@@ -13,8 +13,8 @@ from pipenav_hardware.ranging import RangeScan
 from pipenav_hardware.table import Alarm, State
 from pipenav_hardware.trips import LASTING, STATE_ALARMS, SensorRules, ServoRules
 
-from pipenav.robot import load_robot
-from pipenav.safety import Stopped
+from pipenav.backends.safety import Stopped
+from pipenav.robots.robot import load_robot
 
 ARM = default_arm(load_robot("basic"), "bus", ScannerConfig(driver="scip2", port="scanner"), None)
 GOALS = np.full(4, 512.0)

@@ -11,7 +11,7 @@ import pytest
 from pipenav_hardware.packets import TORQUE_OFF_ALL
 from pipenav_hardware.watchdog import SILENCE, Watchdog
 
-from pipenav.safety import Stopped
+from pipenav.backends.safety import Stopped
 
 pytestmark = pytest.mark.flaky(reruns=2)  # real time: a busy machine may let the driver look dead
 

@@ -9,25 +9,25 @@ from pathlib import Path
 
 import pytest
 
-from pipenav import assets
-from pipenav.pipe_set import pipe_set_names
-from pipenav.policy import policy_names
-from pipenav.robot import robot_names
-from pipenav.train_config import preset_names
+from pipenav.learning.config import preset_names
+from pipenav.pipes.corner_sets import pipe_set_names
+from pipenav.policies.policy import policy_names
+from pipenav.robots.robot import robot_names
+from pipenav.storage import shipped
 
 ROOT = Path(__file__).resolve().parent.parent
 
 LIST_ALL = """
-from pipenav import assets
-from pipenav.pipe_set import parse_pipes, pipe_set_names
-from pipenav.policy import load_policy, policy_names, resolve_policy
-from pipenav.robot import load_robot, robot_names
-from pipenav.train_config import load_config, preset_names
+from pipenav.storage import shipped
+from pipenav.pipes.corner_sets import parse_pipes, pipe_set_names
+from pipenav.policies.policy import load_policy, policy_names, resolve_policy
+from pipenav.robots.robot import load_robot, robot_names
+from pipenav.learning.config import load_config, preset_names
 for name in pipe_set_names(): parse_pipes([name])
 for name in robot_names(): load_robot(name)
 for name in preset_names(): load_config(name)
 for name in policy_names(): load_policy(resolve_policy(name))
-print(assets.data_root())
+print(shipped.data_root())
 print(pipe_set_names(), robot_names(), preset_names(), policy_names())
 """
 
@@ -61,4 +61,4 @@ def test_the_wheel_declares_command_and_backends(wheel: Path) -> None:
 
 
 def test_a_checkout_reads_its_own_folders() -> None:
-    assert assets.data_root() == ROOT
+    assert shipped.data_root() == ROOT

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from pipenav.kinematics import configuration, forward
-from pipenav.robot import load_robot
+from pipenav.robots.kinematics import configuration, forward
+from pipenav.robots.robot import load_robot
 
 ROBOT, WHOLE = load_robot("basic"), load_robot("pirate")
 poses = arrays(float, (3, 4), elements=st.floats(-3, 3))

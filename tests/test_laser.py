@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from pipenav.laser import cast, measure
-from pipenav.pipe import Pipe
-from pipenav.robot import load_robot
-from pipenav.robot_parts import Laser
+from pipenav.pipes.corner import Pipe
+from pipenav.robots.laser import cast, measure
+from pipenav.robots.parts import Laser
+from pipenav.robots.robot import load_robot
 
 BASIC = load_robot("basic").laser
 fans = st.builds(

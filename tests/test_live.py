@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 from pipenav_mujoco.backend import MujocoBackend, MujocoOptions
 
-from pipenav import live
-from pipenav.backend import Viewable
+from pipenav.backends.backend import Viewable
+from pipenav.backends.messages import Command
 from pipenav.errors import PipenavError
-from pipenav.live import Window
-from pipenav.pipe import Pipe
-from pipenav.robot import load_robot
-from pipenav.rollout import Simulator
-from pipenav.state import Command
+from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
+from pipenav.pipes.corner import Pipe
+from pipenav.recording import live
+from pipenav.recording.live import Window
+from pipenav.recording.record import Simulator
+from pipenav.robots.robot import load_robot
 from pipenav.testing import KinematicBackend, KinematicOptions
-from pipenav.trajectory import Trajectory, TrajectoryHeader
 
 ROBOT = load_robot("basic")
 PIPE = Pipe.of(100, 75)

@@ -12,17 +12,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from pipenav import kinematics, laser
+from pipenav.backends.messages import Reading
 from pipenav.errors import PipenavError
-from pipenav.locate import LocateConfig, PrintedLocator, Variant, point_on_beam, robot_for
-from pipenav.locate_stage import LocateStage, inside_second_leg
-from pipenav.passage import Passages
-from pipenav.pipe import Pipe
-from pipenav.robot import RobotSpec, load_robot
-from pipenav.rollout import Simulator, record_locate
-from pipenav.state import Reading
-from pipenav.task.config import TaskConfig
-from pipenav.task.episode import Episodes, Verdict
+from pipenav.evaluation.locate_stage import LocateStage, inside_second_leg
+from pipenav.evaluation.passage import Passages
+from pipenav.locating.locator import LocateConfig, PrintedLocator, Variant, point_on_beam, robot_for
+from pipenav.pipes.corner import Pipe
+from pipenav.recording.record import Simulator, record_locate
+from pipenav.robots import kinematics, laser
+from pipenav.robots.robot import RobotSpec, load_robot
+from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.reach.episode import Episodes
 from pipenav.testing import KinematicBackend, KinematicOptions
 
 Array = NDArray[np.float64]

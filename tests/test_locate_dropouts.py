@@ -8,13 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from pipenav.disturbance import Disturbance, load_disturbance
-from pipenav.locate import LocateConfig, MapLocator
-from pipenav.passage import Passages
-from pipenav.pipe import Pipe
-from pipenav.robot import load_robot
-from pipenav.state import Reading
-from pipenav.task.config import TaskConfig
+from pipenav.backends.messages import Reading
+from pipenav.disturbances.disturbance import Disturbance, load_disturbance
+from pipenav.evaluation.passage import Passages
+from pipenav.locating.locator import LocateConfig, MapLocator
+from pipenav.pipes.corner import Pipe
+from pipenav.robots.robot import load_robot
+from pipenav.tasks.reach.config import TaskConfig
 
 ROBOT = load_robot("basic")
 LASER = ROBOT.laser

@@ -10,9 +10,9 @@ import pytest
 from command import run
 from PIL import Image
 
-from pipenav import assets
-from pipenav.locate_stage import inside_second_leg
-from pipenav.trajectory import TrajectoryFileError, read_trajectory
+from pipenav.evaluation.locate_stage import inside_second_leg
+from pipenav.motions.trajectory import TrajectoryFileError, read_trajectory
+from pipenav.storage import shipped
 
 FAST = ("--option", "timestep=0.005", "--option", "threads=1")
 
@@ -128,7 +128,7 @@ def test_what_cannot_be_searched(args: tuple[str, ...], message: str, capsys: py
 
 
 def test_a_pipe_too_narrow_for_the_robot_is_refused(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    text = (assets.robots_dir() / "real-setup" / "robot.toml").read_text(encoding="utf-8")
+    text = (shipped.robots_dir() / "real-setup" / "robot.toml").read_text(encoding="utf-8")
     (here / "wide.toml").write_text(text.replace("width = 0.036", "width = 0.042"), encoding="utf-8")
     assert run("locate-target", "--d", "45", "--angle", "90", "--robot", "wide.toml") == 1
     assert "is too narrow for robot 'real-setup', which is 42 mm wide and needs 46 mm" in capsys.readouterr().err

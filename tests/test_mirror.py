@@ -12,19 +12,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from pipenav import follow, mirror
-from pipenav.clearance import clearance
-from pipenav.controller import open_controller
+from pipenav.backends.registry import open_backend
 from pipenav.errors import PipenavError
-from pipenav.kinematics import forward
-from pipenav.mirror import Motion, RearStage, hand_over, is_out, join, plan_rear, rear_motion, reverse
-from pipenav.pipe import Pipe
-from pipenav.registry import open_backend
-from pipenav.robot import load_robot
-from pipenav.rollout import Simulator, record_task
-from pipenav.task.episode import Verdict
+from pipenav.evaluation.rear_stage import RearStage
+from pipenav.motions import follower, mirror
+from pipenav.motions.mirror import Motion, hand_over, is_out, join, plan_rear, rear_motion, reverse
+from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
+from pipenav.pipes.corner import Pipe
+from pipenav.policies.baselines.wall_distance import clearance
+from pipenav.policies.controller import open_controller
+from pipenav.recording.record import Simulator, record_task
+from pipenav.robots.kinematics import forward
+from pipenav.robots.robot import load_robot
+from pipenav.tasks.outcome import Verdict
 from pipenav.testing import KinematicBackend, KinematicOptions
-from pipenav.trajectory import Trajectory, TrajectoryHeader
 
 Array = NDArray[np.float64]
 
@@ -175,7 +176,7 @@ def test_the_rear_leaves_the_corner(front: Trajectory) -> None:
     rear = rear_motion(ROBOT, front.motion)
     ends, steps = run(RearStage(ROBOT, open_backend("mujoco", ROBOT, 3, FAST), 3, lambda robots: [rear] * len(robots)))
     assert ends == ["reached"] * 3
-    assert max(steps) <= follow.PATIENCE * (len(rear.q) - 1) + follow.SLACK
+    assert max(steps) <= follower.PATIENCE * (len(rear.q) - 1) + follower.SLACK
 
 
 def test_each_robot_replays_its_own_motion_anew_after_each_start(front: Trajectory) -> None:
@@ -204,7 +205,7 @@ def test_an_arm_that_stays_in_the_corner_times_out() -> None:
     bent = np.tile([0.2, 0.3, 0.3, 0.3], (4, 1))
     motion = Motion(Pipe.of(120, 90), -0.5, bent)
     stage = RearStage(ROBOT, KinematicBackend(ROBOT, 1, KinematicOptions()), 1, lambda _: [motion])
-    assert run(stage) == (["timeout"], [3 * follow.PATIENCE + follow.SLACK])
+    assert run(stage) == (["timeout"], [3 * follower.PATIENCE + follower.SLACK])
 
 
 def test_a_joint_at_its_limit_and_a_link_in_the_wall_end_it() -> None:

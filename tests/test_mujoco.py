@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from pipenav_mujoco.backend import MujocoBackend, MujocoOptions
 from pipenav_mujoco.model import Contact, static_spec
 
-from pipenav import kinematics, laser
+from pipenav.backends.messages import Command
+from pipenav.backends.wall_boxes import INNER_THICKNESS
 from pipenav.errors import PipenavError
-from pipenav.pipe import Pipe
-from pipenav.robot import load_robot
-from pipenav.state import Command
-from pipenav.task import episode
-from pipenav.task.config import TaskConfig
-from pipenav.wall_boxes import INNER_THICKNESS
+from pipenav.pipes.corner import Pipe
+from pipenav.robots import kinematics, laser
+from pipenav.robots.robot import load_robot
+from pipenav.tasks.reach import episode
+from pipenav.tasks.reach.config import TaskConfig
 
 Array = NDArray[np.float64]
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from pipenav_mujoco.backend import MujocoBackend, MujocoOptions
 
-from pipenav.pipe import Pipe
-from pipenav.robot import RobotSpec, load_robot
-from pipenav.state import Command, Reading
-from pipenav.task import episode
-from pipenav.task.config import TaskConfig
+from pipenav.backends.messages import Command, Reading
+from pipenav.pipes.corner import Pipe
+from pipenav.robots.robot import RobotSpec, load_robot
+from pipenav.tasks.reach import episode
+from pipenav.tasks.reach.config import TaskConfig
 
 ROBOT = load_robot("basic")
 N = 12

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipenav.clearance import clearance
-from pipenav.kinematics import forward
-from pipenav.outline import foremost, link_outlines
-from pipenav.pipe import Pipe
-from pipenav.robot import load_robot, robot_names
+from pipenav.pipes.corner import Pipe
+from pipenav.policies.baselines.wall_distance import clearance
+from pipenav.robots.kinematics import forward
+from pipenav.robots.outline import foremost, link_outlines
+from pipenav.robots.robot import load_robot, robot_names
 
 BASIC = load_robot("basic")
 ARMS = [name for name in robot_names() if not load_robot(name).free]

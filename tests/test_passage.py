@@ -7,17 +7,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipenav import assets, kinematics
 from pipenav.cli import main
-from pipenav.controller import Controller, open_controller
 from pipenav.errors import PipenavError
-from pipenav.evaluate import EvaluationRun, StageName
-from pipenav.mirror import join, rear_motion
-from pipenav.passage import Part, Passages
-from pipenav.pipe_set import parse_pipes
-from pipenav.records import Evaluation
-from pipenav.task.episode import Verdict
-from pipenav.trajectory import Motion
+from pipenav.evaluation.evaluate import EvaluationRun, StageName
+from pipenav.evaluation.passage import Part, Passages
+from pipenav.evaluation.results import Evaluation
+from pipenav.motions.mirror import join, rear_motion
+from pipenav.motions.trajectory import Motion
+from pipenav.pipes.corner_sets import parse_pipes
+from pipenav.policies.controller import Controller, open_controller
+from pipenav.robots import kinematics
+from pipenav.storage import shipped
+from pipenav.tasks.outcome import Verdict
 
 NAMES = ["d=110,angle=90", "d=100,angle=75,turn=right"]
 EPISODES = 3
@@ -125,7 +126,7 @@ def test_a_stage_wants_its_policy(policy: str | None, stage: StageName, message:
 
 def test_a_pipe_too_narrow_for_the_robot_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     wide = tmp_path / "robot.toml"
-    text = (assets.robots_dir() / "real-setup" / "robot.toml").read_text(encoding="utf-8")
+    text = (shipped.robots_dir() / "real-setup" / "robot.toml").read_text(encoding="utf-8")
     wide.write_text(text.replace("width = 0.036", "width = 0.042"), encoding="utf-8")
     args = ["eval", "--stage", "locate", "--robot", str(wide), "--pipes", "d=45,angle=90"]
     with pytest.raises(SystemExit) as left:

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipenav.errors import OutOfRange, PipenavError
-from pipenav.pipe import ARC_TOLERANCE, Pipe
+from pipenav.pipes.corner import ARC_TOLERANCE, Pipe
 
 diameters = st.floats(40, 300)
 angles = st.one_of(st.floats(30, 180), st.sampled_from([30.0, 55.0, 90.0, 179.999, 180.0]))

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from pipenav.pipe import Array, Pipe
-from pipenav.pipe_export import FILES, read_pipe, write_pipe_folder
-from pipenav.pipe_shapes import wall_boxes
+from pipenav.export.corner_folder import FILES, read_pipe, write_pipe_folder
+from pipenav.pipes.corner import Array, Pipe
+from pipenav.pipes.corner_solids import wall_boxes
 
 TENTH_OF_A_MM = 1e-4
 CASES = [

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipenav import pipe_export
 from pipenav.errors import ConfigError, FileProblem, OutOfRange, PipenavError
-from pipenav.pipe import Pipe
-from pipenav.pipe_export import FILES, read_pipe, write_pipe_folder
+from pipenav.export import corner_folder
+from pipenav.export.corner_folder import FILES, read_pipe, write_pipe_folder
+from pipenav.pipes.corner import Pipe
 
 diameters = st.floats(40, 300)
 angles = st.one_of(st.floats(30, 180), st.sampled_from([30.0, 90.0, 179.999, 180.0]))
@@ -25,8 +25,8 @@ pipes = st.builds(lambda d, a, t, r, w: Pipe.of(d, a, t, r, wall_mm=w), diameter
 @settings(max_examples=50, deadline=None)
 @given(pipes)
 def test_json_round_trip_is_exact(pipe: Pipe) -> None:
-    record = json.loads(json.dumps(pipe_export.pipe_record(pipe)))
-    assert Pipe.model_validate({f: record[key] for f, key in pipe_export.FIELD_KEYS.items()}) == pipe
+    record = json.loads(json.dumps(corner_folder.pipe_record(pipe)))
+    assert Pipe.model_validate({f: record[key] for f, key in corner_folder.FIELD_KEYS.items()}) == pipe
 
 
 @pytest.mark.parametrize(
@@ -44,7 +44,7 @@ def test_bad_pipe_files_are_refused_in_one_sentence(
     tmp_path: Path, change: dict[str, object], error: type[PipenavError], message: str
 ) -> None:
     file = tmp_path / "pipe.json"
-    file.write_text(json.dumps({**pipe_export.pipe_record(Pipe.of(100, 75)), **change}))
+    file.write_text(json.dumps({**corner_folder.pipe_record(Pipe.of(100, 75)), **change}))
     with pytest.raises(error, match=message) as caught:
         read_pipe(file)
     assert "\n" not in str(caught.value)
@@ -74,7 +74,7 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Writing without the slow part, the drawing."""
-    monkeypatch.setattr("pipenav.pipe_drawing.draw_pipe", lambda _, path: path.write_bytes(b"png"))
+    monkeypatch.setattr("pipenav.drawing.corner.draw_pipe", lambda _, path: path.write_bytes(b"png"))
 
 
 @pytest.mark.usefixtures("quick")
@@ -114,14 +114,14 @@ def test_a_write_that_fails_leaves_the_old_folder_whole(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: BaseException
 ) -> None:
     with monkeypatch.context() as quick:
-        quick.setattr("pipenav.pipe_drawing.draw_pipe", lambda _, path: path.write_bytes(b"png"))
+        quick.setattr("pipenav.drawing.corner.draw_pipe", lambda _, path: path.write_bytes(b"png"))
         folder = write_pipe_folder(Pipe.of(100, 75), tmp_path)
 
     def fail(_: Pipe, path: Path) -> None:
         path.write_bytes(b"half")
         raise error
 
-    monkeypatch.setattr("pipenav.pipe_drawing.draw_pipe", fail)
+    monkeypatch.setattr("pipenav.drawing.corner.draw_pipe", fail)
     with pytest.raises(FileProblem if isinstance(error, OSError) else KeyboardInterrupt):
         write_pipe_folder(Pipe.of(100, 75, wall_mm=5), tmp_path)
     assert read_pipe(folder).wall == 0.003 and (folder / "pipe.png").read_bytes() == b"png"

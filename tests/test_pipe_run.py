@@ -10,10 +10,10 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from pipenav.backends.wall_boxes import wall_boxes
 from pipenav.errors import OutOfRange, PipenavError
-from pipenav.pipe import Array, Pipe
-from pipenav.pipe_run import Corner, CrossesItself, PipeRun
-from pipenav.wall_boxes import wall_boxes
+from pipenav.pipes.corner import Array, Pipe
+from pipenav.pipes.route import Corner, CrossesItself, PipeRun
 
 diameters = st.floats(40, 300)
 angles = st.one_of(st.floats(30, 180), st.sampled_from([30.0, 55.0, 90.0, 180.0]))

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from pipenav.pipe_run import PipeRun
-from pipenav.pipe_run_drawing import LABELLED, run_figure
-from pipenav.pipe_run_set import parse_runs
-from pipenav.pipe_run_view import AZIMUTHS, View
+from pipenav.drawing.projection import AZIMUTHS, View
+from pipenav.drawing.route import LABELLED, run_figure
+from pipenav.pipes.route import PipeRun
+from pipenav.pipes.route_sets import parse_runs
 
 ROLLED = PipeRun.of(100, [(90, "left", 0), (75, "right", 90), (110, "left", 180)], [810, 520, 430, 640])
 

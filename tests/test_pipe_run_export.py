@@ -13,11 +13,11 @@ import pytest
 import trimesh
 
 from pipenav.errors import ConfigError, OutOfRange, PipenavError
-from pipenav.pipe import Array
-from pipenav.pipe_run import PipeRun
-from pipenav.pipe_run_export import FILES, read_run_folder, run_files, run_record, write_run_folder
-from pipenav.pipe_run_set import parse_runs
-from pipenav.pipe_run_shapes import FACETS, PRISM_FACES
+from pipenav.export.route_folder import FILES, read_run_folder, run_files, run_record, write_run_folder
+from pipenav.pipes.corner import Array
+from pipenav.pipes.route import PipeRun
+from pipenav.pipes.route_sets import parse_runs
+from pipenav.pipes.route_solids import FACETS, PRISM_FACES
 
 CASES = {
     "level": parse_runs(["runs-level:5"])[0],
@@ -141,7 +141,7 @@ def test_drawing_is_a_png_of_readable_size(made: tuple[PipeRun, Path]) -> None:
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Writing without the slow part, the drawing."""
-    monkeypatch.setattr("pipenav.pipe_run_drawing.draw_run", lambda _, name, path: path.write_bytes(name.encode()))
+    monkeypatch.setattr("pipenav.drawing.route.draw_run", lambda _, name, path: path.write_bytes(name.encode()))
 
 
 @pytest.mark.usefixtures("quick")

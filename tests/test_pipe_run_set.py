@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from pipenav.errors import PipenavError
-from pipenav.pipe import Pipe
-from pipenav.pipe_run import PipeRun
-from pipenav.pipe_run_set import parse_run, parse_runs, read_run, run_set_names
-from pipenav.pipe_set import parse_pipes, pipe_set_names
+from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner_sets import parse_pipes, pipe_set_names
+from pipenav.pipes.route import PipeRun
+from pipenav.pipes.route_sets import parse_run, parse_runs, read_run, run_set_names
 from pipenav.units import m_to_mm, rad_to_deg
 
 ONE = """

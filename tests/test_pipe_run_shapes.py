@@ -11,11 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipenav.errors import PipenavError
-from pipenav.pipe import Array
-from pipenav.pipe_run import PipeRun
-from pipenav.pipe_run_set import parse_runs
-from pipenav.pipe_run_shapes import FACETS, PRISM_FACES, run_boards_mesh, run_tube_mesh, wall_prisms
-from pipenav.pipe_shapes import Mesh
+from pipenav.pipes.corner import Array
+from pipenav.pipes.corner_solids import Mesh
+from pipenav.pipes.route import PipeRun
+from pipenav.pipes.route_sets import parse_runs
+from pipenav.pipes.route_solids import FACETS, PRISM_FACES, run_boards_mesh, run_tube_mesh, wall_prisms
 
 SHIPPED = parse_runs(["runs-rolled"])[::4] + parse_runs(["runs-level"])[::8]
 TIGHT = PipeRun.of(100, [(55, "left", 30), (125, "right", -45), (90, "left", 90)], [400, 120, 150, 300])

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from pipenav.errors import PipenavError
-from pipenav.pipe import Pipe
-from pipenav.pipe_set import parse_pipes, pipe_set_names
+from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner_sets import parse_pipes, pipe_set_names
 from pipenav.units import m_to_mm, rad_to_deg
 
 ANGLES = list(range(55, 126, 5))

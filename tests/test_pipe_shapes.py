@@ -10,8 +10,8 @@ import trimesh
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from pipenav.pipe import Array, Pipe
-from pipenav.pipe_shapes import EDGE_TOLERANCE, Box, Mesh, boards_mesh, tube_mesh, wall_boxes
+from pipenav.pipes.corner import Array, Pipe
+from pipenav.pipes.corner_solids import EDGE_TOLERANCE, Box, Mesh, boards_mesh, tube_mesh, wall_boxes
 
 diameters = st.floats(40, 300)
 angles = st.one_of(st.floats(30, 180), st.sampled_from([30.0, 90.0, 179.999, 180.0]))

@@ -22,7 +22,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from pipenav.errors import FileProblem, PipenavError, UnknownName
-from pipenav.policy import (
+from pipenav.policies.policy import (
     Policy,
     PolicyFileError,
     header_for,
@@ -31,9 +31,9 @@ from pipenav.policy import (
     resolve_policy,
     save_policy,
 )
-from pipenav.robot import load_robot
-from pipenav.task.config import TaskConfig
-from pipenav.task.observation import scale_of
+from pipenav.robots.robot import load_robot
+from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.reach.observation import scale_of
 
 ROBOT = load_robot("basic")
 TASK = TaskConfig(observation="relative")
@@ -159,7 +159,7 @@ def test_nothing_of_the_training_machine_is_in_the_file(good: Path) -> None:
 
 def test_loading_imports_neither_torch_nor_stable_baselines(good: Path) -> None:
     code = (
-        "import sys; from pipenav.policy import load_policy; import numpy as np\n"
+        "import sys; from pipenav.policies.policy import load_policy; import numpy as np\n"
         f"policy = load_policy({str(good)!r}); policy.act(np.zeros((1, {SIZE})))\n"
         "assert not {'torch', 'stable_baselines3', 'pickle5', 'mujoco'} & set(sys.modules)"
     )

@@ -13,14 +13,14 @@ pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
 
 from pipenav_pybullet.backend import PybulletBackend, PybulletOptions
 
-from pipenav import kinematics, laser
-from pipenav.clearance import clearance
+from pipenav.backends.messages import Command, Reading
 from pipenav.errors import PipenavError
-from pipenav.pipe import Pipe
-from pipenav.robot import RobotSpec, load_robot
-from pipenav.state import Command, Reading
-from pipenav.task import episode
-from pipenav.task.config import TaskConfig
+from pipenav.pipes.corner import Pipe
+from pipenav.policies.baselines.wall_distance import clearance
+from pipenav.robots import kinematics, laser
+from pipenav.robots.robot import RobotSpec, load_robot
+from pipenav.tasks.reach import episode
+from pipenav.tasks.reach.config import TaskConfig
 
 Array = NDArray[np.float64]
 

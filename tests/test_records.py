@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from pipenav.errors import ConfigError, FileProblem
-from pipenav.records import DiameterRecord, Evaluation, PipeRecord, read_evaluation, wilson
-from pipenav.thesis import ANGLES_DEG, is_thesis_set, thesis_best, thesis_rows
+from pipenav.evaluation.results import DiameterRecord, Evaluation, PipeRecord, read_evaluation, wilson
+from pipenav.evaluation.thesis import ANGLES_DEG, is_thesis_set, thesis_best, thesis_rows
 
 PIPE_KEYS = {
     "diameter_mm",

@@ -10,11 +10,11 @@ from typing import Protocol
 
 import pytest
 
-from pipenav import registry
-from pipenav.backend import BackendOptions
+from pipenav.backends import registry
+from pipenav.backends.backend import BackendOptions
+from pipenav.backends.registry import availability, find_backends, load_backend, open_backend
 from pipenav.errors import BackendUnavailable, ConfigError, UnknownName
-from pipenav.registry import availability, find_backends, load_backend, open_backend
-from pipenav.robot import load_robot
+from pipenav.robots.robot import load_robot
 from pipenav.testing import KinematicBackend, KinematicOptions
 
 GOOD = "from pipenav.testing import KinematicBackend as GoodBackend"
@@ -163,9 +163,12 @@ def test_an_import_that_the_constructor_makes_is_named_when_it_is_opened(install
     [
         ("1 / 0", "importing {} fails with ZeroDivisionError: division by zero; report it to the authors of"),
         ("", "importing {} fails with AttributeError"),
-        ("GoodBackend = 3", "is not a subclass of pipenav.backend.Backend"),
-        ("class GoodBackend: pass", "is not a subclass of pipenav.backend.Backend"),
-        ("from pipenav.backend import Backend\nclass GoodBackend(Backend): pass", "does not implement __init__, close"),
+        ("GoodBackend = 3", "is not a subclass of pipenav.backends.backend.Backend"),
+        ("class GoodBackend: pass", "is not a subclass of pipenav.backends.backend.Backend"),
+        (
+            "from pipenav.backends.backend import Backend\nclass GoodBackend(Backend): pass",
+            "does not implement __init__, close",
+        ),
         (f"{GOOD}\nclass GoodBackend(GoodBackend): Options = dict", "has no Options derived from"),
         ("from pipenav.errors import nothing_there", "cannot import name 'nothing_there'"),
     ],

@@ -13,10 +13,11 @@ import pytest
 from rich.console import Console
 
 from pipenav.errors import FileProblem
-from pipenav.records import Evaluation, PipeRecord, read_evaluation
-from pipenav.report import FILES, evaluation_table, pipes_csv, write_evaluation, write_training_plot
-from pipenav.report_figures import map_figure, percent, success_figure
-from pipenav.thesis import ANGLES_DEG, thesis_best
+from pipenav.evaluation.figures import map_figure, percent, success_figure
+from pipenav.evaluation.report import FILES, evaluation_table, pipes_csv, write_evaluation
+from pipenav.evaluation.results import Evaluation, PipeRecord, read_evaluation
+from pipenav.evaluation.thesis import ANGLES_DEG, thesis_best
+from pipenav.learning.figures import write_training_plot
 
 PNG = b"\x89PNG\r\n\x1a\n"
 PROGRESS = "steps,seconds,steps_per_s,success,clearance_m,reward,episode_steps,std,eval_success\n"

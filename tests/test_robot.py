@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from pipenav.assets import robots_dir
 from pipenav.errors import ConfigError, FileProblem, UnknownName
-from pipenav.robot import RobotSpec, load_robot, robot_names
+from pipenav.robots.robot import RobotSpec, load_robot, robot_names
+from pipenav.storage.shipped import robots_dir
 
 TEXT = (robots_dir() / "basic" / "robot.toml").read_text(encoding="utf-8")
 

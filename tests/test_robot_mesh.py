@@ -9,9 +9,9 @@ import pytest
 import trimesh
 
 from pipenav.cli import main
-from pipenav.robot import load_robot, robot_names
-from pipenav.robot_mesh import link_mesh
-from pipenav.robot_parts import BoxPart
+from pipenav.robots.meshes import link_mesh
+from pipenav.robots.parts import BoxPart
+from pipenav.robots.robot import load_robot, robot_names
 
 
 @pytest.mark.parametrize("name", robot_names())

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipenav.backend import Backend
-from pipenav.controller import open_controller
-from pipenav.kinematics import forward
-from pipenav.mirror import plan_rear
-from pipenav.passage import run_task
-from pipenav.pipe import Pipe
-from pipenav.rollout import Simulator, record_rear, record_task, tracking
-from pipenav.task.episode import Verdict
-from pipenav.trajectory import Trajectory
+from pipenav.backends.backend import Backend
+from pipenav.evaluation.passage import run_task
+from pipenav.motions.mirror import plan_rear
+from pipenav.motions.trajectory import Trajectory
+from pipenav.pipes.corner import Pipe
+from pipenav.policies.controller import open_controller
+from pipenav.recording.record import Simulator, record_rear, record_task, tracking
+from pipenav.robots.kinematics import forward
+from pipenav.tasks.outcome import Verdict
 
 OPTIONS = {"timestep": 0.005, "threads": 1}
 PIPE = Pipe.of(85, 70, "right")

@@ -20,15 +20,16 @@ from command import run
 from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
 
-from pipenav import assets, real_run
+from pipenav.deployment import session
+from pipenav.deployment.session import located_place, policy_for, write_motions
+from pipenav.deployment.telemetry import Recording, read_telemetry
+from pipenav.deployment.trajectories import Place, place_of
 from pipenav.errors import PipenavError
-from pipenav.pipe import Pipe
-from pipenav.policy import load_policy, resolve_policy
-from pipenav.real_run import located_place, policy_for, write_motions
-from pipenav.robot import load_robot
-from pipenav.run_parts import Place, place_of
-from pipenav.telemetry import Recording, read_telemetry
-from pipenav.trajectory import read_trajectory
+from pipenav.motions.trajectory import read_trajectory
+from pipenav.pipes.corner import Pipe
+from pipenav.policies.policy import load_policy, resolve_policy
+from pipenav.robots.robot import load_robot
+from pipenav.storage import shipped
 
 pytestmark = pytest.mark.flaky(reruns=2)  # real time over a serial line: a busy machine may miss a deadline
 
@@ -231,7 +232,7 @@ def test_what_cannot_be_driven_is_refused_in_a_sentence(
 
 
 def test_a_robot_without_a_shipped_policy_is_refused(tmp_path: Path) -> None:
-    text = (assets.robots_dir() / "real-setup" / "robot.toml").read_text(encoding="utf-8")
+    text = (shipped.robots_dir() / "real-setup" / "robot.toml").read_text(encoding="utf-8")
     (tmp_path / "robot.toml").write_text(text.replace('name = "real-setup"', 'name = "nobodys"', 1), encoding="utf-8")
     with pytest.raises(PipenavError, match="no shipped policy drives robot 'nobodys'"):
         policy_for(None, str(tmp_path / "robot.toml"))
@@ -241,7 +242,7 @@ def test_a_policy_that_commands_torques_is_refused(monkeypatch: pytest.MonkeyPat
     policy = load_policy(resolve_policy("arm"))
     task = policy.header.task.model_copy(update={"control": "torque"})
     policy.header = policy.header.model_copy(update={"task": task})
-    monkeypatch.setattr(real_run, "load_policy", lambda _: policy)
+    monkeypatch.setattr(session, "load_policy", lambda _: policy)
     with pytest.raises(PipenavError, match="commands torques"):
         policy_for("arm", None)
 

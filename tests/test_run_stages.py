@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pipenav import kinematics
-from pipenav.locate import LocateConfig
-from pipenav.pipe import Pipe
-from pipenav.policy import Policy, load_policy, resolve_policy
-from pipenav.registry import open_backend
-from pipenav.run_stages import LOCATE_TICKS, PUSH, Back, Decision, Locate, Run
-from pipenav.state import Command, Reading
-from pipenav.task import episode
+from pipenav.backends.messages import Command, Reading
+from pipenav.backends.registry import open_backend
+from pipenav.deployment.mission import LOCATE_TICKS, PUSH, Back, Decision, Locate, Run
+from pipenav.locating.locator import LocateConfig
+from pipenav.pipes.corner import Pipe
+from pipenav.policies.policy import Policy, load_policy, resolve_policy
+from pipenav.robots import kinematics
+from pipenav.tasks.reach import episode
 
 POLICY = load_policy(resolve_policy("arm"))
 ROBOT = POLICY.header.robot

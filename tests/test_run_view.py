@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from pipenav.cli.run_view import RunView
-from pipenav.robot import load_robot
-from pipenav.safety import Stopped
+from pipenav.backends.safety import Stopped
+from pipenav.cli.run_real_view import RunView
+from pipenav.robots.robot import load_robot
 
 ROBOT = load_robot("real-setup")
 

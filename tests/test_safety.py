@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from pipenav.safety import Bounds, Deadlines, Repeats, Stopped, limited, require_finite
+from pipenav.backends.safety import Bounds, Deadlines, Repeats, Stopped, limited, require_finite
 
 Array = NDArray[np.float64]
 counts = st.integers(0, 1023)

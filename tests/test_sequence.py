@@ -10,20 +10,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipenav import sequence
-from pipenav.backend import Backend
-from pipenav.clearance import clearance
-from pipenav.controller import open_controller
+from pipenav.backends.backend import Backend
+from pipenav.backends.registry import open_backend
 from pipenav.errors import PipenavError
-from pipenav.pipe import Pipe
-from pipenav.policy import load_policy, resolve_policy
-from pipenav.registry import open_backend
-from pipenav.robot import load_robot
-from pipenav.sequence import Phase, SequenceController
-from pipenav.sequence_plan import PRESS, plan
-from pipenav.task.episode import Verdict
-from pipenav.traverse.batch import TraverseBatch
-from pipenav.traverse.start import GRAVITY, TraverseEpisodes, sample
+from pipenav.pipes.corner import Pipe
+from pipenav.policies.baselines import sequence
+from pipenav.policies.baselines.sequence import Phase, SequenceController
+from pipenav.policies.baselines.sequence_plan import PRESS, plan
+from pipenav.policies.baselines.wall_distance import clearance
+from pipenav.policies.controller import open_controller
+from pipenav.policies.policy import load_policy, resolve_policy
+from pipenav.robots.robot import load_robot
+from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.traverse.batch import TraverseBatch
+from pipenav.tasks.traverse.episode import GRAVITY, TraverseEpisodes, sample
 
 ROBOT = load_robot("pirate")
 NAMES = ["baseline:sequence", "baseline:sequence-line"]

@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from pipenav.backends.registry import open_backend, open_space
+from pipenav.backends.spatial import SpaceBackend
 from pipenav.errors import PipenavError
-from pipenav.pipe_run import PipeRun
-from pipenav.pipe_run_legs import about_x
-from pipenav.registry import open_backend, open_space
-from pipenav.robot import load_robot
-from pipenav.space import SpaceBackend
-from pipenav.spatial.clamp import ZIGZAG, Drive, steepness
-from pipenav.traverse.config import TraverseConfig
-from pipenav.traverse.start import GRAVITY, sample
-from pipenav.traverse.way import waypoints
+from pipenav.pipes.route import PipeRun
+from pipenav.pipes.route_legs import about_x
+from pipenav.robots.robot import load_robot
+from pipenav.tasks.rolling.clamp import ZIGZAG, Drive, steepness
+from pipenav.tasks.traverse.config import TraverseConfig
+from pipenav.tasks.traverse.episode import GRAVITY, sample
+from pipenav.tasks.traverse.progress import waypoints
 
 Array = NDArray[np.float64]
 

@@ -12,23 +12,23 @@ from command import run as command
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipenav import laser
+from pipenav.backends.messages import Reading
+from pipenav.backends.registry import open_space
+from pipenav.backends.spatial import SpaceReading
 from pipenav.errors import PipenavError
-from pipenav.pipe import Pipe
-from pipenav.pipe_run import PipeRun
-from pipenav.pipe_run_legs import about_x
-from pipenav.records import read_evaluation
-from pipenav.registry import open_space
-from pipenav.robot import load_robot
-from pipenav.space import SpaceReading
-from pipenav.spatial import senses
-from pipenav.spatial.clamp import ZIGZAG, check_robot, nearest, room, steepness
-from pipenav.spatial.picture import SIDES, faces
-from pipenav.spatial.roll import Phase, Roll
-from pipenav.spatial.stage import gravity_of
-from pipenav.state import Reading
-from pipenav.traverse.config import TraverseConfig
-from pipenav.traverse.start import GRAVITY
+from pipenav.evaluation.results import read_evaluation
+from pipenav.evaluation.rolling_stage import gravity_of
+from pipenav.pipes.corner import Pipe
+from pipenav.pipes.route import PipeRun
+from pipenav.pipes.route_legs import about_x
+from pipenav.recording.rolling_film import SIDES, faces
+from pipenav.robots import laser
+from pipenav.robots.robot import load_robot
+from pipenav.tasks.rolling import senses
+from pipenav.tasks.rolling.clamp import ZIGZAG, check_robot, nearest, room, steepness
+from pipenav.tasks.rolling.manoeuvre import Phase, Roll
+from pipenav.tasks.traverse.config import TraverseConfig
+from pipenav.tasks.traverse.episode import GRAVITY
 
 ROBOT = load_robot("pirate")
 SEVERAL_PLANES = """schema = 1

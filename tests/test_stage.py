@@ -6,15 +6,15 @@ from contextlib import closing
 
 import numpy as np
 
-from pipenav import kinematics
-from pipenav.batch import CornerBatch
-from pipenav.controller import open_controller
-from pipenav.episode_runner import EpisodeQueue, joined, random_start
-from pipenav.passage import run_task
-from pipenav.pipe_set import parse_pipes
-from pipenav.registry import open_backend
-from pipenav.stage import TaskStage
-from pipenav.task.episode import Verdict
+from pipenav.backends.registry import open_backend
+from pipenav.evaluation.episode_runner import EpisodeQueue, joined, random_start
+from pipenav.evaluation.passage import run_task
+from pipenav.evaluation.stage import TaskStage
+from pipenav.pipes.corner_sets import parse_pipes
+from pipenav.policies.controller import open_controller
+from pipenav.robots import kinematics
+from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.reach.batch import CornerBatch
 
 PIPES = parse_pipes(["d=100,angle=90", "d=90,angle=60,turn=right"])
 

@@ -11,13 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from pipenav.robot import load_robot
-from pipenav.state import Reading
-from pipenav.task import observation, reward
-from pipenav.task.action import position_step, to_command
-from pipenav.task.config import RewardConfig, TaskConfig
-from pipenav.task.observation import Snapshot, canonical, layout, observe, scale_of
-from pipenav.task.reward import StepFacts
+from pipenav.backends.messages import Reading
+from pipenav.robots.robot import load_robot
+from pipenav.tasks.reach import observation, reward
+from pipenav.tasks.reach.action import position_step, to_command
+from pipenav.tasks.reach.config import RewardConfig, TaskConfig
+from pipenav.tasks.reach.observation import Snapshot, canonical, layout, observe, scale_of
+from pipenav.tasks.reach.reward import StepFacts
 
 ROBOT = load_robot("basic")
 LEFT, RIGHT = np.ones(1), -np.ones(1)

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pipenav.deployment.telemetry import REMEMBERED, Telemetry, TelemetryFileError, read_telemetry
 from pipenav.errors import PipenavError
-from pipenav.telemetry import REMEMBERED, Telemetry, TelemetryFileError, read_telemetry
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 

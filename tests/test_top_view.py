@@ -9,12 +9,13 @@ from hypothesis import strategies as st
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
-from pipenav import top_view
-from pipenav.env import CornerEnv
-from pipenav.pipe import Pipe
-from pipenav.robot import load_robot
-from pipenav.top_view import Scene, contact_point, draw_scene, scene_pixels
-from pipenav.trajectory import Trajectory, TrajectoryHeader
+from pipenav.drawing import scene as drawn
+from pipenav.drawing.scene import Scene, contact_point, draw_scene, scene_pixels
+from pipenav.envs.gymnasium_env import CornerEnv
+from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
+from pipenav.pipes.corner import Pipe
+from pipenav.recording import film
+from pipenav.robots.robot import load_robot
 
 ROBOT = load_robot("basic")
 
@@ -35,8 +36,8 @@ def test_the_picture_shows_robot_wall_and_target_where_they_are() -> None:
     def near(x: float, y: float, name: str) -> bool:
         return np.abs(np.array(colour(x, y)) - np.array(to_rgb(name)) * 255).max() < 12
 
-    assert near(-0.30, 0.0, top_view.LINK)
-    assert near(0.0, 0.1, top_view.TARGET)
+    assert near(-0.30, 0.0, drawn.LINK)
+    assert near(0.0, 0.1, drawn.TARGET)
     assert near(-0.4, 0.052, "#4a5560")
     assert near(-0.4, -0.052, "#4a5560")
     assert near(-0.4, 0.2, "white")
@@ -53,12 +54,12 @@ def test_an_arrow_starts_at_the_contact_and_grows_with_the_force() -> None:
     one, two = arrow(5.0), arrow(10.0)
     assert np.array_equal(one[0], two[0])
     assert two[1] - two[0] == pytest.approx(2 * (one[1] - one[0]))
-    assert (two[1] - two[0])[1] == pytest.approx(10 * top_view.FORCE_SCALE)
+    assert (two[1] - two[0])[1] == pytest.approx(10 * drawn.FORCE_SCALE)
 
 
 def test_forces_too_small_for_an_arrow_have_none() -> None:
     axes = Figure().add_subplot()
-    small = 0.9 * top_view.LEAST_FORCE
+    small = 0.9 * drawn.LEAST_FORCE
     draw_scene(axes, scene(Pipe.of(100, 90), link_forces=np.full((4, 2), small / np.sqrt(2))))
     assert not [one for one in axes.patches if hasattr(one, "get_arrowstyle")]
 
@@ -90,6 +91,6 @@ def test_a_trajectorys_beams_are_those_that_the_laser_would_read() -> None:
         env.step(np.array([1.0, 0.2, 0.1, 0.3], np.float32))
     batch, episodes = env.batch, env._corners.episodes[0]
     header = TrajectoryHeader(robot="basic", pipe=episodes.pipes[0], base_m=float(episodes.base[0]), stage="front")
-    shown = top_view.scene_of(Trajectory(header, ROBOT, batch.q), 0)
+    shown = film.scene_of(Trajectory(header, ROBOT, batch.q), 0)
     assert shown.ranges == pytest.approx(batch.snapshot.ranges[0, ::-1])
     env.close()

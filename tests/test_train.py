@@ -17,12 +17,12 @@ import torch
 
 from pipenav.cli import main
 from pipenav.errors import PipenavError
-from pipenav.pipe import Pipe
-from pipenav.policy import load_policy
-from pipenav.run_folder import PROGRESS_COLUMNS, RunFolder, default_run_path
-from pipenav.train import Outcome, train
-from pipenav.train_config import TrainConfig, load_config
-from pipenav.training_watch import TrainingDiverged
+from pipenav.learning.callback import TrainingDiverged
+from pipenav.learning.config import TrainConfig, load_config
+from pipenav.learning.run_folder import PROGRESS_COLUMNS, RunFolder, default_run_path
+from pipenav.learning.train import Outcome, train
+from pipenav.pipes.corner import Pipe
+from pipenav.policies.policy import load_policy
 
 TINY = {
     "pipes": ["d=100,angle=90"],
@@ -186,7 +186,7 @@ class Poisoned:
 
 
 def test_a_value_that_is_not_finite_stops_the_training(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    import pipenav.train as module
+    import pipenav.learning.train as module
 
     real: Callable[..., Any] = module.open_backend
     monkeypatch.setattr(module, "open_backend", lambda *given: Poisoned(real(*given), 60))
@@ -280,7 +280,7 @@ def test_a_disk_that_is_full_is_one_line(
     def full(*_: Any) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("pipenav.files._write_draft", full)
+    monkeypatch.setattr("pipenav.storage.atomic_files._write_draft", full)
     assert "cannot write" in (said := refused(capsys, "--out", str(tmp_path / "run")))
     assert "No space left on device." in said
     assert not list((tmp_path / "run").iterdir())

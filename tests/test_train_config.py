@@ -9,9 +9,9 @@ import pytest
 
 from pipenav.cli import main
 from pipenav.errors import PipenavError
-from pipenav.robot import load_robot
-from pipenav.tasks import kind_of
-from pipenav.train_config import DEFAULT_PRESET, load_config, preset_names, validate_config
+from pipenav.learning.config import DEFAULT_PRESET, load_config, preset_names, validate_config
+from pipenav.robots.robot import load_robot
+from pipenav.tasks.registry import kind_of
 
 THESIS = [name for name in preset_names() if name.startswith("thesis")]
 

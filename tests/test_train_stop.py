@@ -14,9 +14,9 @@ from pathlib import Path
 
 import pytest
 
-from pipenav.policy import load_policy
-from pipenav.run_folder import PROGRESS_COLUMNS, RunFolder
-from pipenav.train import train
+from pipenav.learning.run_folder import PROGRESS_COLUMNS, RunFolder
+from pipenav.learning.train import train
+from pipenav.policies.policy import load_policy
 
 SETTINGS = (
     "learner.robots=16",
@@ -88,7 +88,7 @@ def test_stop_signals_save_and_leave_by_130(start: Callable[..., subprocess.Pope
 
 FORKS = """
 import os, sys
-import pipenav.training_watch, pipenav.train  # once for all: this takes longer than what is tested
+import pipenav.learning.callback, pipenav.learning.train  # once for all: this takes longer than what is tested
 from pipenav.cli import main
 
 for out in sys.argv[1].split(":"):

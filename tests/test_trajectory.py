@@ -13,9 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipenav.errors import PipenavError, UnknownName
-from pipenav.pipe import Pipe
-from pipenav.robot import load_robot
-from pipenav.trajectory import (
+from pipenav.motions.trajectory import (
     PREFIX,
     Trajectory,
     TrajectoryFileError,
@@ -23,6 +21,8 @@ from pipenav.trajectory import (
     read_trajectory,
     write_trajectory,
 )
+from pipenav.pipes.corner import Pipe
+from pipenav.robots.robot import load_robot
 
 ROBOT = load_robot("basic")
 PIPES = st.builds(

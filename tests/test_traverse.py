@@ -11,27 +11,27 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from pipenav.backend import Backend
-from pipenav.batch import random_episodes
-from pipenav.clearance import clearance
-from pipenav.disturbance import Disturbance
-from pipenav.disturbed import DisturbedBackend
+from pipenav.backends.backend import Backend
+from pipenav.backends.messages import Command, Reading, Truth
+from pipenav.backends.registry import open_backend
+from pipenav.disturbances.disturbance import Disturbance
+from pipenav.disturbances.disturbed_backend import DisturbedBackend
 from pipenav.errors import PipenavError
-from pipenav.pipe import Pipe
-from pipenav.registry import open_backend
-from pipenav.robot import load_robot
-from pipenav.state import Command, Reading, Truth
-from pipenav.task.config import TaskConfig
-from pipenav.task.episode import Verdict
-from pipenav.tasks import kind_of, scale_of
+from pipenav.pipes.corner import Pipe
+from pipenav.policies.baselines.wall_distance import clearance
+from pipenav.robots.robot import load_robot
+from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.registry import kind_of, scale_of
+from pipenav.tasks.sampling import random_episodes
+from pipenav.tasks.traverse import observation
+from pipenav.tasks.traverse.batch import TraverseBatch
+from pipenav.tasks.traverse.config import TraverseConfig, TraverseReward
+from pipenav.tasks.traverse.episode import GRAVITY, TraverseEpisodes, sample
+from pipenav.tasks.traverse.outcome import Facts, Judge, reward
+from pipenav.tasks.traverse.progress import Ways, waypoints
 from pipenav.testing import KinematicBackend
 from pipenav.testing.kinematic import KinematicOptions
-from pipenav.traverse import observation
-from pipenav.traverse.batch import TraverseBatch
-from pipenav.traverse.config import TraverseConfig, TraverseReward
-from pipenav.traverse.judge import Facts, Judge, reward
-from pipenav.traverse.start import GRAVITY, TraverseEpisodes, sample
-from pipenav.traverse.way import Ways, waypoints
 
 Array = NDArray[np.float64]
 

@@ -10,12 +10,12 @@ import pytest
 from command import run
 
 from pipenav.errors import PipenavError
-from pipenav.pipe_run_set import parse_runs
-from pipenav.policy import load_policy
-from pipenav.records import read_evaluation
-from pipenav.robot import load_robot
-from pipenav.task.episode import Verdict
-from pipenav.trajectory import read_trajectory
+from pipenav.evaluation.results import read_evaluation
+from pipenav.motions.trajectory import read_trajectory
+from pipenav.pipes.route_sets import parse_runs
+from pipenav.policies.policy import load_policy
+from pipenav.robots.robot import load_robot
+from pipenav.tasks.outcome import Verdict
 
 TINY = {
     "learner.robots": 4,

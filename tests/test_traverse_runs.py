@@ -11,26 +11,27 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from pipenav import any_pipe, kinematics
-from pipenav.any_pipe import AnyPipe
-from pipenav.backend import Backend, BackendOptions
-from pipenav.disturbance import load_disturbance
-from pipenav.disturbed import disturbed
-from pipenav.episode_runner import random_start
+from pipenav.backends.backend import Backend, BackendOptions
+from pipenav.backends.messages import Command, Reading, Truth
+from pipenav.backends.registry import open_backend
+from pipenav.disturbances.disturbance import load_disturbance
+from pipenav.disturbances.disturbed_backend import disturbed
 from pipenav.errors import PipenavError
-from pipenav.pipe import Pipe
-from pipenav.pipe_run import CrossesItself, PipeRun
-from pipenav.pipe_run_set import parse_any
-from pipenav.registry import open_backend
-from pipenav.robot import load_robot
-from pipenav.state import Command, Reading, Truth
-from pipenav.task.episode import Verdict
-from pipenav.tasks import scale_of
-from pipenav.traverse import observation
-from pipenav.traverse.batch import TraverseBatch
-from pipenav.traverse.config import TraverseConfig
-from pipenav.traverse.start import TraverseEpisodes, parse_planar, sample, with_room
-from pipenav.traverse.way import Ways, waypoints
+from pipenav.evaluation.episode_runner import random_start
+from pipenav.pipes import queries
+from pipenav.pipes.corner import Pipe
+from pipenav.pipes.queries import AnyPipe
+from pipenav.pipes.route import CrossesItself, PipeRun
+from pipenav.pipes.route_sets import parse_any
+from pipenav.robots import kinematics
+from pipenav.robots.robot import load_robot
+from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.registry import scale_of
+from pipenav.tasks.traverse import observation
+from pipenav.tasks.traverse.batch import TraverseBatch
+from pipenav.tasks.traverse.config import TraverseConfig
+from pipenav.tasks.traverse.episode import TraverseEpisodes, parse_planar, sample, with_room
+from pipenav.tasks.traverse.progress import Ways, waypoints
 
 Array = NDArray[np.float64]
 
@@ -90,7 +91,7 @@ def test_corners_end_one_after_the_other_and_turn_to_the_side_that_the_run_turns
     assert np.all(np.diff(ways.end[0, :-1]) > 0)
     direction = np.diff(run.centre_line[:, :2], axis=0)
     cross = direction[:-1, 0] * direction[1:, 1] - direction[:-1, 1] * direction[1:, 0]
-    assert any_pipe.turn_sides(run) == pytest.approx(np.sign(cross))
+    assert queries.turn_sides(run) == pytest.approx(np.sign(cross))
     assert ways.side[0, :-1] == pytest.approx(np.sign(cross))
 
 
@@ -198,8 +199,8 @@ def test_a_run_and_its_mirror_image_are_seen_and_driven_alike_through_all_corner
 def test_the_side_is_that_of_the_first_corner_that_the_middle_has_not_passed(run: AnyPipe) -> None:
     assert isinstance(run, PipeRun)
     ghost, robots = carried([run])
-    sides, scale = any_pipe.turn_sides(run), scale_of(ROBOT, CONFIG)
-    ends = run.places[1:-1] + any_pipe.inner_edges(run)
+    sides, scale = queries.turn_sides(run), scale_of(ROBOT, CONFIG)
+    ends = run.places[1:-1] + queries.inner_edges(run)
     around, before, corner = np.array([0.0, *sides, 0.0]), sides[0], 0
     for at in np.linspace(-1.0, run.places[-1], 60):
         ghost.tail[:] = at
@@ -229,7 +230,7 @@ def test_a_corner_that_was_passed_stays_passed_where_the_robot_slides_back() -> 
 
 def test_a_run_is_passed_with_the_tail_past_the_last_corner_and_has_time_for_every_corner() -> None:
     run = PipeRun.of(100, [(90, "left", 0), (90, "right", 0), (70, "left", 0)], [1000, 800, 800, 1000])
-    end = run.places[-2] + any_pipe.inner_edges(run)[-1] + CONFIG.through
+    end = run.places[-2] + queries.inner_edges(run)[-1] + CONFIG.through
     config = CONFIG.model_copy(update={"max_steps": 20})
     for last, verdict, steps in ((end + 1e-6, Verdict.REACHED, 50), (end - 1e-6, Verdict.TIMEOUT, 60)):
         ghost, robots = carried([run], config)
@@ -260,7 +261,7 @@ def test_starts_in_runs_lie_free_in_the_first_straight(run: AnyPipe, seed: int) 
     start = sample(ROBOT, CONFIG, [run], np.random.default_rng(seed))
     points = waypoints(ROBOT, start.q)[0] + [start.base[0], 0.0]
     assert np.abs(points[:, 1]).max() <= run.radius - ROBOT.width / 2 + 1e-9
-    assert -points[-1, 0] - any_pipe.inner_edges(run)[0] == pytest.approx(0.08, abs=0.02 + 1e-9)
+    assert -points[-1, 0] - queries.inner_edges(run)[0] == pytest.approx(0.08, abs=0.02 + 1e-9)
     assert start.pipes[0] == run  # whose ends are long enough
     assert isinstance(run, PipeRun)
     assert points[0, 0] >= -run.straights[0]
@@ -281,7 +282,7 @@ def test_a_run_that_leaves_the_plane_is_refused() -> None:
         parse_planar(["runs-rolled"])
     assert len(parse_planar(["runs-level", "d=90,angle=90"])) == 25
     rolled_over = PipeRun.of(100, [(90, "left", 180)])
-    assert any_pipe.turn_sides(rolled_over) == [-1.0]
+    assert queries.turn_sides(rolled_over) == [-1.0]
 
 
 def test_what_goes_wrong_in_a_run_is_drawn_by_its_corners() -> None:

@@ -30,8 +30,8 @@ def _plugins() -> Table:
     from rich.table import Table
     from rich.text import Text
 
+    from pipenav.backends.registry import NONE_INSTALLED, availability, find_backends
     from pipenav.errors import PipenavError
-    from pipenav.registry import NONE_INSTALLED, availability, find_backends
 
     if not find_backends():
         raise PipenavError("{}; {}.".format(*NONE_INSTALLED))
@@ -48,7 +48,7 @@ def _settings(name: str) -> Table:
     from rich.table import Table
     from rich.text import Text
 
-    from pipenav.registry import load_backend
+    from pipenav.backends.registry import load_backend
 
     table = Table("setting", "default", "meaning", box=None, pad_edge=False)
     for key, field in load_backend(name).Options.model_fields.items():

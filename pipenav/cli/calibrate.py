@@ -10,8 +10,8 @@ import typer
 from pipenav.errors import PipenavError
 
 if TYPE_CHECKING:
-    from pipenav.machine import Calibrator
-    from pipenav.robot import RobotSpec
+    from pipenav.backends.real_robot import Calibrator
+    from pipenav.robots.robot import RobotSpec
 
 
 def calibrate(
@@ -32,10 +32,10 @@ def calibrate(
 
         pipenav calibrate --port /dev/ttyUSB0 --write-servos
     """
-    from pipenav.deploy import guarded
-    from pipenav.files import atomic_write
-    from pipenav.machine import load_machine
-    from pipenav.robot import load_robot
+    from pipenav.backends.real_robot import load_machine
+    from pipenav.deployment.loop import guarded
+    from pipenav.robots.robot import load_robot
+    from pipenav.storage.atomic_files import atomic_write
 
     ports = {"servos": port, "scanner": scanner_port} | ({"front": front_port} if front_port else {})
     spec = load_robot(robot)

@@ -12,7 +12,7 @@ from pipenav.cli import table_console
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from pipenav.agreement import Check
+    from pipenav.comparison.agreement import Check
 
 
 def compare_backends(
@@ -35,11 +35,11 @@ def compare_backends(
     """
     from rich.console import Console
 
-    from pipenav.agreement import checks, compare
-    from pipenav.agreement_figures import free_motion_figure, passages_figure, walls_figure
-    from pipenav.files import atomic_write_all, prepare_folder
-    from pipenav.report_figures import png
-    from pipenav.robot import load_robot
+    from pipenav.comparison.agreement import checks, compare
+    from pipenav.comparison.figures import free_motion_figure, passages_figure, walls_figure
+    from pipenav.drawing.style import png
+    from pipenav.robots.robot import load_robot
+    from pipenav.storage.atomic_files import atomic_write_all, prepare_folder
 
     spec, names = load_robot(robot), (reference, other)
     folder = prepare_folder(out or Path("runs") / f"compare-{other}-{spec.name}")

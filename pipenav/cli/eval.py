@@ -5,12 +5,13 @@ from __future__ import annotations
 import os
 from contextlib import suppress
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from pipenav.cli.options import parse_options
 from pipenav.errors import PipenavError
 
 STAGE_HELP = (
@@ -28,7 +29,7 @@ def evaluate(
             help="best.zip, a shipped policy's name, or baseline:random, :centreline, :sequence, :sequence-line."
         ),
     ] = None,
-    # The names of pipenav.evaluate.StageName and pipenav.locate.Variant, whose import would slow down --help.
+    # The names of pipenav.evaluation.evaluate.StageName and pipenav.locating.locator.Variant, whose import would slow down --help.
     stage: Annotated[
         Literal["front", "front-rear", "locate", "passage", "traverse"] | None, typer.Option(help=STAGE_HELP)
     ] = None,
@@ -79,9 +80,9 @@ def evaluate(
 
         pipenav eval --policy arm --disturb real-world
     """
-    from pipenav.evaluate import EvaluationRun
-    from pipenav.files import prepare_folder
-    from pipenav.report import evaluation_table, write_evaluation
+    from pipenav.evaluation.evaluate import EvaluationRun
+    from pipenav.evaluation.report import evaluation_table, write_evaluation
+    from pipenav.storage.atomic_files import prepare_folder
 
     names = pipes or ["working-range"]
     options = parse_options(option or [])
@@ -116,19 +117,6 @@ def evaluate(
     write_evaluation(folder, evaluation)
     console.print(evaluation_table(evaluation))
     console.print(f"evaluation folder {folder}: eval.json, eval.csv, success.png, map.png")
-
-
-def parse_options(given: list[str]) -> dict[str, Any]:
-    """`key=value` texts as a table; values as in TOML."""
-    from pipenav.train_config import toml_value
-
-    options = {}
-    for text in given:
-        key, equals, value = text.partition("=")
-        if not equals:
-            raise PipenavError(f"option {text!r} has no value: write it as key=value, for example timestep=0.001.")
-        options[key.strip()] = toml_value(value.strip())
-    return options
 
 
 def _default_folder(policy: str | None, stage: str | None, robot: str, variant: str, pipes: list[str]) -> Path:

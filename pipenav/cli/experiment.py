@@ -13,7 +13,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from pipenav.experiments.run import Job, Plan
+    from pipenav.experiments.runner import Job, Plan
 
 
 def experiment(
@@ -41,11 +41,11 @@ def experiment(
 
         pipenav experiment a --seeds 1 --steps 20000 --episodes 4 --out runs/quick-look
     """
+    from pipenav.backends.registry import load_backend
     from pipenav.cli.signals import stop_signals
     from pipenav.experiments.definition import chosen
     from pipenav.experiments.report import write_report
-    from pipenav.experiments.run import Settings, add_elapsed, evaluation_jobs, open_plan, training_jobs
-    from pipenav.registry import load_backend
+    from pipenav.experiments.runner import Settings, add_elapsed, evaluation_jobs, open_plan, training_jobs
 
     experiments = chosen(name)
     load_backend(backend)
@@ -75,7 +75,7 @@ def _run_round(
     console: Console, what: str, jobs: list[Job], processes: int, stopped: Callable[[], bool]
 ) -> tuple[bool, float]:
     """Run a round's jobs under a progress bar: whether all were done, and the seconds that they took."""
-    from pipenav.experiments.run import run_jobs
+    from pipenav.experiments.runner import run_jobs
 
     columns = (
         TextColumn("{task.description}"),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pipenav.pipe import (
+from pipenav.pipes.corner import (
     ANGLE_RANGE_DEG,
     BEND_RADIUS_MAX_MM,
     DEFAULT_WALL,
@@ -19,7 +19,7 @@ from pipenav.pipe import (
 from pipenav.units import m_to_mm, rad_to_deg
 
 if TYPE_CHECKING:
-    from pipenav.pipe_run import PipeRun
+    from pipenav.pipes.route import PipeRun
 
 DIAMETER_HELP = f"Inner diameter in mm, {DIAMETER_RANGE_MM[0]:g} to {DIAMETER_RANGE_MM[1]:g}."
 ANGLE_HELP = (
@@ -70,7 +70,7 @@ def gen_pipe(
     if d is None or angle is None:
         missing = " and ".join(f"--{name}" for name, given in (("d", d), ("angle", angle)) if given is None)
         raise typer.BadParameter(f"{missing} missing: give --d and --angle for one corner, or --run FILE for a run.")
-    from pipenav.pipe_export import FILES, write_pipe_folder
+    from pipenav.export.corner_folder import FILES, write_pipe_folder
 
     pipe = Pipe.of(d, angle, turn, bend_radius, leg, wall)
     _report(write_pipe_folder(pipe, out), FILES, _key_dimensions(pipe))
@@ -86,8 +86,8 @@ def _refuse_options_of_one_corner(context: typer.Context) -> None:
 
 
 def _make_run(text: str, out: Path) -> None:
-    from pipenav.pipe_run_export import run_files, write_run_folder
-    from pipenav.pipe_run_set import parse_run
+    from pipenav.export.route_folder import run_files, write_run_folder
+    from pipenav.pipes.route_sets import parse_run
 
     name, run = parse_run(text)
     _report(write_run_folder(run, name, out), run_files(run), _key_dimensions_of_run(run))

@@ -12,7 +12,7 @@ from rich.console import Console
 from pipenav.errors import PipenavError
 
 if TYPE_CHECKING:
-    from pipenav.machine import Finding
+    from pipenav.backends.real_robot import Finding
 
 STYLES = {"ok": "green", "warning": "yellow", "problem": "red"}
 
@@ -26,8 +26,8 @@ def hw_check(
 
         pipenav hw-check --arm arm.toml
     """
-    from pipenav.machine import load_machine
-    from pipenav.registry import check_options
+    from pipenav.backends.real_robot import load_machine
+    from pipenav.backends.registry import check_options
 
     kind = load_machine()
     problems = show_findings(Console(), kind.check(check_options("hardware", kind, {"arm": str(arm)})))

@@ -13,8 +13,8 @@ from pipenav.errors import PipenavError
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from pipenav.pipe import Pipe
-    from pipenav.rollout import Located
+    from pipenav.pipes.corner import Pipe
+    from pipenav.recording.record import Located
 
 VARIANT_HELP = "map: the beams' ends are fitted to a corner; thesis: the method exactly as printed, eq 3.16 to 3.19."
 PIPES_HELP = "Instead: shipped set, FILE.toml or d=90,angle=60[,turn=right]; repeatable."
@@ -32,7 +32,7 @@ def locate_target(
     pipes: Annotated[list[str] | None, typer.Option(help=PIPES_HELP)] = None,
     robot: Annotated[str, typer.Option(help="Robot; see `pipenav robots`.")] = "basic",
     backend: Annotated[str, typer.Option(help="Simulator backend; see `pipenav backends`.")] = "mujoco",
-    # The names of pipenav.locate.Variant, whose import would slow down --help.
+    # The names of pipenav.locating.locator.Variant, whose import would slow down --help.
     variant: Annotated[Literal["map", "thesis"], typer.Option(help=VARIANT_HELP)] = "map",
     seed: Annotated[int, typer.Option(min=0, help="Seed of the start, as in `pipenav eval`.")] = 0,
     option: Annotated[list[str] | None, typer.Option(help="Backend setting, key=value; repeatable.")] = None,
@@ -55,12 +55,12 @@ def locate_target(
     """
     from rich.progress import track
 
-    from pipenav.cli.eval import parse_options
-    from pipenav.files import prepare_folder
-    from pipenav.registry import check_options, load_backend
-    from pipenav.robot import load_robot
-    from pipenav.rollout import Simulator, record_locate
-    from pipenav.task.episode import check_fits
+    from pipenav.backends.registry import check_options, load_backend
+    from pipenav.cli.options import parse_options
+    from pipenav.recording.record import Simulator, record_locate
+    from pipenav.robots.robot import load_robot
+    from pipenav.storage.atomic_files import prepare_folder
+    from pipenav.tasks.reach.episode import check_fits
 
     wanted = _pipes(d, angle, turn, pipes or [])
     spec, options = load_robot(robot), parse_options(option or [])
@@ -81,8 +81,8 @@ def locate_target(
 
 
 def _pipes(d: float | None, angle: float | None, turn: str | None, sets: list[str]) -> list[Pipe]:
-    from pipenav.pipe import Pipe
-    from pipenav.pipe_set import parse_pipes
+    from pipenav.pipes.corner import Pipe
+    from pipenav.pipes.corner_sets import parse_pipes
 
     if sets and (d, angle, turn) != (None, None, None):
         raise PipenavError("one pipe or a set, not both: give --d and --angle (and --turn), or --pipes.")
@@ -94,10 +94,10 @@ def _pipes(d: float | None, angle: float | None, turn: str | None, sets: list[st
 
 
 def _write(folder: Path, located: Located) -> None:
-    from pipenav.files import atomic_write
-    from pipenav.locate_figure import locate_figure
-    from pipenav.report_figures import png
-    from pipenav.trajectory import write_trajectory
+    from pipenav.drawing.style import png
+    from pipenav.motions.trajectory import write_trajectory
+    from pipenav.recording.locate_figure import locate_figure
+    from pipenav.storage.atomic_files import atomic_write
 
     name = f"locate-{located.trajectory.header.pipe.name}"
     write_trajectory(folder / f"{name}.csv", located.trajectory)
@@ -111,8 +111,8 @@ def _cells(located: Located) -> list[str]:
     """What came of one pipe, a cell for each of `HEADINGS`."""
     import numpy as np
 
-    from pipenav.any_pipe import single_corner
-    from pipenav.locate_stage import inside_second_leg
+    from pipenav.evaluation.locate_stage import inside_second_leg
+    from pipenav.pipes.queries import single_corner
     from pipenav.units import m_to_mm
 
     trajectory = located.trajectory

@@ -10,7 +10,7 @@ import typer
 from pipenav.errors import PipenavError
 
 if TYPE_CHECKING:
-    from pipenav.trajectory import Trajectory
+    from pipenav.motions.trajectory import Trajectory
 
 
 def mirror_rear(
@@ -44,9 +44,9 @@ def mirror_rear(
     """
     from rich.console import Console
 
-    from pipenav.mirror import hand_over, plan_rear
-    from pipenav.robot import load_robot
-    from pipenav.trajectory import read_trajectory, write_trajectory
+    from pipenav.motions.mirror import hand_over, plan_rear
+    from pipenav.motions.trajectory import read_trajectory, write_trajectory
+    from pipenav.robots.robot import load_robot
     from pipenav.units import m_to_mm, rad_to_deg
 
     if record is not None and not replay:
@@ -72,9 +72,9 @@ def mirror_rear(
 
 def _replay(plan: Trajectory, backend: str, options: list[str]) -> tuple[Trajectory, str]:
     """What the arm did, and the same in a sentence."""
-    from pipenav.cli.eval import parse_options
-    from pipenav.registry import check_options, load_backend
-    from pipenav.rollout import Simulator, record_rear, tracking
+    from pipenav.backends.registry import check_options, load_backend
+    from pipenav.cli.options import parse_options
+    from pipenav.recording.record import Simulator, record_rear, tracking
     from pipenav.units import m_to_mm, rad_to_deg
 
     parsed = parse_options(options)

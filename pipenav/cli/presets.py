@@ -5,7 +5,7 @@ from __future__ import annotations
 from rich.console import Console
 from rich.table import Table
 
-from pipenav.train_config import load_config, preset_names
+from pipenav.learning.config import load_config, preset_names
 
 
 def presets() -> None:

@@ -23,11 +23,11 @@ def replay(
 
         pipenav replay runs/real-1/telemetry.jsonl --draw run.png
     """
-    from pipenav.files import atomic_write
-    from pipenav.policy import load_policy
-    from pipenav.replay import POLICY_COPY
-    from pipenav.replay import replay as run_again
-    from pipenav.run_picture import run_picture
+    from pipenav.deployment.picture import run_picture
+    from pipenav.deployment.replay import POLICY_COPY
+    from pipenav.deployment.replay import replay as run_again
+    from pipenav.policies.policy import load_policy
+    from pipenav.storage.atomic_files import atomic_write
 
     result, recording = run_again(log)
     if draw is not None:

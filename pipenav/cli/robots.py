@@ -12,8 +12,8 @@ from pipenav.cli import table_console
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from pipenav.robot import RobotSpec
-    from pipenav.robot_parts import Joint, Laser
+    from pipenav.robots.parts import Joint, Laser
+    from pipenav.robots.robot import RobotSpec
 
 
 def robots(
@@ -30,7 +30,7 @@ def robots(
 
     The links of one robot, also as meshes: pipenav robots high-fidelity --out meshes
     """
-    from pipenav.robot import load_robot
+    from pipenav.robots.robot import load_robot
 
     if name is None:
         if out is not None:
@@ -42,7 +42,7 @@ def robots(
     parts = [robot.description, _links(robot), _wheels(robot), f"laser: {_laser(robot.laser)}"]
     console.print(*filter(None, parts), sep="\n", markup=False)
     if out is not None:
-        from pipenav.robot_mesh import write_meshes
+        from pipenav.robots.meshes import write_meshes
 
         console.print(f"Made {', '.join(str(path) for path in write_meshes(robot, out))}", markup=False)
 
@@ -51,7 +51,7 @@ def _all_robots() -> Table:
     from rich.table import Table
     from rich.text import Text
 
-    from pipenav.robot import load_robot, robot_names
+    from pipenav.robots.robot import load_robot, robot_names
     from pipenav.units import m_to_mm
 
     table = Table("robot", "joints", box=None, pad_edge=False)

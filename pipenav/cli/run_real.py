@@ -13,11 +13,11 @@ from rich.console import Console
 from pipenav.errors import PipenavError
 
 if TYPE_CHECKING:
-    from pipenav.backend import BackendOptions
-    from pipenav.machine import Machine
-    from pipenav.pipe import Pipe, Turn
-    from pipenav.real_run import Ending, Plan
-    from pipenav.run_parts import Place
+    from pipenav.backends.backend import BackendOptions
+    from pipenav.backends.real_robot import Machine
+    from pipenav.deployment.session import Ending, Plan
+    from pipenav.deployment.trajectories import Place
+    from pipenav.pipes.corner import Pipe, Turn
 
 DRY_RUN_TICKS = 100
 """How long a dry run lasts where nobody says [ticks]: ten seconds."""
@@ -78,10 +78,10 @@ def run_real(
 
     Look before you move: pipenav run-real --policy best.zip --dry-run
     """
-    from pipenav.machine import load_machine
-    from pipenav.real_run import PASSED, Plan, execute, free_folder, policy_for
-    from pipenav.registry import check_options, open_backend
-    from pipenav.run_parts import Place
+    from pipenav.backends.real_robot import load_machine
+    from pipenav.backends.registry import check_options, open_backend
+    from pipenav.deployment.session import PASSED, Plan, execute, free_folder, policy_for
+    from pipenav.deployment.trajectories import Place
 
     if patience > 1 and not emulate:
         raise PipenavError("--patience would let a real arm run on when it must stop: it is for --emulate alone.")
@@ -127,7 +127,7 @@ def _drop_if_empty(folder: Path) -> None:
 
 
 def _pipe(d: float | None, angle: float | None, turn: str, emulate: bool) -> Pipe | None:
-    from pipenav.pipe import Pipe
+    from pipenav.pipes.corner import Pipe
 
     if emulate:
         return Pipe.of(d or 130.0, angle or 90.0, turn)
@@ -197,7 +197,7 @@ def _announce(console: Console, machine: Machine, plan: Plan, dry_run: bool) -> 
 
 
 def _with_view(console: Console, machine: Machine, plan: Plan, hold_on_stop: bool, execute: Any) -> Ending:
-    from pipenav.cli.run_view import RunView
+    from pipenav.cli.run_real_view import RunView
 
     with RunView(console, plan.policy.header.robot) as view:
         ending: Ending = execute(machine, plan, view, view.released if hold_on_stop else None)
@@ -206,8 +206,8 @@ def _with_view(console: Console, machine: Machine, plan: Plan, hold_on_stop: boo
 
 def _tell(console: Console, plan: Plan, ending: Ending, pipe: Pipe | None, place: Place | None) -> None:
     """The summary, the picture, and the motions as trajectories."""
-    from pipenav.real_run import TELEMETRY, located_place, pace, write_motions
-    from pipenav.telemetry import read_telemetry
+    from pipenav.deployment.session import TELEMETRY, located_place, pace, write_motions
+    from pipenav.deployment.telemetry import read_telemetry
 
     if not ending.last_ticks:
         return
@@ -239,7 +239,7 @@ def _show_last(console: Console, ticks: list[dict[str, Any]]) -> None:
 
 
 def _exit_of(ending: Ending) -> Exception:
-    from pipenav.deploy import Interrupted
+    from pipenav.deployment.loop import Interrupted
 
     stopped = ending.stopped
     assert stopped is not None

@@ -14,12 +14,12 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 
 from pipenav.cli.signals import stop_signals
 from pipenav.errors import PipenavError
-from pipenav.train_config import DEFAULT_PRESET, TrainConfig, load_config, validate_config
+from pipenav.learning.config import DEFAULT_PRESET, TrainConfig, load_config, validate_config
 
 if TYPE_CHECKING:
-    from pipenav.run_folder import RunFolder
-    from pipenav.train import Outcome
-    from pipenav.training_watch import Progress as TrainingProgress
+    from pipenav.learning.callback import Progress as TrainingProgress
+    from pipenav.learning.run_folder import RunFolder
+    from pipenav.learning.train import Outcome
 
 
 def train(
@@ -81,7 +81,7 @@ def _prepare(
     resume: Path | None,
 ) -> tuple[RunFolder, TrainConfig, str]:
     """The run folder and its configuration, new or to be resumed."""
-    from pipenav.run_folder import RunFolder, default_run_path
+    from pipenav.learning.run_folder import RunFolder, default_run_path
 
     if resume is not None:
         given = [preset, config, out, start, *settings, *(value for key, value in options.items() if key != "steps")]
@@ -103,9 +103,9 @@ def _prepare(
 
 def _check_names(config: TrainConfig) -> None:
     """Refuse unknown names, and a robot or a backend that cannot do it, before a folder is made for them."""
-    from pipenav.registry import check_options, load_backend
-    from pipenav.robot import load_robot
-    from pipenav.tasks import kind_of
+    from pipenav.backends.registry import check_options, load_backend
+    from pipenav.robots.robot import load_robot
+    from pipenav.tasks.registry import kind_of
 
     kind = kind_of(config.task)
     kind.check_robot(load_robot(config.robot))
@@ -115,9 +115,9 @@ def _check_names(config: TrainConfig) -> None:
 
 def _check_start(start: Path, config: TrainConfig) -> None:
     """Refuse a run whose weights do not fit the new one, before a folder is made for it."""
-    from pipenav.robot import load_robot
-    from pipenav.run_folder import RunFolder
-    from pipenav.tasks import scale_of
+    from pipenav.learning.run_folder import RunFolder
+    from pipenav.robots.robot import load_robot
+    from pipenav.tasks.registry import scale_of
 
     def interface(run: TrainConfig) -> tuple[object, ...]:
         scale = scale_of(load_robot(run.robot), run.task).tolist()
@@ -143,7 +143,7 @@ def _run(console: Console, config: TrainConfig, folder: RunFolder, resumed: bool
     )
     with stop_signals() as stopped, Progress(*columns, console=console) as bar:  # from here on a stop is not lost
         task = bar.add_task("loading the learner", total=config.steps)
-        from pipenav.train import train as run_training
+        from pipenav.learning.train import train as run_training
 
         bar.update(task, description="starting")
         last_line = [0.0]

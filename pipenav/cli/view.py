@@ -14,11 +14,11 @@ from pipenav.errors import PipenavError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from pipenav.any_pipe import AnyPipe
-    from pipenav.film import Progress
-    from pipenav.locate import Variant
-    from pipenav.rollout import Simulator
-    from pipenav.trajectory import Trajectory
+    from pipenav.locating.locator import Variant
+    from pipenav.motions.trajectory import Trajectory
+    from pipenav.pipes.queries import AnyPipe
+    from pipenav.recording.film import Progress
+    from pipenav.recording.record import Simulator
 
     Record = Callable[[AnyPipe, int, Simulator], Trajectory]
     Parse = Callable[[Sequence[str]], Sequence[AnyPipe]]
@@ -79,7 +79,7 @@ def view(
     """
     from rich.console import Console
 
-    from pipenav.any_pipe import leaves_plane
+    from pipenav.pipes.queries import leaves_plane
 
     if [policy is None, behaviour is None, not trajectory].count(False) != 1:
         raise PipenavError(
@@ -108,7 +108,7 @@ def _checked_outputs(
     out: list[Path] | None, live: bool, trajectory: list[Path] | None, pipes: list[str] | None
 ) -> list[Path]:
     """The files to write, each of a kind that can be written, before any work is done for them."""
-    from pipenav.film import SUFFIXES, check_suffix
+    from pipenav.recording.film import SUFFIXES, check_suffix
 
     for path in out or []:
         if path.suffix.lower() != TABLE:
@@ -128,10 +128,10 @@ def _checked_outputs(
 
 @contextmanager
 def _simulator(backend: str, options: list[str], live: bool) -> Iterator[Simulator]:
-    from pipenav.cli.eval import parse_options
-    from pipenav.live import live_window
-    from pipenav.registry import check_options, load_backend
-    from pipenav.rollout import Simulator
+    from pipenav.backends.registry import check_options, load_backend
+    from pipenav.cli.options import parse_options
+    from pipenav.recording.live import live_window
+    from pipenav.recording.record import Simulator
 
     parsed = parse_options(options)
     check_options(backend, load_backend(backend), parsed)
@@ -143,7 +143,7 @@ def _simulator(backend: str, options: list[str], live: bool) -> Iterator[Simulat
 
 
 def _few(pipes: Sequence[AnyPipe]) -> Sequence[AnyPipe]:
-    from pipenav.film import MAX_ROWS
+    from pipenav.recording.film import MAX_ROWS
 
     if len(pipes) > MAX_ROWS:
         raise PipenavError(f"{len(pipes)} pipes are too many to look at: name at most {MAX_ROWS}.")
@@ -151,9 +151,9 @@ def _few(pipes: Sequence[AnyPipe]) -> Sequence[AnyPipe]:
 
 
 def _policy(name: str, robot: str | None, seed: int) -> tuple[Parse, Record]:
-    from pipenav.controller import open_controller
-    from pipenav.rollout import record_task
-    from pipenav.tasks import kind_of
+    from pipenav.policies.controller import open_controller
+    from pipenav.recording.record import record_task
+    from pipenav.tasks.registry import kind_of
 
     controller = open_controller(name, robot, seed)
     return kind_of(controller.task).parse_tried, lambda pipe, episode, simulator: record_task(
@@ -172,11 +172,11 @@ def _view_in_space(
     console: Console,
 ) -> None:
     """Draw one run that leaves the plane."""
-    from pipenav.controller import open_controller
-    from pipenav.film import SUFFIXES, check_suffix
-    from pipenav.pipe_run import PipeRun
-    from pipenav.spatial.picture import draw_in_space
-    from pipenav.spatial.recording import record_in_space
+    from pipenav.pipes.route import PipeRun
+    from pipenav.policies.controller import open_controller
+    from pipenav.recording.film import SUFFIXES, check_suffix
+    from pipenav.recording.record_rolling import record_in_space
+    from pipenav.recording.rolling_film import draw_in_space
 
     (run, *others) = runs
     if others or not isinstance(run, PipeRun):
@@ -194,10 +194,10 @@ def _view_in_space(
 
 
 def _locating(behaviour: str, robot: str | None, seed: int) -> tuple[Parse, Record]:
-    from pipenav.any_pipe import single_corner
-    from pipenav.pipe_set import parse_pipes
-    from pipenav.robot import load_robot
-    from pipenav.rollout import record_locate
+    from pipenav.pipes.corner_sets import parse_pipes
+    from pipenav.pipes.queries import single_corner
+    from pipenav.recording.record import record_locate
+    from pipenav.robots.robot import load_robot
 
     spec, variant = load_robot(robot or "basic"), cast("Variant", behaviour.removeprefix("locate:"))
     return (
@@ -209,9 +209,9 @@ def _locating(behaviour: str, robot: str | None, seed: int) -> tuple[Parse, Reco
 
 
 def _read(paths: list[Path], robot: str | None, simulator: Simulator | None) -> list[Trajectory]:
-    from pipenav.live import play
-    from pipenav.robot import load_robot
-    from pipenav.trajectory import read_trajectory
+    from pipenav.motions.trajectory import read_trajectory
+    from pipenav.recording.live import play
+    from pipenav.robots.robot import load_robot
 
     spec = None if robot is None else load_robot(robot)
     read = [read_trajectory(path, spec) for path in paths]
@@ -229,8 +229,8 @@ def _sentence(trajectory: Trajectory) -> str:
 
 
 def _write(path: Path, trajectories: list[Trajectory], console: Console) -> None:
-    from pipenav.film import write_film
-    from pipenav.trajectory import write_trajectory
+    from pipenav.motions.trajectory import write_trajectory
+    from pipenav.recording.film import write_film
 
     if path.suffix.lower() == TABLE:
         if len(trajectories) > 1:

@@ -9,10 +9,10 @@ from typing import Any, Self
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, model_validator
 
 from pipenav.errors import ConfigError, UnknownName
-from pipenav.evaluate import StageName
-from pipenav.files import read_toml
-from pipenav.locate import Variant
-from pipenav.train_config import TrainConfig, load_config
+from pipenav.evaluation.evaluate import StageName
+from pipenav.learning.config import TrainConfig, load_config
+from pipenav.locating.locator import Variant
+from pipenav.storage.atomic_files import read_toml
 
 FOLDER = Path(__file__).parent
 ALL = "all"

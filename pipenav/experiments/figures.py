@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from pipenav.drawing.style import INK, MARKERS, heading, plain
 from pipenav.errors import FileProblem
-from pipenav.experiments.run import Plan, resolved_agent
+from pipenav.evaluation.results import Evaluation, PipeRecord
+from pipenav.experiments.runner import Plan, resolved_agent
 from pipenav.experiments.tables import PHASES, Phase, Result
-from pipenav.records import Evaluation, PipeRecord
-from pipenav.report_figures import INK, MARKERS, heading, plain, progress_columns
-from pipenav.run_folder import RunFolder
+from pipenav.learning.figures import progress_columns
+from pipenav.learning.run_folder import RunFolder
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from pipenav.experiments.definition import load_experiment
 from pipenav.experiments.tables import Result
-from pipenav.locate import LocateConfig
+from pipenav.locating.locator import LocateConfig
 from pipenav.units import rad_to_deg
 
 NOTICEABLE = 2.0

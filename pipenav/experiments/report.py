@@ -7,13 +7,13 @@ import html
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from pipenav.drawing.style import png
 from pipenav.experiments.definition import agents_of, load_agents, load_experiment
 from pipenav.experiments.figures import success_figure, training_figure
 from pipenav.experiments.findings import paragraph
-from pipenav.experiments.run import TRAINED_FILE, Plan, elapsed, read_number
+from pipenav.experiments.runner import TRAINED_FILE, Plan, elapsed, read_number
 from pipenav.experiments.tables import Line, Result, results
-from pipenav.files import Content, atomic_write_all
-from pipenav.report_figures import png
+from pipenav.storage.atomic_files import Content, atomic_write_all
 
 INTRODUCTION = (
     "Success in percent, mean over the corner angles of one diameter (55 to 125 deg in steps of 5). Ours is the mean"

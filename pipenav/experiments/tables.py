@@ -6,10 +6,10 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
+from pipenav.evaluation.results import DiameterRecord, Evaluation
+from pipenav.evaluation.thesis import thesis_rows
 from pipenav.experiments.definition import Row, load_experiment
-from pipenav.experiments.run import Plan, evaluations
-from pipenav.records import DiameterRecord, Evaluation
-from pipenav.thesis import thesis_rows
+from pipenav.experiments.runner import Plan, evaluations
 
 Phase = Literal["located", "front", "rear", "whole"]
 

@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipenav.backend import Backend
-from pipenav.pipe import Pipe
-from pipenav.registry import check_options, open_backend
-from pipenav.robot import RobotSpec, load_robot
-from pipenav.state import Command, Control
+from pipenav.backends.backend import Backend
+from pipenav.backends.messages import Command, Control
+from pipenav.backends.registry import check_options, open_backend
+from pipenav.pipes.corner import Pipe
+from pipenav.robots.robot import RobotSpec, load_robot
 
 Array = NDArray[np.float64]
 

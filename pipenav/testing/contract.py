@@ -7,11 +7,11 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from pipenav import kinematics, laser
-from pipenav.backend import CONTROL_PERIOD, Backend
+from pipenav.backends.backend import CONTROL_PERIOD, Backend
+from pipenav.backends.messages import Command
 from pipenav.errors import PipenavError
-from pipenav.pipe import Pipe
-from pipenav.state import Command
+from pipenav.pipes.corner import Pipe
+from pipenav.robots import kinematics, laser
 from pipenav.testing.bench import Bench, starts
 
 Array = NDArray[np.float64]

@@ -8,12 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from pipenav import backend, kinematics, laser
-from pipenav.any_pipe import AnyPipe
-from pipenav.backend import CONTROL_PERIOD, Backend
+from pipenav.backends import backend
+from pipenav.backends.backend import CONTROL_PERIOD, Backend
+from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.errors import PipenavError
-from pipenav.robot import RobotSpec
-from pipenav.state import Command, Reading, Truth
+from pipenav.pipes.queries import AnyPipe
+from pipenav.robots import kinematics, laser
+from pipenav.robots.robot import RobotSpec
 
 Array = NDArray[np.float64]
 

@@ -1,4 +1,4 @@
-"""The laws of a backend whose robots can differ from their description (`pipenav.backend.Variable`).
+"""The laws of a backend whose robots can differ from their description (`pipenav.backends.backend.Variable`).
 
 They hold trivially for a backend that does not offer it.
 """
@@ -10,9 +10,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from pipenav.backend import Backend, Variable, Variation
-from pipenav.pipe import Pipe
-from pipenav.state import Command
+from pipenav.backends.backend import Backend, Variable, Variation
+from pipenav.backends.messages import Command
+from pipenav.pipes.corner import Pipe
 from pipenav.testing.bench import Bench, starts
 
 Array = NDArray[np.float64]

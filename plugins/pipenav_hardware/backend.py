@@ -14,14 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from pipenav.any_pipe import AnyPipe
-from pipenav.backend import CONTROL_PERIOD, BackendOptions
+from pipenav.backends.backend import CONTROL_PERIOD, BackendOptions
+from pipenav.backends.messages import Command, Reading, Truth
+from pipenav.backends.real_robot import Calibrator, Emulated, Finding, Machine, Recoder, Sent
+from pipenav.backends.safety import Deadlines, Stopped
 from pipenav.errors import PipenavError
-from pipenav.machine import Calibrator, Emulated, Finding, Machine, Recoder, Sent
-from pipenav.pipe import Pipe
-from pipenav.robot import RobotSpec
-from pipenav.safety import Deadlines, Stopped
-from pipenav.state import Command, Reading, Truth
+from pipenav.pipes.corner import Pipe
+from pipenav.pipes.queries import AnyPipe
+from pipenav.robots.robot import RobotSpec
 from pipenav_hardware import packets, table
 from pipenav_hardware.arm_config import ArmConfig, load_arm
 from pipenav_hardware.calibrate import Calibration
@@ -56,7 +56,7 @@ class HardwareOptions(BackendOptions):
 
 
 class HardwareBackend(Machine):
-    """See `pipenav.machine.Machine`. Connecting only asks; `reset` switches torque on where the arm is."""
+    """See `pipenav.backends.real_robot.Machine`. Connecting only asks; `reset` switches torque on where the arm is."""
 
     Options = HardwareOptions
 
@@ -238,8 +238,8 @@ class HardwareBackend(Machine):
     def emulate(
         cls, robot: RobotSpec, pipe: Pipe, folder: Path, seed: int, faults: Sequence[Mapping[str, Any]]
     ) -> Iterator[Emulated]:
-        from pipenav.task import episode
-        from pipenav.task.config import TaskConfig
+        from pipenav.tasks.reach import episode
+        from pipenav.tasks.reach.config import TaskConfig
         from pipenav_hardware.emulator.client import Emulator
         from pipenav_hardware.emulator.faults import require_faults
 

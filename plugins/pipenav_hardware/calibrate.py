@@ -7,10 +7,10 @@ import math
 import time
 from collections.abc import Mapping
 
+from pipenav.backends.real_robot import Calibrator
+from pipenav.backends.safety import Stopped
 from pipenav.errors import PipenavError
-from pipenav.machine import Calibrator
-from pipenav.robot import RobotSpec
-from pipenav.safety import Stopped
+from pipenav.robots.robot import RobotSpec
 from pipenav.units import m_to_mm, mm_to_m, rad_to_deg
 from pipenav_hardware import table
 from pipenav_hardware.arm_config import (
@@ -45,7 +45,7 @@ STORED = {
 
 
 class Calibration(Calibrator):
-    """See `pipenav.machine.Calibrator`. Servos have the ids 1, 2, ... in joint order."""
+    """See `pipenav.backends.real_robot.Calibrator`. Servos have the ids 1, 2, ... in joint order."""
 
     def __init__(self, robot: RobotSpec, ports: Mapping[str, str]) -> None:
         scanner = ScannerConfig(driver="scip2", port=ports["scanner"])

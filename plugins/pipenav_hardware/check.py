@@ -6,8 +6,8 @@ import statistics
 import time
 from collections.abc import Iterator
 
+from pipenav.backends.real_robot import Finding
 from pipenav.errors import PipenavError
-from pipenav.machine import Finding
 from pipenav.units import m_to_mm, rad_to_deg
 from pipenav_hardware import table
 from pipenav_hardware.arm_config import ArmConfig, Servo

@@ -16,10 +16,10 @@ import numpy as np
 import serial
 from numpy.typing import NDArray
 
-from pipenav import laser
-from pipenav.backend import CONTROL_PERIOD
+from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.errors import PipenavError
-from pipenav.robot_parts import Laser
+from pipenav.robots import laser
+from pipenav.robots.parts import Laser
 from pipenav_hardware.arm_config import ScannerConfig
 from pipenav_hardware.ports import port_problem
 

@@ -7,8 +7,8 @@ import time
 from collections.abc import Callable
 from typing import NamedTuple
 
+from pipenav.backends.safety import Stopped
 from pipenav.errors import PipenavError
-from pipenav.safety import Stopped
 from pipenav_hardware import table
 from pipenav_hardware.arm_config import ArmConfig, Servo
 from pipenav_hardware.dynamixel import Bus, BusLost, Mode

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from pipenav.backend import CONTROL_PERIOD
-from pipenav.safety import Repeats, Stopped
+from pipenav.backends.backend import CONTROL_PERIOD
+from pipenav.backends.safety import Repeats, Stopped
 from pipenav_hardware.arm_config import ArmConfig
 from pipenav_hardware.ranging import RangeScan
 from pipenav_hardware.table import COUNT, Alarm, State

@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from pipenav import backend, kinematics, laser
-from pipenav.any_pipe import AnyPipe
-from pipenav.contact_force import Windows, strongest
+from pipenav.backends import backend
+from pipenav.backends.contact_force import Windows, strongest
+from pipenav.backends.messages import Command, Control, Reading, Truth
+from pipenav.backends.wall_boxes import wall_boxes
 from pipenav.errors import PipenavError
-from pipenav.robot import BASE, RobotSpec
-from pipenav.state import Command, Control, Reading, Truth
-from pipenav.wall_boxes import wall_boxes
+from pipenav.pipes.queries import AnyPipe
+from pipenav.robots import kinematics, laser
+from pipenav.robots.robot import BASE, RobotSpec
 from pipenav_mujoco.model import Contact, build_spec
 from pipenav_mujoco.space import MujocoSpace, SpaceSettings
 from pipenav_mujoco.viewer import MujocoViewer
@@ -40,7 +41,7 @@ class MujocoOptions(backend.BackendOptions):
 
 
 class MujocoBackend(backend.Backend):
-    """See `pipenav.backend.Backend`."""
+    """See `pipenav.backends.backend.Backend`."""
 
     Options = MujocoOptions
 
@@ -62,7 +63,7 @@ class MujocoBackend(backend.Backend):
 
     @staticmethod
     def in_space(robot: RobotSpec, n: int, options: backend.BackendOptions, gravity: float) -> MujocoSpace:
-        """See `pipenav.space.Spatial`."""
+        """See `pipenav.backends.spatial.Spatial`."""
         assert isinstance(options, MujocoOptions)
         _substeps(options.timestep)
         contact = Contact(options.contact_time_constant, options.contact_impedance)
@@ -135,13 +136,13 @@ class MujocoBackend(backend.Backend):
         self._bias[robots, :joints, 1], self._bias[robots, joints:, 2] = feedback[:, :joints], feedback[:, joints:]
 
     def incline(self, robots: NDArray[np.intp], gravity: Array) -> None:
-        """See `pipenav.backend.Inclinable`."""
+        """See `pipenav.backends.backend.Inclinable`."""
         pull = self._batch.bind("xfrc_applied")  # (n, bodies, 6): forces at the centres of mass, then torques
         moving = np.flatnonzero(self._model.body_mocapid < 0)
         pull[np.ix_(robots, moving, np.arange(2))] = self._masses[np.ix_(robots, moving)][..., None] * gravity[:, None]
 
     def vary(self, robots: NDArray[np.intp], variation: backend.Variation) -> None:
-        """See `pipenav.backend.Variable`. Fields become the robots' own when this is first called."""
+        """See `pipenav.backends.backend.Variable`. Fields become the robots' own when this is first called."""
         batch, model = self._batch, self._model
         links = [model.body(link.name).id for link in self._robot.links]
         rows = np.ix_(robots, links)
@@ -190,7 +191,7 @@ class MujocoBackend(backend.Backend):
         return Truth(tip, force, self._depth.copy(), self._contact_share.copy(), self._link_forces.copy())
 
     def open_viewer(self) -> MujocoViewer:
-        """MuJoCo's own viewer on the first robot, as it is placed now: see `pipenav.backend.Viewable`."""
+        """MuJoCo's own viewer on the first robot, as it is placed now: see `pipenav.backends.backend.Viewable`."""
         model = copy.copy(self._model)
         first = model.geom("wall0").id
         model.geom_size[first : first + self._slots] = self._wall_half_size[0]

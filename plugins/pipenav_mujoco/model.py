@@ -8,10 +8,10 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from pipenav.pipe import Pipe
-from pipenav.robot import BASE, RobotSpec
-from pipenav.robot_parts import Actuator, BoxPart, Joint, Link, Wheel
-from pipenav.wall_boxes import OUTER_THICKNESS, PARKED, WALL_HALF_HEIGHT, wall_boxes
+from pipenav.backends.wall_boxes import OUTER_THICKNESS, PARKED, WALL_HALF_HEIGHT, wall_boxes
+from pipenav.pipes.corner import Pipe
+from pipenav.robots.parts import Actuator, BoxPart, Joint, Link, Wheel
+from pipenav.robots.robot import BASE, RobotSpec
 
 Array = NDArray[np.float64]
 

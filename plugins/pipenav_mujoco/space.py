@@ -12,14 +12,14 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from pipenav import laser
-from pipenav.backend import CONTROL_PERIOD
-from pipenav.contact_force import Windows, strongest
-from pipenav.pipe_run import PipeRun
-from pipenav.pipe_run_legs import about_x
-from pipenav.robot import BASE, RobotSpec
-from pipenav.space import HALVES, SpaceBackend, SpaceReading, SpaceTruth
-from pipenav.state import Reading
+from pipenav.backends.backend import CONTROL_PERIOD
+from pipenav.backends.contact_force import Windows, strongest
+from pipenav.backends.messages import Reading
+from pipenav.backends.spatial import HALVES, SpaceBackend, SpaceReading, SpaceTruth
+from pipenav.pipes.route import PipeRun
+from pipenav.pipes.route_legs import about_x
+from pipenav.robots import laser
+from pipenav.robots.robot import BASE, RobotSpec
 from pipenav_mujoco.model import Contact
 from pipenav_mujoco.space_model import FRONT, WALL_GROUP, space_spec
 
@@ -43,7 +43,7 @@ class SpaceSettings(NamedTuple):
 
 
 class MujocoSpace(SpaceBackend):
-    """See `pipenav.space.SpaceBackend`."""
+    """See `pipenav.backends.spatial.SpaceBackend`."""
 
     def __init__(self, robot: RobotSpec, n: int, settings: SpaceSettings) -> None:
         self._robot, self._settings = robot, settings

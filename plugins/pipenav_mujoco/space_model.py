@@ -8,11 +8,11 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from pipenav.pipe_run import PipeRun
-from pipenav.pipe_run_shapes import wall_prisms
-from pipenav.robot import RobotSpec
-from pipenav.robot_parts import BoxPart, Link, Roll, Wheel
-from pipenav.wall_boxes import OUTER_THICKNESS
+from pipenav.backends.wall_boxes import OUTER_THICKNESS
+from pipenav.pipes.route import PipeRun
+from pipenav.pipes.route_solids import wall_prisms
+from pipenav.robots.parts import BoxPart, Link, Roll, Wheel
+from pipenav.robots.robot import RobotSpec
 from pipenav_mujoco.model import (
     HIDDEN_GROUP,
     ROBOT_TOUCHES,

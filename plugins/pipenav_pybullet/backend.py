@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from pipenav import backend, kinematics, laser
-from pipenav.any_pipe import AnyPipe
-from pipenav.contact_force import Windows, strongest
+from pipenav.backends import backend
+from pipenav.backends.contact_force import Windows, strongest
+from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.errors import PipenavError
-from pipenav.robot import RobotSpec
-from pipenav.state import Command, Reading, Truth
+from pipenav.pipes.queries import AnyPipe
+from pipenav.robots import kinematics, laser
+from pipenav.robots.robot import RobotSpec
 from pipenav_pybullet.crew import Crew
 from pipenav_pybullet.world import Motion, Setting, shares
 
@@ -35,7 +36,7 @@ class PybulletOptions(backend.BackendOptions):
 
 
 class PybulletBackend(backend.Backend):
-    """See `pipenav.backend.Backend`."""
+    """See `pipenav.backends.backend.Backend`."""
 
     Options = PybulletOptions
 
@@ -78,7 +79,7 @@ class PybulletBackend(backend.Backend):
         return self.read().part(robots)
 
     def vary(self, robots: NDArray[np.intp], variation: backend.Variation) -> None:
-        """See `pipenav.backend.Variable`."""
+        """See `pipenav.backends.backend.Variable`."""
         bounds = self._crew.bounds
         orders = [
             (robots[rows] - first, variation.part(rows)) if len(rows) else None

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from pipenav.robot import RobotSpec
-from pipenav.robot_parts import Actuator, BoxPart, DiscPart, Link, Wheel
+from pipenav.robots.parts import Actuator, BoxPart, DiscPart, Link, Wheel
+from pipenav.robots.robot import RobotSpec
 
 ROTOR_SHARE = 0.75
 """Share of a hinge's rotor that its link carries [1].

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipenav.any_pipe import AnyPipe
-from pipenav.backend import Variation
-from pipenav.robot import RobotSpec
-from pipenav.state import Control
+from pipenav.backends.backend import Variation
+from pipenav.backends.messages import Control
+from pipenav.pipes.queries import AnyPipe
+from pipenav.robots.robot import RobotSpec
 from pipenav_pybullet.world import WORLD_SIZE, Motion, Setting, World, shares
 
 Array = NDArray[np.float64]

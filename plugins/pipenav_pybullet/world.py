@@ -11,12 +11,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipenav import kinematics
-from pipenav.any_pipe import AnyPipe
-from pipenav.backend import CONTROL_PERIOD, Variation
-from pipenav.robot import RobotSpec
-from pipenav.state import Control
-from pipenav.wall_boxes import WALL_HALF_HEIGHT, Edge, wall_boxes
+from pipenav.backends.backend import CONTROL_PERIOD, Variation
+from pipenav.backends.messages import Control
+from pipenav.backends.wall_boxes import WALL_HALF_HEIGHT, Edge, wall_boxes
+from pipenav.pipes.queries import AnyPipe
+from pipenav.robots import kinematics
+from pipenav.robots.robot import RobotSpec
 from pipenav_pybullet.quiet import silenced_stderr
 from pipenav_pybullet.urdf import DISCS as DISC_LINK
 from pipenav_pybullet.urdf import SLIDES, body, discs, robot_urdf
@@ -183,7 +183,7 @@ class World:
         return self._robot.friction if wheel is None else wheel.friction
 
     def vary(self, arms: Sequence[int], variation: Variation) -> None:
-        """As `pipenav.backend.Variable`."""
+        """As `pipenav.backends.backend.Variable`."""
         effort, stiffness = self._motors
         for row, i in enumerate(arms):
             self._effort[i] = effort * variation.strength[row]

@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipenav import kinematics, laser
-from pipenav.backend import CONTROL_PERIOD, Backend
-from pipenav.pipe import Pipe
-from pipenav.robot import RobotSpec
-from pipenav.state import Command
+from pipenav.backends.backend import CONTROL_PERIOD, Backend
+from pipenav.backends.messages import Command
+from pipenav.pipes.corner import Pipe
+from pipenav.robots import kinematics, laser
+from pipenav.robots.robot import RobotSpec
 from pipenav_hardware.arm_config import ArmConfig
 from pipenav_hardware.table import COUNT, DIRECTION, SPEED_UNIT
 

@@ -22,8 +22,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from pipenav.pipe import Pipe
-from pipenav.robot import load_robot
+from pipenav.pipes.corner import Pipe
+from pipenav.robots.robot import load_robot
 from pipenav_hardware import table
 from pipenav_hardware.arm_config import ArmConfig
 from pipenav_hardware.emulator.bus import ServoBus
@@ -196,7 +196,7 @@ class Server:
 def _plant(config: EmulatorConfig) -> Plant:
     if config.pipe is None:
         return FreePlant(len(config.arm.servos), config.seed)
-    from pipenav.registry import open_backend
+    from pipenav.backends.registry import open_backend
 
     robot = load_robot(config.robot)
     options = {"threads": 1} if config.backend == "mujoco" else {}

@@ -1,0 +1,1 @@
+"""Two simulators side by side: `pipenav compare-backends`."""

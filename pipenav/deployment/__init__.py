@@ -1,0 +1,1 @@
+"""The real arm: mission, control loop, session, telemetry and its replay."""

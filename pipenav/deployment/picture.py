@@ -1,0 +1,108 @@
+"""The top view of a run on an arm: where it went, what it saw, where its target was."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.drawing.corner import draw_walls
+from pipenav.drawing.scene import BEAM, FORCE, LINK, LINK_EDGE, TARGET
+from pipenav.drawing.style import GRID, INK, MUTED, png
+from pipenav.pipes.corner import Pipe
+from pipenav.robots import kinematics
+from pipenav.robots.outline import link_outlines
+from pipenav.robots.robot import RobotSpec
+from pipenav.units import m_to_mm
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+
+STAGE_COLOURS = {"locate": INK, "reach": LINK, "back": FORCE}
+POSES = 5
+"""Outlines of the robot that are drawn on its way to the target."""
+
+MARGIN = 90.0
+"""Room around all that happened [mm]: pipes may be metres long."""
+
+
+def run_picture(
+    robot: RobotSpec, ticks: Sequence[dict[str, Any]], title: str, pipe: Pipe | None = None, base: float = 0.0
+) -> bytes:
+    """A PNG of the run: in the pipe's frame where the pipe is known, else in the robot's.
+
+    Args:
+        robot: the robot.
+        ticks: telemetry records.
+        title: of the picture.
+        pipe: where it was.
+        base: x of the robot's frame in the pipe's frame [m].
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9, 7))
+    axes = figure.add_subplot()
+    if pipe is not None:
+        draw_walls(axes, pipe)
+    known = [tick for tick in ticks if "q" in tick]
+    if known:
+        offset = np.array([base, 0.0])
+        pose = kinematics.forward(robot, np.array([tick["q"] for tick in known]))
+        _draw_scans(axes, robot, known, pose, offset)
+        _draw_way(axes, robot, known, pose, offset)
+        _draw_target(axes, known, offset)
+        seen = m_to_mm(1.0) * (np.concatenate([pose.joints.reshape(-1, 2), pose.tip]) + offset)
+        low, high = seen.min(axis=0) - MARGIN, seen.max(axis=0) + MARGIN
+        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+        axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(0.0, -0.12), ncols=5)
+    axes.set_aspect("equal")
+    whose = "robot" if pipe is None else "pipe"
+    axes.set_xlabel(f"x in the {whose}'s frame [mm]", color=MUTED)
+    axes.set_ylabel("y [mm]", color=MUTED)
+    axes.grid(color=GRID, linewidth=0.8)
+    axes.set_axisbelow(True)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+    axes.set_title(title, loc="left", color=INK, fontsize=12)
+    return png(figure)
+
+
+def _draw_scans(
+    axes: Axes, robot: RobotSpec, ticks: Sequence[dict[str, Any]], pose: kinematics.ChainPose, offset: Array
+) -> None:
+    """Where the beams ended: the walls as the robot saw them. Beams at either end of the range saw none."""
+    ranges = np.array([tick["ranges"] for tick in ticks])
+    beams = pose.headings[:, -1:] + robot.laser.angles
+    ends = pose.tip[:, None] + offset + ranges[..., None] * np.stack([np.cos(beams), np.sin(beams)], axis=-1)
+    met = (ranges > robot.laser.range_min) & (ranges < robot.laser.range_max)
+    axes.plot(*m_to_mm(1.0) * ends[met].T, ".", color=BEAM, markersize=3.5, alpha=0.7, label="laser readings", zorder=2)
+
+
+def _draw_way(
+    axes: Axes, robot: RobotSpec, ticks: Sequence[dict[str, Any]], pose: kinematics.ChainPose, offset: Array
+) -> None:
+    stages = np.array([tick["stage"] for tick in ticks])
+    reach = np.flatnonzero(stages == "reach")
+    drawn = reach[np.unique(np.linspace(0, len(reach) - 1, POSES).round().astype(int))] if len(reach) else reach
+    q = np.array([tick["q"] for tick in ticks])
+    for link in link_outlines(robot, q[drawn]):
+        for polygons in link:
+            for polygon in polygons:
+                axes.fill(
+                    *m_to_mm(1.0) * (polygon + offset).T, facecolor=LINK, edgecolor=LINK_EDGE, alpha=0.2, zorder=3
+                )
+    for stage, colour in STAGE_COLOURS.items():
+        tips = m_to_mm(1.0) * (pose.tip[stages == stage] + offset)
+        if len(tips):
+            axes.plot(*tips.T, color=colour, linewidth=1.5, marker=".", markersize=4, label=f"tip: {stage}", zorder=6)
+
+
+def _draw_target(axes: Axes, ticks: Sequence[dict[str, Any]], offset: Array) -> None:
+    target = next((tick["target"] for tick in reversed(ticks) if tick.get("target")), None)
+    if target is not None:
+        x, y = m_to_mm(1.0) * (np.array(target) + offset)
+        axes.plot(x, y, "*", color=TARGET, markersize=15, markeredgecolor="white", label="target", zorder=8)

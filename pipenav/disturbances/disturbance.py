@@ -1,0 +1,103 @@
+"""What goes wrong on a real arm, as ranges: for randomised training and for `pipenav eval --disturb`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, TypeVar
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+
+from pipenav.errors import ConfigError, PipenavError, UnknownName
+from pipenav.storage import shipped
+from pipenav.storage.atomic_files import read_toml
+
+Number = TypeVar("Number", int, float)
+Task = TypeVar("Task", bound=BaseModel)
+
+MAX_LATENCY = 5
+"""Control steps; half a second is more than any bus needs."""
+
+
+def _ordered(span: tuple[Number, Number]) -> tuple[Number, Number]:
+    if span[0] > span[1]:
+        raise ValueError(f"a range is written as [smallest, largest], given [{span[0]:g}, {span[1]:g}]")
+    return span
+
+
+_Factor = Annotated[float, Field(gt=0, le=10)]
+_Share = Annotated[float, Field(ge=0, le=1)]
+_Steps = Annotated[int, Field(ge=0, le=MAX_LATENCY)]
+Factors = Annotated[tuple[_Factor, _Factor], AfterValidator(_ordered), Field(strict=False)]
+Shares = Annotated[tuple[_Share, _Share], AfterValidator(_ordered), Field(strict=False)]
+Steps = Annotated[tuple[_Steps, _Steps], AfterValidator(_ordered), Field(strict=False)]
+
+
+class Disturbance(BaseModel):
+    """Ranges `[smallest, largest]` from which every robot draws evenly at the start of every episode.
+
+    The defaults disturb nothing. Joint positions stay true: an encoder does not fail as a scanner does.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+    friction: Factors = Field((1.0, 1.0), description="factor on the friction coefficient")
+    mass: Factors = Field((1.0, 1.0), description="factor on mass and inertia, one for each link")
+    strength: Factors = Field((1.0, 1.0), description="factor on an actuator's effort and speed, one for each joint")
+    gain: Factors = Field((1.0, 1.0), description="factor on a position controller's gain, one for each joint")
+    latency: Steps = Field((0, 0), description="control steps by which every command arrives late")
+    noise: Shares = Field((0.0, 0.0), description="standard deviation of a laser reading that meets a wall [m]")
+    dropouts: Shares = Field((0.0, 0.0), description="share of all readings that are the laser's minimum instead")
+    missing: Shares = Field((0.0, 0.0), description="share of the beams that read the laser's maximum all episode long")
+    start_bend: _Share | None = Field(None, description="largest start angle of a hinge [rad], instead of the task's")
+    start_gap: Shares | None = Field(
+        None, description="how far before the inner wall's bend the tip starts [m], instead of the task's"
+    )
+
+    @property
+    def varies_robots(self) -> bool:
+        """Whether robots differ from their description, which needs a simulator's help."""
+        return any(span != (1.0, 1.0) for span in (self.friction, self.mass, self.strength, self.gain))
+
+    @property
+    def acts(self) -> bool:
+        """Whether anything is disturbed once an episode has begun."""
+        return self.model_copy(update={"start_bend": None, "start_gap": None}) != Disturbance()
+
+    def starts(self, task: Task) -> Task:
+        """The task with the start poses that are wanted here.
+
+        Raises:
+            PipenavError: a task whose robot does not start as is wanted.
+        """
+        given = {"start_bend": self.start_bend, "start_gap": self.start_gap}
+        wanted = {key: value for key, value in given.items() if value is not None}
+        for key in wanted.keys() - type(task).model_fields.keys():
+            raise PipenavError(f"the disturbance sets {key}, which this policy's task does not have: leave it out.")
+        return task.model_copy(update=wanted)
+
+
+UNDISTURBED = Disturbance()
+
+
+def disturbance_names() -> list[str]:
+    """The shipped disturbances."""
+    return sorted(path.stem for path in shipped.disturbances_dir().glob("*.toml"))
+
+
+def load_disturbance(text: str) -> Disturbance:
+    """A shipped disturbance by its name, or one from a TOML file.
+
+    Raises:
+        UnknownName: neither.
+        ConfigError: a file that describes none.
+        FileProblem: a file that cannot be read.
+    """
+    path = Path(text)
+    if text in disturbance_names():
+        path = shipped.disturbances_dir() / f"{text}.toml"
+    elif path.suffix != ".toml":
+        raise UnknownName("disturbance", text, [*disturbance_names(), "FILE.toml"])
+    try:
+        return Disturbance.model_validate(read_toml(path))
+    except ValidationError as error:
+        raise ConfigError.from_validation(text, error, Disturbance.model_fields) from error

@@ -1,0 +1,132 @@
+"""A backend whose robots are not what their description says, whose commands come late and whose laser errs.
+
+It stands between a backend and whoever drives it. Friction, masses and motors are the simulator's part
+(`pipenav.backends.backend.Variable`); late commands and bad readings are made here, alike for every backend.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.backends.backend import Backend, BackendOptions, Inclinable, Variable, Variation
+from pipenav.backends.messages import Command, Reading, Truth
+from pipenav.disturbances.disturbance import MAX_LATENCY, Disturbance
+from pipenav.errors import PipenavError
+from pipenav.pipes.queries import AnyPipe, interior_angles, turn_sides
+from pipenav.robots import laser
+from pipenav.robots.robot import RobotSpec
+
+Array = NDArray[np.float64]
+
+
+def disturbed(backend: Backend, robot: RobotSpec, n: int, disturbance: Disturbance, seed: int) -> Backend:
+    """The backend under a disturbance; itself where that does nothing.
+
+    Raises:
+        PipenavError: the robots shall differ from their description, which this backend cannot make them.
+    """
+    return DisturbedBackend(backend, robot, n, disturbance, seed) if disturbance.acts else backend
+
+
+class DisturbedBackend(Backend):
+    """n robots of another backend under a disturbance.
+
+    What befalls an episode depends on the seed, on where it starts and on its pipe alone, as every robot then draws
+    from a generator of its own: neither on how many robots there are, nor on what the others do. Each stage of a
+    passage is an episode of its own.
+
+    Before a late command arrives, a robot holds its start position, or has no drive.
+    """
+
+    Options = BackendOptions
+
+    def __init__(self, inner: Backend, robot: RobotSpec, n: int, disturbance: Disturbance, seed: int) -> None:
+        self._inner, self._robot, self._disturbance, self._seed = inner, robot, disturbance, seed
+        self._simulator = inner if isinstance(inner, Variable) else None
+        if disturbance.varies_robots and self._simulator is None:
+            raise PipenavError(
+                f"{type(inner).__name__} cannot change friction, mass, strength or gain of single robots: leave them "
+                "out of the disturbance, or choose another backend."
+            )
+        drives, beams = len(robot.drives), robot.laser.beams
+        self._generators = [np.random.default_rng(seed) for _ in range(n)]
+        self._latency, self._age = np.zeros(n, int), np.zeros(n, int)
+        self._commands = np.zeros((n, MAX_LATENCY + 1, drives))  # the latest first
+        self._start = np.zeros((n, drives))  # set-points that hold the start pose, wheels standing
+        self._noise, self._dropouts, self._missing = np.zeros(n), np.zeros(n), np.zeros((n, beams), bool)
+        self._ranges = np.zeros((n, beams))
+
+    def reset(self, robots: NDArray[np.intp], pipes: Sequence[AnyPipe], q: Array, base: Array) -> Reading:
+        d, spans = self._disturbance, []
+        for row, i in enumerate(robots):
+            rng = self._generators[i] = _generator(self._seed, pipes[row], q[row], base[row])
+            spans.append(_variation(self._robot, d, rng))
+            self._latency[i] = rng.integers(*d.latency, endpoint=True)
+            self._noise[i], self._dropouts[i] = rng.uniform(*d.noise), rng.uniform(*d.dropouts)
+            self._missing[i] = rng.random(self._robot.laser.beams) < rng.uniform(*d.missing)
+        if self._simulator is not None and d.varies_robots:
+            self._simulator.vary(robots, Variation(*map(np.array, zip(*spans, strict=True))))
+        reading = self._inner.reset(robots, pipes, q, base)
+        self._start[robots, : reading.q.shape[1]], self._age[robots] = reading.q, 0
+        self._ranges[robots] = self._seen(robots, reading.ranges)
+        return reading._replace(ranges=self._ranges[robots])
+
+    def incline(self, robots: NDArray[np.intp], gravity: Array) -> None:
+        """See `pipenav.backends.backend.Inclinable`.
+
+        Raises:
+            PipenavError: the backend behind this one knows no gravity.
+        """
+        if not isinstance(self._inner, Inclinable):
+            name = type(self._inner).__name__
+            raise PipenavError(f"{name} knows no gravity along the pipe: choose another backend.")
+        self._inner.incline(robots, gravity)
+
+    def step(self, command: Command) -> None:
+        self._commands = np.concatenate([command.values[:, None], self._commands[:, :-1]], axis=1)
+        arrived = self._commands[np.arange(len(self._age)), self._latency]
+        idle = self._start if command.control == "position" else np.zeros_like(self._start)
+        waiting = (self._age < self._latency)[:, None]
+        self._inner.step(Command(command.control, np.where(waiting, idle, arrived)))
+        self._age += 1
+        self._ranges = self._seen(np.arange(len(self._age)), self._inner.read().ranges)
+
+    def read(self) -> Reading:
+        return self._inner.read()._replace(ranges=self._ranges.copy())
+
+    def _seen(self, robots: NDArray[np.intp], ranges: Array) -> Array:
+        """What is left of true readings (k, beams) of some robots: noise, then missing beams, then dropouts."""
+        sensor = self._robot.laser
+        drawn = [
+            (self._generators[i].normal(size=sensor.beams), self._generators[i].random(sensor.beams)) for i in robots
+        ]
+        normal, uniform = (np.array(column) for column in zip(*drawn, strict=True))
+        noisy = laser.measure(sensor, ranges + self._noise[robots, None] * normal)
+        seen = np.where(ranges < sensor.range_max, noisy, ranges)
+        seen = np.where(self._missing[robots], sensor.range_max, seen)
+        return np.where(uniform < self._dropouts[robots, None], sensor.range_min, seen)
+
+    def truth(self) -> Truth | None:
+        return self._inner.truth()
+
+    def close(self) -> None:
+        self._inner.close()
+
+
+def _generator(seed: int, pipe: AnyPipe, q: Array, base: float) -> np.random.Generator:
+    """The generator of one episode."""
+    corners = np.stack([interior_angles(pipe), turn_sides(pipe)], axis=1)
+    start = np.array([pipe.diameter, *corners.ravel(), base, *q], float)
+    return np.random.default_rng([seed, *start.view(np.uint32).tolist()])
+
+
+def _variation(robot: RobotSpec, d: Disturbance, rng: np.random.Generator) -> Variation:
+    """One robot's; its friction is a number."""
+    links, drives = len(robot.links), len(robot.drives)
+    friction = np.asarray(rng.uniform(*d.friction))
+    return Variation(
+        friction, rng.uniform(*d.mass, links), rng.uniform(*d.strength, drives), rng.uniform(*d.gain, drives)
+    )

@@ -1,0 +1,215 @@
+"""A drawing of a pipe run with its dimensions, in millimetres: from above where it is planar, else in space.
+
+In space, and where there are many corners, a schedule below the picture shows every corner as the robot sees it that
+looks ahead and never rolls.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pipenav.drawing.corner import draw_walls
+from pipenav.drawing.dimensions import (
+    CENTRE,
+    DIMENSION,
+    EDGE,
+    FREE,
+    INK,
+    ROBOT,
+    TALLEST_IN,
+    WIDTH_IN,
+    Drafting,
+    frame_axes,
+    number,
+    save_figure,
+    write_title,
+)
+from pipenav.drawing.projection import View, draw_tube
+from pipenav.pipes.corner import Array
+from pipenav.pipes.route import Corner, PipeRun
+from pipenav.units import m_to_mm, rad_to_deg
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+LABELLED = 8
+"""Corners of the longest run whose dimensions stand in the picture; a longer one has them in its schedule alone."""
+
+PER_ROW = 6
+"""Corners in a row of the schedule."""
+
+CELL, DIAL = 2.2, 0.45
+"""Distance between two dials of the schedule, and their radius."""
+
+ROW = 2.1
+"""Distance between two rows of the schedule."""
+
+
+STRAIGHT = 1e-6
+"""A bend, and a roll in deg, that is smaller than this is none."""
+
+
+def draw_run(run: PipeRun, name: str, path: Path) -> None:
+    """Draw the run into a PNG file, under a name."""
+    save_figure(run_figure(run, name), path)
+
+
+def run_figure(run: PipeRun, name: str) -> Figure:
+    """The drawing as a matplotlib figure."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(facecolor="white", layout="constrained")
+    few = len(run.corners) <= LABELLED
+    axes, schedule = (figure.add_subplot(), None) if run.planar and few else figure.subplots(2, 1)
+    tall = _plan(run, axes) if run.planar else _in_space(run, axes)
+    shrink = min(1.0, TALLEST_IN / tall)
+    below = 1.4
+    if schedule is not None:
+        below = _schedule(run, schedule)
+        schedule.get_gridspec().set_height_ratios([tall * shrink, below])
+        below += 1.0
+    figure.set_size_inches(max(WIDTH_IN * shrink, 6.5) + 0.6, tall * shrink + below)
+    many = f"{len(run.corners)} corners" if len(run.corners) > 1 else "one corner"
+    bore = f"⌀ {number(m_to_mm(run.diameter))} mm, wall {number(m_to_mm(run.wall))} mm"
+    length = f"{sum(run.straights):.2f} m along the centre line, lengths from corner to corner"
+    write_title(axes, f"{name}: {many}, {bore}", f"{length}; all lengths in mm")
+    if run.planar:
+        figure.legend(loc="outside lower center", ncols=4, fontsize=9, frameon=False, labelcolor=INK)
+    return figure
+
+
+def _plan(run: PipeRun, axes: Axes) -> float:
+    """The run from above; returns the height of the drawing at full width [in]."""
+    draw_walls(axes, run)
+    line = m_to_mm(1.0) * run.centre_line[:, :2]
+    axes.plot(*line.T, color=CENTRE, linewidth=0.9, dashes=(12, 3, 2, 3), zorder=2, label="centre line")
+    sketch = _Sketch(run, axes, line)
+    left = np.cos(run.legs.inside)[:, None] > 0
+    edges = np.where(left, run.walls.left[1:-1], run.walls.right[1:-1])[run.legs.reach > STRAIGHT]
+    axes.plot(*m_to_mm(1.0) * edges.T, "o", color=EDGE, markersize=4, zorder=6, label="inner edge")
+    if len(run.corners) <= LABELLED:
+        sketch.lengths()
+        sketch.angles()
+    sketch.robot()
+    sketch.corners()
+    return frame_axes(axes, *sketch.frame())
+
+
+def _in_space(run: PipeRun, axes: Axes) -> float:
+    """The run in space; returns the height of the drawing at full width [in]."""
+    view = View.of(run)
+    drawn = draw_tube(axes, run, view)
+    sketch = _Sketch(run, axes, m_to_mm(1.0) * view.flat(run.centre_line))
+    sketch.drawn.append(drawn)
+    if len(run.corners) <= LABELLED:
+        sketch.lengths()
+    sketch.robot()
+    sketch.corners()
+    sketch.directions(view)
+    tall = frame_axes(axes, *sketch.frame())
+    axes.set_axis_off()
+    return tall
+
+
+class _Sketch(Drafting):
+    """Dimensions along the centre line as it lies in the picture, (corners + 2, 2) [mm]."""
+
+    def __init__(self, run: PipeRun, axes: Axes, line: Array) -> None:
+        self.run, self.centre = run, line
+        self.outside = m_to_mm(run.radius + run.wall)
+        super().__init__(axes, np.concatenate([line - self.outside, line + self.outside]))
+        steps = np.diff(line, axis=0)
+        self.seen = np.linalg.norm(steps, axis=1)  # (legs,) lengths in the picture [mm]
+        self.along = steps / self.seen[:, None]
+
+    def lengths(self) -> None:
+        """Every straight's length: in the pipe where there is room, else beside it."""
+        for i, length in enumerate(self.run.straights):
+            middle, along = self.centre[i : i + 2].mean(axis=0), self.along[i]
+            tilt = (math.degrees(math.atan2(along[1], along[0])) + 90.0) % 180.0 - 90.0
+            within = self.run.planar and self.outside > 1.5 * self.unit
+            at = middle if within else self._beside(middle, along)
+            self.text(at, number(m_to_mm(length)), box=FREE if within else "white", tilt=tilt)
+
+    def robot(self) -> None:
+        """Where the robot comes from and where it goes."""
+        inside, outside = 2 * self.unit, 6 * self.unit
+        first, last = self.along[0], self.along[-1]
+        self.arrow(self.centre[0] - outside * first, self.centre[0] + inside * first, ROBOT, 2.4)
+        self.arrow(self.centre[-1] - inside * last, self.centre[-1] + outside * last, ROBOT, 2.4)
+
+    def corners(self) -> None:
+        """The corners' numbers, at the corners."""
+        frame = {"boxstyle": "circle,pad=0.25", "facecolor": "white", "edgecolor": INK, "linewidth": 0.8}
+        for i, (x, y) in enumerate(self.centre[1:-1], 1):
+            self.axes.text(x, y, str(i), color=INK, fontsize=8, ha="center", va="center", bbox=frame, zorder=8)
+
+    def angles(self) -> None:
+        """Every corner's angle and turn, outside of the corner or, where that is taken, inside."""
+        for i, corner in enumerate(self.run.corners):
+            away = self.along[i] - self.along[i + 1]
+            size = float(np.linalg.norm(away))
+            away = away / size if size > STRAIGHT else np.array([-self.along[i, 1], self.along[i, 0]])
+            off = self.outside / math.sin(corner.angle / 2) + 3 * self.unit
+            places = [self.centre[i + 1] + off * way for way in (away, -away)]
+            at = max(places, key=lambda place: min(self._clearance(place), 3.5 * self.unit))
+            way = (at - self.centre[i + 1]) / off
+            ha = "center" if abs(way[0]) < 0.4 else "left" if way[0] > 0 else "right"
+            self.text(at - 1.5 * self.unit * way, _words(corner), ha=ha)
+            self.place(at + np.array([9 * self.unit * np.sign(way[0]), 0.0]))  # room for the text
+
+    def directions(self, view: View) -> None:
+        """The axes of the frame, below the picture's left end."""
+        low, _ = self.frame()
+        length = 7 * self.unit
+        origin = low + np.array([length, -0.4 * length])
+        for name, axis in zip("xyz", np.eye(3), strict=True):
+            tip = origin + length * view.flat(axis)
+            self.arrow(origin, tip, INK, 1.0)
+            self.text(tip + 1.8 * self.unit * view.flat(axis), name)
+
+    def _beside(self, middle: Array, along: Array) -> Array:
+        """A place beside a leg's middle, on the side with more room."""
+        across = (self.outside + 2 * self.unit) * np.array([-along[1], along[0]])
+        return max((middle + across, middle - across), key=lambda place: min(self._clearance(place), 3 * self.unit))
+
+    def _clearance(self, place: Array) -> float:
+        """Distance of a place to the nearest pipe in the picture [mm]."""
+        share = np.clip(((place - self.centre[:-1]) * self.along).sum(axis=1), 0.0, self.seen)
+        return (
+            float(np.linalg.norm(place - self.centre[:-1] - share[:, None] * self.along, axis=1).min()) - self.outside
+        )
+
+
+def _words(corner: Corner) -> str:
+    """`65° left`, and on a second line the roll where there is one."""
+    rolled = f"\nrolled {rad_to_deg(corner.roll):g}°" if corner.roll else ""
+    return f"{rad_to_deg(corner.angle):g}° {corner.turn}{rolled}"
+
+
+def _schedule(run: PipeRun, axes: Axes) -> float:
+    """Every corner as a dial that shows to which side the pipe bends; returns the height of all [in]."""
+    phi = np.linspace(0, 2 * math.pi, 60)
+    rows = math.ceil(len(run.corners) / PER_ROW)
+    axes.set(xlim=(-1.7, CELL * PER_ROW - 0.5), ylim=(-ROW * rows + 0.8, 1.3), aspect="equal")
+    axes.set_axis_off()
+    axes.text(-1.7, 1.05, "Corners as the robot sees them that looks ahead and never rolls", fontsize=10, color=INK)
+    style: dict[str, Any] = {"ha": "center", "fontsize": 9, "color": DIMENSION}
+    for i, (corner, inside) in enumerate(zip(run.corners, run.legs.inside, strict=True)):
+        x, y = CELL * (i % PER_ROW), -ROW * (i // PER_ROW)
+        axes.fill(x + DIAL * np.cos(phi), y + DIAL * np.sin(phi), facecolor=FREE, edgecolor=INK, linewidth=1)
+        tip = np.array([-math.cos(inside), math.sin(inside)]) * 0.85 * DIAL  # left of the robot is left in the dial
+        arrow = {"arrowstyle": "-|>", "color": EDGE, "linewidth": 2, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", (x + tip[0], y + tip[1]), (x - tip[0], y - tip[1]), arrowprops=arrow)
+        axes.text(x - DIAL, y + DIAL, f"{i + 1}", ha="center", va="center", fontsize=10, color=INK, fontweight="bold")
+        axes.text(x, y - DIAL - 0.12, _words(corner), va="top", **style)
+        for at, straight in ((x - CELL / 2, i), (x + CELL / 2, i + 1)):
+            if at < x or i + 1 == len(run.corners):
+                axes.plot([at - CELL / 2 + DIAL, at + CELL / 2 - DIAL], [y, y], color=CENTRE, linewidth=1)
+                axes.text(at, y + 0.1, number(m_to_mm(run.straights[straight])), **style)
+    return 0.62 * (ROW * rows + 0.5)

@@ -1,0 +1,176 @@
+"""A robot in its pipe from above, in millimetres of the pipe's frame: one drawing for every picture of a motion."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.drawing.corner import draw_walls
+from pipenav.drawing.dimensions import INK
+from pipenav.pipes.queries import AnyPipe
+from pipenav.robots import kinematics
+from pipenav.robots.outline import link_outlines
+from pipenav.robots.robot import RobotSpec
+from pipenav.units import m_to_mm
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+
+# Okabe and Ito's colours, which people with any kind of colour vision tell apart; shapes differ as well.
+LINK = "#0072b2"
+LINK_EDGE = "#003a5c"
+BEAM = "#e69f00"
+TARGET = "#009e73"
+FORCE = "#d55e00"
+
+FORCE_SCALE = 6.0
+"""Length of a contact arrow [mm/N]: 10 N are half a link of the thesis's arm, the usual peaks fit into the picture."""
+
+LEAST_FORCE = 0.3
+"""Forces below this [N] are not drawn: their arrows would be shorter than their heads."""
+
+KEY_FORCE = 10.0
+"""Force of the arrow in the legend [N]."""
+
+
+class Scene(NamedTuple):
+    """One robot at one time.
+
+    Attributes:
+        pipe: where it is.
+        robot: what it is.
+        base: x of the robot's frame in the pipe's frame [m].
+        q: configuration in the robot's own frame, (coordinates,) [rad or m].
+        ranges: laser readings from right to left, (beams,) [m].
+        goal: the target in the pipe's frame, (2,) [m]; None where there is none.
+        link_forces: forces of the pipe on the links, (links, 2) [N]; None where they are not known.
+    """
+
+    pipe: AnyPipe
+    robot: RobotSpec
+    base: float
+    q: Array
+    ranges: Array
+    goal: Array | None = None
+    link_forces: Array | None = None
+
+
+def draw_scene(axes: Axes, scene: Scene) -> None:
+    """Draw pipe, beams, target, robot and contact forces; the axes' limits are left as they are."""
+    draw_walls(axes, scene.pipe)
+    offset = np.array([scene.base, 0.0])
+    pose = kinematics.forward(scene.robot, scene.q[None])
+    _draw_beams(axes, scene, pose.tip[0] + offset, float(pose.headings[0, -1]))
+    if scene.goal is not None:
+        axes.plot(*m_to_mm(1.0) * scene.goal, "*", color=TARGET, markersize=15, markeredgecolor="white", zorder=8)
+    outlines = [[polygon[0] + offset for polygon in link] for link in link_outlines(scene.robot, scene.q[None])]
+    for polygon in (polygon for link in outlines for polygon in link):
+        axes.fill(*m_to_mm(1.0) * polygon.T, facecolor=LINK, edgecolor=LINK_EDGE, linewidth=0.9, zorder=5)
+    turning = [link.joint is not None and link.joint.type == "hinge" for link in scene.robot.links]
+    hinges = (pose.joints[0] + offset)[turning]
+    axes.plot(*m_to_mm(1.0) * hinges.T, "o", color="white", markersize=4.5, markeredgecolor=LINK_EDGE, zorder=6)
+    if scene.link_forces is not None:
+        for link, force in zip(outlines, scene.link_forces, strict=True):
+            if np.linalg.norm(force) >= LEAST_FORCE:
+                _draw_force(axes, contact_point(link, scene.pipe), force)
+
+
+def _draw_beams(axes: Axes, scene: Scene, tip: Array, heading: float) -> None:
+    """Beams as thin lines as long as they read; a dot where one meets a wall within the laser's range."""
+    beams = heading + scene.robot.laser.angles
+    ends = tip + scene.ranges[:, None] * np.stack([np.cos(beams), np.sin(beams)], axis=1)
+    for end in ends:
+        axes.plot(*m_to_mm(1.0) * np.stack([tip, end]).T, color=BEAM, linewidth=0.7, alpha=0.6, zorder=4)
+    lidar = scene.robot.laser  # what is nearer than its least reading reads as that, beyond the wall that it meets
+    met = m_to_mm(1.0) * ends[(scene.ranges > lidar.range_min) & (scene.ranges < lidar.range_max)]
+    axes.plot(*met.T, ".", color=BEAM, markersize=4.5, zorder=4)
+
+
+def contact_point(polygons: list[Array], pipe: AnyPipe) -> Array:
+    """The point of a link that is nearest to a wall, (2,) [m]: a corner of the link, or where a wall's edge is.
+
+    Args:
+        polygons: the link's outline, each (points, 2) [m] in the pipe's frame.
+        pipe: the pipe.
+    """
+    corners = np.concatenate(polygons)
+    edges = np.concatenate([np.stack([polygon, np.roll(polygon, -1, axis=0)], axis=1) for polygon in polygons])
+    bends = np.concatenate([wall[1:-1] for wall in pipe.walls])
+    points = np.concatenate([corners, bends])
+    distances = np.concatenate([_distance(corners, pipe.segments), _distance(bends, edges)])
+    return np.asarray(points[distances.argmin()])
+
+
+def _distance(points: Array, segments: Array) -> Array:
+    """From points (p, 2) to the nearest of segments (s, 2, 2): (p,)."""
+    start, way = segments[:, 0], segments[:, 1] - segments[:, 0]
+    share = ((points[:, None] - start) * way).sum(axis=2) / (way**2).sum(axis=1)
+    nearest = start + np.clip(share, 0.0, 1.0)[..., None] * way
+    return np.asarray(np.linalg.norm(points[:, None] - nearest, axis=2).min(axis=1))
+
+
+def _draw_force(axes: Axes, point: Array, force: Array) -> None:
+    """An arrow from the contact along the force on the link, with a white rim, as it mostly lies on the link."""
+    from matplotlib.patches import FancyArrowPatch
+    from matplotlib.patheffects import Normal, Stroke
+
+    start = m_to_mm(1.0) * point
+    style: dict[str, Any] = {
+        "arrowstyle": "-|>",
+        "color": FORCE,
+        "linewidth": 1.8,
+        "mutation_scale": 11,
+        "shrinkA": 0,
+        "shrinkB": 0,
+    }
+    arrow = FancyArrowPatch(tuple(start), tuple(start + FORCE_SCALE * force), zorder=9, **style)
+    arrow.set_path_effects([Stroke(linewidth=3.4, foreground="white"), Normal()])
+    axes.add_patch(arrow)
+
+
+def legend_handles() -> list[Artist]:
+    """What the colours and marks mean; `draw_force_key` gives the arrows' scale."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    return [
+        Patch(facecolor=LINK, edgecolor=LINK_EDGE, label="robot"),
+        Line2D([], [], linestyle="", color=TARGET, marker="*", markersize=12, label="target"),
+        Line2D([], [], color=BEAM, linewidth=1.2, marker=".", label="laser beam"),
+        Line2D([], [], linestyle="", color=FORCE, marker=">", markersize=8, label="contact force"),
+    ]
+
+
+def draw_force_key(axes: Axes, x: float, y: float, fontsize: float) -> None:
+    """The arrow of `KEY_FORCE` with its text, from (x, y) [mm] to the right."""
+    _draw_force(axes, np.array([x, y]) / m_to_mm(1.0), np.array([KEY_FORCE, 0.0]))
+    text = f"  {KEY_FORCE:g} N"
+    axes.text(x + FORCE_SCALE * KEY_FORCE, y, text, color=INK, fontsize=fontsize, va="center", zorder=9)
+
+
+def scene_pixels(scene: Scene, pixels: int = 480, around: float = 0.4) -> NDArray[np.uint8]:
+    """A square picture around the tip, (pixels, pixels, 3).
+
+    Args:
+        scene: what to draw.
+        pixels: width and height.
+        around: how far the picture reaches from the tip [m].
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(pixels / 100, pixels / 100), dpi=100)
+    canvas = FigureCanvasAgg(figure)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    draw_scene(axes, scene)
+    x, y = m_to_mm(1.0) * (kinematics.forward(scene.robot, scene.q[None]).tip[0] + [scene.base, 0.0])
+    reach = m_to_mm(around)
+    axes.set(xlim=(x - reach, x + reach), ylim=(y - reach, y + reach))
+    axes.set_axis_off()
+    canvas.draw()
+    return np.asarray(canvas.buffer_rgba())[:, :, :3].copy()

@@ -1,0 +1,1 @@
+"""The tasks as other people's environments: Gymnasium, its vector env, Stable-Baselines3."""

@@ -1,0 +1,229 @@
+"""Many episodes of one stage in many pipes, and what came of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from typing import Any, Generic, NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.backends.backend import Backend
+from pipenav.backends.registry import open_backend
+from pipenav.evaluation.stage import Stage, StageStep
+from pipenav.pipes.queries import AnyPipe, interior_angles, turn_sides
+from pipenav.robots.robot import RobotSpec
+from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.reach import episode
+from pipenav.tasks.reach.episode import Episodes
+from pipenav.tasks.registry import AnyTask, kind_of
+from pipenav.tasks.traverse.episode import TraverseEpisodes
+from pipenav.units import m_to_mm, rad_to_deg
+
+Array = NDArray[np.float64]
+Episode = TypeVar("Episode")
+"""What a stage's episode starts from: a task's episodes of k = 1, or a motion to replay."""
+
+Starting = TypeVar("Starting", Episodes, TraverseEpisodes)
+
+MAX_ROBOTS = 256
+"""Robots stepped together: enough to keep every core busy, few enough that the last ones to finish cost little."""
+
+EPISODES_PER_ROBOT = 4
+"""With fewer each, most robots would wait for the last ones, whose episodes may be ten times longer than the mean."""
+
+
+class EpisodeResults(NamedTuple):
+    """One entry per episode, in order: all episodes of the first pipe, then of the next.
+
+    Attributes:
+        verdict: a `Verdict` each, (k,).
+        steps: control steps, (k,).
+        clearance: smallest laser reading, (k,) [m].
+        penetration: deepest overlap with the wall, (k,) [m].
+        force: peak contact force, (k,) [N].
+        contact_share: share of the time in contact, (k,).
+        q: configurations at the end, in the robot's own frame, (k, coordinates) [m, rad].
+    """
+
+    verdict: NDArray[np.int8]
+    steps: NDArray[np.intp]
+    clearance: Array
+    penetration: Array
+    force: Array
+    contact_share: Array
+    q: Array
+
+    def put(self, jobs: NDArray[np.intp], part: EpisodeResults) -> None:
+        """Overwrite those of some episodes, k of them, by `part`."""
+        for column, rows in zip(self, part, strict=True):
+            np.asarray(column)[jobs] = rows
+
+    @classmethod
+    def empty(cls, total: int, robot: RobotSpec) -> EpisodeResults:
+        """Room for so many."""
+        clearance, penetration, force, contact_share = np.zeros((4, total))
+        verdict, steps, q = np.zeros(total, np.int8), np.zeros(total, np.intp), np.zeros((total, robot.coordinates))
+        return cls(verdict, steps, clearance, penetration, force, contact_share, q)
+
+    def select(self, which: NDArray[np.bool_]) -> EpisodeResults:
+        """Those of the episodes that are marked, (k,)."""
+        return EpisodeResults(*(column[which] for column in self))  # type: ignore[arg-type]  # every column alike
+
+
+class EpisodeQueue(Generic[Episode]):
+    """Hands out episodes one after another and remembers which robot runs which.
+
+    Args:
+        start: gives an episode by its number, the same one whenever it is asked.
+        total: how many episodes there are.
+        n: how many robots share them.
+    """
+
+    def __init__(self, start: Callable[[int], Episode], total: int, n: int) -> None:
+        self._start, self.total = start, total
+        self._next = 0
+        self.running = np.full(n, -1)
+
+    def take(self, robots: NDArray[np.intp]) -> list[Episode]:
+        """The next episode of each of these robots."""
+        started = []
+        for robot in robots:
+            job = self._next if self._next < self.total else -1
+            self._next += 1
+            self.running[robot] = job
+            started.append(self._start(max(job, 0)))  # a robot without work repeats episode 0, which is not counted
+        return started
+
+
+def joined(parts: Sequence[Starting]) -> Starting:
+    """Several episodes of a task as one, in order."""
+    pipes, *arrays = zip(*parts, strict=True)
+    return type(parts[0])(tuple(one for (one,) in pipes), *map(np.concatenate, arrays))
+
+
+def random_start(
+    robot: RobotSpec, task: AnyTask, pipes: Sequence[AnyPipe], episodes: int, seed: int
+) -> Callable[[int], Any]:
+    """Episodes by number: all of the first pipe, then of the next.
+
+    Start and target of an episode depend on the seed, the pipe and the episode's number in it alone, so that results
+    do not depend on how many robots run at once, nor on the other pipes of the set.
+
+    Raises:
+        PipenavError: a pipe that is too narrow for the robot at rest.
+    """
+    episode.check_fits(robot, pipes)
+
+    def start(job: int) -> Any:
+        pipe, number = pipes[job // episodes], job % episodes
+        numbers = [round(m_to_mm(pipe.diameter) * 1e3)]
+        for angle, side in zip(interior_angles(pipe).tolist(), turn_sides(pipe).tolist(), strict=True):
+            numbers += [round(rad_to_deg(angle) * 1e3), int(side > 0)]
+        rng = np.random.default_rng([seed, *numbers, number])
+        return kind_of(task).sample(robot, task, [pipe], rng)
+
+    return start
+
+
+def robots_for(total: int) -> int:
+    """How many robots share `total` episodes."""
+    return min(MAX_ROBOTS, max(1, total // EPISODES_PER_ROBOT))
+
+
+def run_stage(
+    make: Callable[[Backend, EpisodeQueue[Episode]], Stage],
+    robot: RobotSpec,
+    start: Callable[[int], Episode],
+    pipes: Sequence[AnyPipe],
+    backend: str = "mujoco",
+    options: dict[str, Any] | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> EpisodeResults:
+    """Run every episode of a stage once.
+
+    Args:
+        make: the stage, from a backend and the queue of its episodes; it has as many robots as the queue.
+        robot: the robot.
+        start: gives an episode by its number.
+        pipes: the pipe of every episode.
+        backend: name of a simulator backend.
+        options: the backend's own settings.
+        progress: called with (episodes done, successes so far) now and then.
+    """
+    segments = max(len(pipe.segments) for pipe in pipes)
+
+    def make_in_plane(queue: EpisodeQueue[Episode]) -> Stage:
+        return make(open_backend(backend, robot, len(queue.running), options or {}, segments), queue)
+
+    return run_queue(make_in_plane, start, len(pipes), robots_for(len(pipes)), progress)
+
+
+def run_queue(
+    make: Callable[[EpisodeQueue[Episode]], Stage],
+    start: Callable[[int], Episode],
+    total: int,
+    n: int,
+    progress: Callable[[int, int], None] | None = None,
+) -> EpisodeResults:
+    """As `run_stage`, of a stage that brings what it runs on.
+
+    Args:
+        make: the stage, from the queue of its episodes.
+        start: gives an episode by its number.
+        total: how many episodes there are.
+        n: how many robots share them.
+        progress: as of `run_stage`.
+    """
+    queue = EpisodeQueue(start, total, n)
+    with closing(make(queue)) as stage:
+        return drain(stage, queue, progress)
+
+
+class _Peaks:
+    """What has been seen of each robot's running episode."""
+
+    def __init__(self, n: int) -> None:
+        self.clearance, self.penetration = np.full(n, np.inf), np.zeros(n)
+        self.force, self.contact_steps = np.zeros(n), np.zeros(n)
+
+    def add(self, step: StageStep) -> None:
+        self.clearance = np.minimum(self.clearance, step.clearance)
+        self.penetration = np.maximum(self.penetration, step.truth.penetration)
+        self.force = np.maximum(self.force, step.truth.contact_force)
+        self.contact_steps = self.contact_steps + step.truth.contact_share
+
+    def forget(self, robots: NDArray[np.intp]) -> None:
+        self.clearance[robots], self.penetration[robots] = np.inf, 0.0
+        self.force[robots], self.contact_steps[robots] = 0.0, 0.0
+
+
+def drain(
+    stage: Stage, queue: EpisodeQueue[Episode], progress: Callable[[int, int], None] | None = None
+) -> EpisodeResults:
+    """Step until every episode of the queue, which is the stage's source, has ended."""
+    total = queue.total
+    results = EpisodeResults.empty(total, stage.robot)
+    peaks = _Peaks(stage.n)
+    stage.start(np.arange(stage.n))
+    finished = 0
+    while finished < total:
+        step = stage.step()
+        peaks.add(step)
+        ended = np.flatnonzero(step.verdict != Verdict.RUNNING)
+        if not len(ended):
+            continue
+        counted = ended[queue.running[ended] >= 0]
+        jobs = queue.running[counted]
+        results.verdict[jobs], results.steps[jobs] = step.verdict[counted], stage.steps[counted]
+        results.clearance[jobs], results.penetration[jobs] = peaks.clearance[counted], peaks.penetration[counted]
+        results.force[jobs], results.q[jobs] = peaks.force[counted], step.q[counted]
+        results.contact_share[jobs] = peaks.contact_steps[counted] / stage.steps[counted]
+        finished += len(counted)
+        peaks.forget(ended)
+        if progress is not None:
+            progress(finished, int((results.verdict == Verdict.REACHED).sum()))
+        if finished < total:
+            stage.start(ended)
+    return results

@@ -1,0 +1,107 @@
+"""Approach I as a part of a passage: n robots that look for a target, judged by where it lies and what they touched."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.backends.backend import Backend
+from pipenav.backends.messages import Command, Reading
+from pipenav.evaluation.stage import Stage, StageStep
+from pipenav.locating.locator import LOCATORS, LocateConfig, Variant, require_arm
+from pipenav.pipes.corner import Pipe
+from pipenav.robots.robot import RobotSpec
+from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.reach.batch import EpisodeSource
+from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.reach.episode import at_limit
+
+Array = NDArray[np.float64]
+
+
+class LocateStage(Stage):
+    """The robots look for a target; finding one inside the second leg is the stage's success.
+
+    Args:
+        robot: a slide followed by hinges, with the fan that the variant wants (`robot_for`).
+        config: settings of the behaviour.
+        variant: which behaviour.
+        task: when an episode fails: its steps, penetration and limit margin.
+        backend: a simulator with n robots.
+        n: how many.
+        source: of episodes; their targets are not looked at.
+
+    Attributes:
+        target: found targets in the canonical frame, where a front passage's `Episodes.goal` lives, (n, 2) [m]; NaN
+            before one is found.
+        beam: the beam on or nearest to which it lies, from right to left from 0, (n,); -1 before.
+        reading: what the robots' sensors gave last; the next step decides on it.
+
+    Raises:
+        PipenavError: a robot of other joints.
+    """
+
+    def __init__(
+        self,
+        robot: RobotSpec,
+        config: LocateConfig,
+        variant: Variant,
+        task: TaskConfig,
+        backend: Backend,
+        n: int,
+        source: EpisodeSource,
+    ) -> None:
+        require_arm(robot)
+        self.robot, self.n = robot, n
+        self._task, self._backend, self._source = task, backend, source
+        self._locator = LOCATORS[variant](robot, config, n)
+        self._steps = np.zeros(n, int)
+        self._pipes: list[Pipe | None] = [None] * n
+        self._base, self._side = np.zeros(n), np.ones(n)
+        self.target, self.beam = np.full((n, 2), np.nan), np.full(n, -1)
+        q, qd = np.zeros((2, n, len(robot.joints)))
+        self.reading = Reading(q, qd, np.zeros((n, robot.laser.beams)), np.zeros(n))
+
+    @property
+    def steps(self) -> NDArray[np.intp]:
+        return self._steps
+
+    def start(self, robots: NDArray[np.intp]) -> None:
+        episodes = self._source(robots)
+        reading = self._backend.reset(robots, episodes.pipes, episodes.q, episodes.base)
+        for i, pipe in zip(robots, episodes.pipes, strict=True):
+            self._pipes[i] = pipe
+        self._steps[robots], self._base[robots], self._side[robots] = 0, episodes.base, episodes.side
+        self.target[robots], self.beam[robots] = np.nan, -1
+        self.reading.put(robots, reading)
+        self._locator.start(robots, reading, episodes.side)
+
+    def step(self) -> StageStep:
+        decision = self._locator.act(self.reading)
+        self.target = decision.target * np.stack([np.ones(self.n), self._side], axis=1)
+        self.beam = decision.beam
+        self._backend.step(Command("position", decision.goal))
+        self._steps += 1
+        self.reading, truth = self._backend.read(), self._backend.truth()
+        if truth is None:
+            raise TypeError("this stage needs a simulator: this backend knows no truth")
+        verdict = np.full(self.n, Verdict.RUNNING, np.int8)
+        verdict[self._steps >= self._task.max_steps] = Verdict.TIMEOUT
+        for i in map(int, np.flatnonzero(decision.done)):
+            verdict[i] = Verdict.REACHED if self._well_placed(i, decision.target[i]) else Verdict.MISPLACED
+        verdict[at_limit(self.robot, self._task, self.reading.q)] = Verdict.LIMIT
+        verdict[truth.penetration > self._task.max_penetration] = Verdict.PENETRATION
+        return StageStep(verdict, self.reading.ranges.min(axis=1), truth, self.reading.q)
+
+    def close(self) -> None:
+        self._backend.close()
+
+    def _well_placed(self, robot: int, target: Array) -> bool:
+        pipe = self._pipes[robot]
+        return pipe is not None and inside_second_leg(pipe, target + np.array([self._base[robot], 0.0]))
+
+
+def inside_second_leg(pipe: Pipe, point: Array) -> bool:
+    """Whether a point (2,) of the pipe's frame lies inside the pipe and past the end of the inner wall's bend."""
+    along = float(pipe.along_second_leg(point)[0])
+    return along > pipe.inner_edge and bool(pipe.contains(point))

@@ -1,0 +1,74 @@
+"""The rear half's passage as a stage of an evaluation (approach II)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.backends.backend import CONTROL_PERIOD, Backend
+from pipenav.backends.messages import Command
+from pipenav.evaluation.stage import Stage, StageStep
+from pipenav.motions.follower import Follower
+from pipenav.motions.trajectory import Motion
+from pipenav.robots.outline import foremost
+from pipenav.robots.robot import RobotSpec
+from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.reach.episode import at_limit
+
+MotionSource = Callable[[NDArray[np.intp]], Sequence[Motion]]
+"""Given the robots that start anew, their next rear motions."""
+
+
+class RearStage(Stage):
+    """The rear half leaves the corner: its motion is sent, row by row, to the position controllers, see `Follower`.
+
+    Every robot starts at rest in its motion's first row, the mirrored final pose of the front passage, and after the
+    last row holds it. REACHED: the whole arm is out of the corner, see `is_out`; that has to happen within the
+    follower's patience, else TIMEOUT. Joint limits and overlap are judged as in the front's task.
+    """
+
+    def __init__(
+        self, robot: RobotSpec, backend: Backend, n: int, source: MotionSource, config: TaskConfig | None = None
+    ) -> None:
+        self.robot, self.n = robot, n
+        self._backend, self._source, self._config = backend, source, config or TaskConfig()
+        self._steps = np.zeros(n, np.intp)
+        self._motions: list[Motion] = []
+        self._follower, self._q = Follower(robot, n, CONTROL_PERIOD), np.zeros((n, len(robot.joints)))
+
+    @property
+    def steps(self) -> NDArray[np.intp]:
+        return self._steps.copy()
+
+    def start(self, robots: NDArray[np.intp]) -> None:
+        motions = self._source(robots)
+        if not self._motions:
+            self._motions = [motions[0]] * self.n
+        for robot, motion in zip(robots, motions, strict=True):
+            self._motions[robot] = motion
+        first, base = np.array([motion.q[0] for motion in motions]), np.array([motion.base for motion in motions])
+        reading = self._backend.reset(robots, [motion.pipe for motion in motions], first, base)
+        self._follower.start(robots, [motion.q for motion in motions])
+        self._steps[robots], self._q[robots] = 0, reading.q
+
+    def step(self) -> StageStep:
+        self._steps += 1
+        goal = self._follower.act(self._q)
+        self._backend.step(Command("position", np.clip(goal, self.robot.lower, self.robot.upper)))
+        reading, truth = self._backend.read(), self._backend.truth()
+        self._q = reading.q
+        if truth is None:
+            raise TypeError("a rear passage needs a simulator: this backend knows no truth")
+        edges = np.array([motion.base + motion.pipe.inner_edge for motion in self._motions])
+        verdict = np.full(self.n, Verdict.RUNNING, np.int8)
+        verdict[self._steps >= self._follower.patience] = Verdict.TIMEOUT
+        verdict[foremost(self.robot, reading.q) + edges <= 0] = Verdict.REACHED
+        verdict[at_limit(self.robot, self._config, reading.q)] = Verdict.LIMIT
+        verdict[truth.penetration > self._config.max_penetration] = Verdict.PENETRATION
+        return StageStep(verdict, reading.ranges.min(axis=1), truth, reading.q)
+
+    def close(self) -> None:
+        self._backend.close()

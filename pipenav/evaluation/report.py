@@ -1,0 +1,221 @@
+"""An evaluation as files and as tables for the terminal. docs/evaluation-folder.md describes the files."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pipenav.drawing.style import png
+from pipenav.evaluation import figures
+from pipenav.evaluation.results import DiameterRecord, Evaluation, PipeRecord, by_diameter, wilson
+from pipenav.storage.atomic_files import atomic_write_all, prepare_folder
+from pipenav.units import m_to_mm
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+    from rich.table import Table
+
+FILES = {
+    "eval.json": "everything, for programs",
+    "eval.csv": "one row per pipe",
+    "success.png": "success over the corner angle, one line per diameter",
+    "map.png": "success by diameter and angle",
+}
+"""The files of an evaluation folder, each with one line of what it is."""
+
+WORST_PIPES = 8
+"""Pipes in the list of the worst ones."""
+
+SHOWN_CORNERS = 5
+"""Corners of a run that are written out in a table."""
+
+MISSING = "-"
+
+
+def write_evaluation(folder: Path, evaluation: Evaluation) -> None:
+    """Write the evaluation folder; nothing of an older one is replaced before all of the new one is on the disk.
+
+    Raises:
+        FileProblem: the folder or a file cannot be written.
+    """
+    contents = {
+        "eval.json": evaluation.to_json().encode("utf-8"),
+        "eval.csv": pipes_csv(evaluation.pipes).encode("utf-8"),
+        "success.png": png(figures.success_figure(evaluation)),
+        "map.png": png(figures.map_figure(evaluation)),
+    }
+    prepare_folder(folder)
+    atomic_write_all({folder / name: contents[name] for name in FILES})
+
+
+def pipes_csv(pipes: Sequence[PipeRecord]) -> str:
+    """One row per pipe with the keys of eval.json; failures as `limit=3 timeout=1`, None as an empty cell."""
+    text = io.StringIO()
+    columns = [*PipeRecord.model_fields, *PipeRecord.model_computed_fields]
+    writer = csv.DictWriter(text, columns, lineterminator="\n")
+    writer.writeheader()
+    for record in pipes:
+        failures = " ".join(f"{reason}={count}" for reason, count in record.failures.items())
+        writer.writerow(record.model_dump() | {"failures": failures})
+    return text.getvalue()
+
+
+def evaluation_table(evaluation: Evaluation) -> RenderableType:
+    """A headline, two tables by diameter and the list of the worst pipes, for a terminal of 100 columns."""
+    from rich.console import Group
+    from rich.padding import Padding
+    from rich.text import Text
+
+    headline = Text(figures.headline(evaluation), style="bold")
+    where = Text(figures.circumstances(evaluation), style="dim")
+    p99 = evaluation.penetration_p99_m
+    if p99 is not None:
+        where.append(f"\noverlap with the wall at most {m_to_mm(p99):.2f} mm in 99 % of the episodes")
+    parts = (where, _successes(evaluation), _contacts(evaluation), _worst(evaluation.pipes))
+    return Group(headline, *(Padding(part, (0, 0, 1, 0), expand=False) for part in parts))
+
+
+def _successes(evaluation: Evaluation) -> Table:
+    """Success by diameter: the stages that were run, what the thesis has, why episodes failed."""
+    pipes = evaluation.pipes
+    located = any(record.located is not None for record in pipes)
+    front = any(record.front_attempts is not None for record in pipes)
+    rear = any(record.rear_attempts is not None for record in pipes)
+    traverse = any(record.traverse_attempts is not None for record in pipes)
+    headings = ["diameter\nmm", "episodes\n"]
+    headings += ["located\n%"] * located
+    headings += [f"{'front' if located or rear else 'success'}\n%", "95 %\ninterval", "thesis\n%"] * front
+    headings += ["rear\n%"] * rear + ["success\n%", "95 %\ninterval"] * traverse
+    table = _table("Success by diameter", headings, ["failed episodes\n"])
+
+    def cells(row: DiameterRecord) -> list[str]:
+        found = [_percent(row.located_share)] * located
+        interval = _interval(row.front_success_low, row.front_success_high)
+        passed = [_percent(row.front_success), interval, _number(row.thesis_percent, 0)] * front
+        through = _interval(row.traverse_success_low, row.traverse_success_high)
+        traversed = [_percent(row.traverse_success), through] * traverse
+        return [f"{row.episodes:,}", *found, *passed, *[_percent(row.rear_success)] * rear, *traversed]
+
+    for row, records in zip(evaluation.diameters, by_diameter(pipes).values(), strict=True):
+        table.add_row(f"{row.diameter_mm:g}", *cells(row), _failures(records))
+    if len(evaluation.diameters) > 1:
+        table.add_section()
+        table.add_row("all", *cells(DiameterRecord.of(pipes)), _failures(pipes))
+    return table
+
+
+def _contacts(evaluation: Evaluation) -> Table:
+    """How quick and how gentle the episodes of each diameter were, and the pipe in which most of them failed."""
+    headings = ["diameter\nmm", "mean steps\nof successes", "least clearance\nmm", "peak force\nN"]
+    headings += ["contact\n% of time", "deepest overlap\nmm"]
+    table = _table("Motion and contact by diameter", headings, ["worst pipe and\nits success"])
+    for diameter, records in by_diameter(evaluation.pipes).items():
+        steps = [(r.mean_steps, r.successes) for r in records if r.mean_steps is not None]
+        contact = [(r.contact_time_share, r.episodes) for r in records if r.contact_time_share is not None]
+        table.add_row(
+            f"{diameter:g}",
+            _number(_weighted_mean(steps), 1),
+            _number(_extreme(min, [r.min_clearance_m for r in records]), 1, 1000),
+            _number(_extreme(max, [r.peak_force_n for r in records]), 1),
+            _percent(_weighted_mean(contact)),
+            _number(_extreme(max, [r.max_penetration_m for r in records]), 2, 1000),
+            _worst_pipe(records),
+        )
+    return table
+
+
+def _worst(pipes: Sequence[PipeRecord]) -> RenderableType:
+    """The pipes in which most episodes failed."""
+    from rich.text import Text
+
+    failing = sorted((record for record in pipes if record.success < 1), key=lambda record: record.success)
+    if not failing:
+        return Text("Every episode succeeded in every pipe.", style="green")
+    shown = failing[:WORST_PIPES]
+    title = f"The {len(shown)} worst of {len(failing)} pipes" if len(failing) > len(shown) else "Pipes"
+    headings = ["diameter\nmm", "angle\ndeg", "turn\n", "success\n%", "95 %\ninterval", "mean\nsteps"]
+    headings += ["clearance\nmm", "force\nN"]
+    table = _table(f"{title} with failures", headings, ["failed episodes\n"])
+    for record in shown:
+        table.add_row(
+            f"{record.diameter_mm:g}",
+            *_corner_cells(record),
+            _percent(record.success),
+            _interval(*wilson(record.successes, record.episodes)),
+            _number(record.mean_steps, 1),
+            _number(record.min_clearance_m, 1, 1000),
+            _number(record.peak_force_n, 1),
+            _failures([record]),
+        )
+    return table
+
+
+def _table(title: str, numbers: Sequence[str], words: Sequence[str]) -> Table:
+    """An empty table with right-aligned columns of numbers, then left-aligned ones of words."""
+    from rich import box
+    from rich.table import Table
+
+    table = Table(
+        title=title,
+        title_justify="left",
+        title_style="bold",
+        box=box.SIMPLE_HEAD,
+        show_edge=False,
+        pad_edge=False,
+        padding=(0, 1, 0, 0),
+    )
+    for heading in numbers:
+        table.add_column(heading, justify="right", no_wrap=True)
+    for heading in words:
+        table.add_column(heading)
+    return table
+
+
+def _worst_pipe(records: Sequence[PipeRecord]) -> str:
+    worst = min(records, key=lambda record: record.success)
+    angle, turn = _corner_cells(worst)
+    where = turn.replace("-", " ") if worst.run else f"{angle}° {turn}"  # with places to break the line
+    return f"{where}: {_percent(worst.success)} %" if worst.success < 1 else MISSING
+
+
+def _corner_cells(record: PipeRecord) -> tuple[str, str]:
+    """Angle and turn of a corner; of a run its first corners as its name has them: the diameter stands beside."""
+    if record.run is not None:
+        corners = record.run.split("-")[2:]
+        return "run", "-".join(corners[:SHOWN_CORNERS]) + "-..." * (len(corners) > SHOWN_CORNERS)
+    return f"{record.angle_deg:g}", str(record.turn)
+
+
+def _weighted_mean(values: Sequence[tuple[float, int]]) -> float | None:
+    """Mean of values with weights; None without any weight."""
+    total = sum(weight for _, weight in values)
+    return sum(value * weight for value, weight in values) / total if total else None
+
+
+def _percent(share: float | None) -> str:
+    return MISSING if share is None else figures.percent(share)
+
+
+def _interval(low: float | None, high: float | None) -> str:
+    return MISSING if low is None or high is None else f"{_percent(low)}-{_percent(high)}"
+
+
+def _number(value: float | None, decimals: int, factor: float = 1.0) -> str:
+    return MISSING if value is None else f"{value * factor:.{decimals}f}"
+
+
+def _extreme(pick: Callable[[Iterable[float]], float], values: Iterable[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return pick(known) if known else None
+
+
+def _failures(records: Sequence[PipeRecord]) -> str:
+    """Reasons with their counts, the most frequent first."""
+    total: Counter[str] = Counter()
+    for record in records:
+        total.update(record.failures)
+    return ", ".join(f"{reason} {count:,}" for reason, count in total.most_common() if count) or MISSING

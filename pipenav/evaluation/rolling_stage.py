@@ -1,0 +1,44 @@
+"""The traverse task in space as an evaluation runs it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from pipenav.backends.registry import load_spatial, open_space
+from pipenav.errors import PipenavError
+from pipenav.evaluation.episode_runner import EpisodeQueue, joined
+from pipenav.evaluation.stage import TaskStage
+from pipenav.policies.controller import Controller
+from pipenav.robots.robot import RobotSpec
+from pipenav.tasks.rolling.batch import SpaceBatch
+from pipenav.tasks.rolling.clamp import check_robot
+from pipenav.tasks.traverse.config import TraverseConfig
+from pipenav.tasks.traverse.episode import GRAVITY, TraverseEpisodes
+
+
+def check_in_space(robot: RobotSpec, backend: str, disturb: str | None = None) -> None:
+    """Refuse what cannot be done in runs that leave the plane.
+
+    Raises:
+        PipenavError: a robot that cannot roll, a backend of the plane alone, or a disturbance.
+    """
+    check_robot(robot)
+    load_spatial(backend)
+    if disturb is not None:
+        raise PipenavError("--disturb disturbs robots in a plane: choose runs without rolls, or leave it out.")
+
+
+def gravity_of(task: TraverseConfig) -> float:
+    """Downwards in runs that leave the plane [m/s^2]: none for a policy of a level plane, in which nothing weighs."""
+    return 0.0 if task.inclination_deg is None else GRAVITY
+
+
+def space_stage(
+    controller: Controller, backend: str, options: Mapping[str, Any], queue: EpisodeQueue[TraverseEpisodes]
+) -> TaskStage:
+    """The controller's task in space, with as many robots as the queue, which is its source."""
+    robot, task, n = controller.robot, controller.task, len(queue.running)
+    assert isinstance(task, TraverseConfig)  # no other task takes such runs
+    simulator = open_space(backend, robot, n, options, gravity_of(task))
+    return TaskStage(SpaceBatch(robot, task, simulator, n, lambda r: joined(queue.take(r))), controller)

@@ -1,0 +1,89 @@
+"""One part of a passage on n robots at once: what an evaluation runs, whatever happens in it."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.backends.messages import Truth
+from pipenav.backends.spatial import SpaceTruth
+from pipenav.policies.controller import Controller
+from pipenav.robots.robot import RobotSpec
+from pipenav.tasks.batch import TaskBatch
+
+Array = NDArray[np.float64]
+
+
+class StageStep(NamedTuple):
+    """One control step of n robots.
+
+    Attributes:
+        verdict: a `Verdict` for each, (n,); other than RUNNING ends the episode, REACHED is the stage's success.
+        clearance: smallest laser reading, (n,) [m].
+        truth: what the simulator knows.
+        q: configurations after the step in the robot's own frame, (n, coordinates): where a next stage starts.
+    """
+
+    verdict: NDArray[np.int8]
+    clearance: Array
+    truth: Truth | SpaceTruth
+    q: Array
+
+
+class Stage(ABC):
+    """n episodes of one part of a passage, stepped together.
+
+    A stage draws its episodes from the source that it was made with. Who calls `step` also says, by `start`, which
+    robots begin anew; a robot whose episode has ended may be stepped on until then.
+
+    Attributes:
+        robot: the robot.
+        n: how many of them.
+    """
+
+    robot: RobotSpec
+    n: int
+
+    @property
+    @abstractmethod
+    def steps(self) -> NDArray[np.intp]:
+        """Control steps of each robot's episode so far, (n,)."""
+
+    @abstractmethod
+    def start(self, robots: NDArray[np.intp]) -> None:
+        """Begin new episodes with some robots (sorted, unique); the others are untouched."""
+
+    @abstractmethod
+    def step(self) -> StageStep:
+        """One control period of every robot."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Release the backend."""
+
+
+class TaskStage(Stage):
+    """A task under a controller: the front half reaches a target, or the whole robot traverses the pipe."""
+
+    def __init__(self, batch: TaskBatch, controller: Controller) -> None:
+        self.robot, self.n = batch.robot, batch.n
+        self._batch, self._controller = batch, controller
+        self._observation = np.zeros((batch.n, batch.observation_size))
+
+    @property
+    def steps(self) -> NDArray[np.intp]:
+        return self._batch.steps
+
+    def start(self, robots: NDArray[np.intp]) -> None:
+        self._observation = self._batch.reset(robots)
+
+    def step(self) -> StageStep:
+        result = self._batch.step(self._controller.act(self._observation, self._batch))
+        self._observation = result.observation
+        return StageStep(result.verdict, result.clearance, result.truth, self._batch.q)
+
+    def close(self) -> None:
+        self._batch.close()

@@ -1,0 +1,147 @@
+"""The run folder: one pipe run as JSON, meshes, MJCF, URDF, SDF and a drawing. Format: docs/pipe-run.md."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from pipenav.errors import ConfigError
+from pipenav.export.corner_folder import write_stl
+from pipenav.export.scene_xml import COLOUR, Shape, add, mjcf, sdf, text, urdf, write_xml
+from pipenav.pipes.corner import Array
+from pipenav.pipes.json_keys import run_fields
+from pipenav.pipes.route import PipeRun
+from pipenav.pipes.route_solids import PRISM_FACES, run_boards_mesh, run_tube_mesh, wall_prisms
+from pipenav.storage.atomic_folder import read_record, refuse_contradictions, write_record, write_whole_folder
+from pipenav.units import m_to_mm, rad_to_deg
+
+SCHEMA = 1
+"""Version of the run folder."""
+
+FILES = {
+    "run.json": "every parameter, the centre line and the frames of the straights",
+    "boards.stl": "two bent boards, the run cut in its plane (mm)",
+    "tube.stl": "hollow tube (mm)",
+    "walls.obj": "the wall as convex prisms, one object each (m)",
+    "pipe.xml": "MuJoCo model, walls as those prisms",
+    "pipe.urdf": "URDF model, walls from walls.obj",
+    "pipe.sdf": "SDF model, walls from walls.obj",
+    "pipe.png": "drawing with dimensions",
+}
+"""The files of a run folder, each with one line of what it is; `boards.stl` for planar runs only."""
+
+KEYS = ("diameter_m", "wall_m", "corners", "straights_m")
+"""The keys of run.json that a run is read from; the others follow from these."""
+
+
+def run_files(run: PipeRun) -> dict[str, str]:
+    """The files of this run's folder, each with one line of what it is."""
+    return {name: purpose for name, purpose in FILES.items() if run.planar or name != "boards.stl"}
+
+
+def write_run_folder(run: PipeRun, name: str, out_root: Path) -> Path:
+    """Write `<out_root>/<name>/`, whole or not at all, in place of an older folder of a run.
+
+    Files that others put into the older folder are kept.
+
+    Raises:
+        FileProblem: the folder cannot be written.
+        PipenavError: something that is not a run folder has that name.
+    """
+    folder = out_root / name
+    write_whole_folder(folder, "run folder", "run.json", FILES, lambda draft: _write_files(run, name, draft))
+    return folder
+
+
+def _write_files(run: PipeRun, name: str, folder: Path) -> None:
+    from pipenav.drawing.route import draw_run
+
+    prisms = wall_prisms(run)
+    walls = [Shape("all", "mesh", "walls.obj")]
+    write_record(folder / "run.json", run_record(run, name))
+    if run.planar:
+        write_stl(folder / "boards.stl", run_boards_mesh(run))
+    write_stl(folder / "tube.stl", run_tube_mesh(run))
+    (folder / "walls.obj").write_text(_obj(prisms), encoding="utf-8")
+    write_xml(folder / "pipe.xml", _mjcf(run, name, prisms))
+    write_xml(folder / "pipe.urdf", urdf(name, walls))
+    write_xml(folder / "pipe.sdf", sdf(name, walls))
+    draw_run(run, name, folder / "pipe.png")
+
+
+def run_record(run: PipeRun, name: str) -> dict[str, Any]:
+    """The content of run.json. The SI numbers count; the ones in mm and deg repeat them for people."""
+    return {
+        "schema": SCHEMA,
+        "name": name,
+        "planar": run.planar,
+        "diameter_m": run.diameter,
+        "diameter_mm": m_to_mm(run.diameter),
+        "wall_m": run.wall,
+        "wall_mm": m_to_mm(run.wall),
+        "corners": [
+            {
+                "turn": corner.turn,
+                "angle_rad": corner.angle,
+                "angle_deg": rad_to_deg(corner.angle),
+                "roll_rad": corner.roll,
+                "roll_deg": rad_to_deg(corner.roll),
+            }
+            for corner in run.corners
+        ],
+        "straights_m": list(run.straights),
+        "straights_mm": [m_to_mm(straight) for straight in run.straights],
+        "centre_line_m": run.centre_line.tolist(),
+        "rotations": run.frames.rotation.tolist(),
+        "wall_segments_m": run.segments.tolist() if run.planar else None,
+    }
+
+
+def read_run_folder(path: Path) -> PipeRun:
+    """The run of a run folder, or of its run.json, exactly as it was written.
+
+    Raises:
+        FileProblem: the file cannot be read.
+        ConfigError: it is not a run file of this version, or contradicts itself.
+        PipenavError: the run is not possible.
+    """
+    file = path / "run.json" if path.is_dir() else path
+    record = read_record(file, "run file", SCHEMA, KEYS)
+    try:
+        run = PipeRun.model_validate(run_fields(record))
+    except ValidationError as error:
+        raise ConfigError.from_validation(str(file), error) from error
+    refuse_contradictions(file, record, run_record(run, str(record.get("name"))))
+    return run
+
+
+def _mjcf(run: PipeRun, name: str, prisms: Array) -> ET.Element:
+    """A static MuJoCo model: one convex mesh per prism, and a camera that sees the whole run from above."""
+    low, high = run.centre_line.min(axis=0), run.centre_line.max(axis=0)
+    x, y, _ = (low + high) / 2
+    root, body = mjcf(name, (float(x), float(y), float(high[2] + 1.4 * max(high - low))))
+    assets = add(root, "asset")
+    for leg, side in np.ndindex(*prisms.shape[:2]):
+        part = _part_name(leg, side)
+        add(assets, "mesh", name=part, vertex=text(*prisms[leg, side].ravel()))
+        add(body, "geom", name=part, type="mesh", mesh=part, rgba=COLOUR)
+    return root
+
+
+def _obj(prisms: Array) -> str:
+    """Every prism as an object of its own, by which loaders know that each is convex."""
+    lines = []
+    for leg, side in np.ndindex(*prisms.shape[:2]):
+        first = 1 + 8 * (leg * prisms.shape[1] + side)
+        lines.append(f"o {_part_name(leg, side)}")
+        lines += [f"v {text(*corner)}" for corner in prisms[leg, side]]
+        lines += ["f {} {} {}".format(*(first + face)) for face in PRISM_FACES]
+    return "\n".join(lines) + "\n"
+
+
+def _part_name(leg: int, side: int) -> str:
+    return f"wall_{leg + 1}_{side}"

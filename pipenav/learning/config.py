@@ -1,0 +1,175 @@
+"""What a training run is made of: a preset, overlaid with a file, with `--set` and with options."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic_core import PydanticCustomError
+
+from pipenav.disturbances.disturbance import UNDISTURBED, Disturbance
+from pipenav.errors import ConfigError, PipenavError, UnknownName
+from pipenav.storage import shipped
+from pipenav.storage.atomic_files import read_toml
+from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.registry import AnyTask
+
+DEFAULT_PRESET = "arm"
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+
+_Widths = tuple[Annotated[int, Field(ge=1, le=4096)], ...]
+
+
+class NetworkConfig(_Table):
+    """Fully connected tanh networks, widths from input to output."""
+
+    policy: _Widths = Field((64, 64), strict=False, description="hidden layers of the policy")
+    value: _Widths = Field((64, 64), strict=False, description="hidden layers of the value function")
+
+
+class LearnerConfig(_Table):
+    """PPO (clip) with generalised advantage estimation."""
+
+    robots: int = Field(192, ge=1, le=4096, description="robots that are stepped together")
+    rollout_steps: int = Field(16, ge=2, description="control steps of each robot between two updates")
+    batch_size: int = Field(512, ge=2, description="samples of a gradient step")
+    epochs: int = Field(8, ge=1, description="passes over a rollout")
+    learning_rate: float = Field(1e-3, gt=0, description="at the start; falls linearly to a twentieth")
+    gamma: float = Field(0.98, gt=0, le=1, description="discount per control step")
+    gae_lambda: float = Field(0.95, ge=0, le=1, description="lambda of the advantage estimate")
+    clip: float = Field(0.2, gt=0, description="clip range of the probability ratio")
+    noise_start: float = Field(0.6, gt=0, description="standard deviation of exploration at the start")
+    noise_stop: float = Field(
+        0.1,
+        gt=0,
+        description="and from nine tenths of the steps on: the noise falls linearly, so that the policy ends up "
+        "precise by itself instead of leaning on its own noise",
+    )
+
+    @model_validator(mode="after")
+    def _fits(self) -> LearnerConfig:
+        if (self.robots * self.rollout_steps) % self.batch_size:
+            samples = self.robots * self.rollout_steps
+            problem = f"batch_size {self.batch_size} must divide robots x rollout_steps = {samples}"
+            raise PydanticCustomError("batch_size", problem)
+        return self
+
+
+class CheckConfig(_Table):
+    """Checks during training: the noise-free policy on some episodes; the best one becomes best.zip."""
+
+    every: int = Field(60_000, ge=1, description="control steps between two checks")
+    episodes: int = Field(200, ge=1, description="episodes of a check, spread evenly over the training pipes")
+
+
+class TrainConfig(_Table):
+    """Everything that decides what a training run computes."""
+
+    description: str = Field(description="one line for `pipenav presets`")
+    robot: str = "basic"
+    backend: str = "mujoco"
+    options: dict[str, Any] = Field(default_factory=dict, description="the backend's own settings")
+    pipes: tuple[str, ...] = Field(("thesis-train",), strict=False, min_length=1, description="pipe sets to train in")
+    steps: int = Field(120_000, ge=1, description="control steps of all robots together")
+    seed: int = Field(0, ge=0, lt=2**32)
+    task: AnyTask = TaskConfig()
+    network: NetworkConfig = NetworkConfig()
+    learner: LearnerConfig = LearnerConfig()
+    check: CheckConfig = CheckConfig()
+    randomise: Disturbance = UNDISTURBED
+
+
+def preset_names() -> list[str]:
+    """The shipped presets."""
+    return sorted(path.stem for path in shipped.presets_dir().glob("*.toml"))
+
+
+def load_config(
+    preset: str = DEFAULT_PRESET,
+    file: Path | None = None,
+    settings: Sequence[str] = (),
+    options: Mapping[str, Any] | None = None,
+) -> TrainConfig:
+    """A preset, overlaid in this order by a TOML file, by `key=value` settings and by options.
+
+    Args:
+        preset: name of a shipped preset.
+        file: TOML with any part of a TrainConfig.
+        settings: `learner.epochs=4` and the like, values as in TOML.
+        options: dotted keys to values; None means not given.
+
+    Raises:
+        UnknownName: no such preset or key.
+        ConfigError: a value that does not fit.
+        FileProblem: a file that cannot be read.
+    """
+    if preset not in preset_names():
+        raise UnknownName("preset", preset, preset_names())
+    table = read_toml(shipped.presets_dir() / f"{preset}.toml")
+    where = f"preset {preset}"
+    if file is not None:
+        table = _overlay(table, read_toml(file))
+        where = str(file)
+    for text in settings:
+        key, equals, value = text.partition("=")
+        if not (equals and key.strip()):
+            raise PipenavError(f"setting {text!r} is no setting: write it as key=value, for example seed=1.")
+        table = _overlay(table, _nested(key.strip(), toml_value(value.strip())))
+        where = f"--set {text}"
+    for key, value in (options or {}).items():
+        if value is not None:
+            table = _overlay(table, _nested(key, value))
+    return validate_config(table, where)
+
+
+def validate_config(table: Mapping[str, Any], where: str) -> TrainConfig:
+    """A TrainConfig from plain values; errors name `where` and the nearest key."""
+    try:
+        return TrainConfig.model_validate(table)
+    except ValidationError as error:
+        raise ConfigError.from_validation(where, error, _keys(TrainConfig)) from error
+
+
+def _keys(model: type[BaseModel], prefix: str = "") -> list[str]:
+    """Every dotted key of a nested model."""
+    keys = []
+    for name, field in model.model_fields.items():
+        keys.append(prefix + name)
+        for inner in _models(field.annotation):
+            keys += _keys(inner, f"{prefix}{name}.")
+    return list(dict.fromkeys(keys))
+
+
+def _models(annotation: Any) -> list[type[BaseModel]]:
+    """The models that a field may hold."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [model for part in get_args(annotation) for model in _models(part)]
+
+
+def _overlay(below: dict[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+    merged = dict(below)
+    for key, value in above.items():
+        nested = isinstance(value, Mapping) and isinstance(merged.get(key), Mapping)
+        merged[key] = _overlay(merged[key], value) if nested else value
+    return merged
+
+
+def _nested(dotted: str, value: Any) -> dict[str, Any]:
+    first, _, rest = dotted.partition(".")
+    return {first: _nested(rest, value) if rest else value}
+
+
+def toml_value(text: str) -> Any:
+    """A value as TOML reads it; a bare word is a string."""
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text

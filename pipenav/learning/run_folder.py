@@ -1,0 +1,93 @@
+"""The folder of a training run: every file appears whole or not at all."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+from pipenav.errors import PipenavError
+from pipenav.learning.config import TrainConfig, validate_config
+from pipenav.storage.atomic_files import atomic_write, prepare_folder
+
+PROGRESS_COLUMNS = (
+    "steps",
+    "seconds",
+    "steps_per_s",
+    "success",
+    "clearance_m",
+    "reward",
+    "episode_steps",
+    "std",
+    "check_success",
+)
+
+
+class RunFolder:
+    """Names and writing of a run's files."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.best, self.last = path / "best.zip", path / "last.zip"
+        self.config, self.command = path / "config.json", path / "command.txt"
+        self.progress, self.plot = path / "progress.csv", path / "training.png"
+        self.resume, self.diverged = path / "resume.safetensors", path / "diverged.json"
+        self._rows: list[dict[str, Any]] = []
+
+    @classmethod
+    def create(cls, path: Path, config: TrainConfig, command: str) -> RunFolder:
+        """A new run; refuses a folder that already holds one, but not what a run left that never came to save."""
+        folder = cls(path)
+        if folder.resume.exists():
+            raise PipenavError(
+                f"{path} already holds a run: go on with it by --resume {path}, or choose another --out."
+            )
+        if any(file.exists() for file in (folder.best, folder.last, folder.diverged)):
+            raise PipenavError(f"{path} already holds a run: choose another --out.")
+        prepare_folder(path)
+        folder.write_config(config)
+        atomic_write(folder.command, command + "\n")
+        return folder
+
+    @classmethod
+    def open(cls, path: Path) -> tuple[RunFolder, TrainConfig]:
+        """A run to resume, with its configuration."""
+        folder = cls(path)
+        if not folder.config.is_file() or not folder.resume.is_file():
+            raise PipenavError(f"{path} holds no run: it needs config.json and resume.safetensors.")
+        try:
+            table = json.loads(folder.config.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise PipenavError(f"{folder.config} cannot be read: {error}.") from error
+        if folder.progress.is_file():
+            try:
+                with folder.progress.open(encoding="utf-8", newline="") as file:
+                    folder._rows = list(csv.DictReader(file))
+            except (OSError, ValueError, csv.Error) as error:
+                raise PipenavError(f"{folder.progress} cannot be read: {error}.") from error
+        return folder, validate_config(table, str(folder.config))
+
+    def write_config(self, config: TrainConfig) -> None:
+        atomic_write(self.config, json.dumps(config.model_dump(mode="json"), indent=2) + "\n")
+
+    def add_progress(self, row: dict[str, Any]) -> None:
+        """Remember a row of progress.csv; `write_progress` writes them all."""
+        self._rows.append(row)
+
+    def write_progress(self) -> None:
+        text = io.StringIO()
+        writer = csv.DictWriter(text, PROGRESS_COLUMNS, extrasaction="ignore", lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(self._rows)
+        atomic_write(self.progress, text.getvalue())
+
+
+def default_run_path(preset: str, root: Path = Path("runs")) -> Path:
+    """`runs/<preset>`, or with a number behind it where that is taken."""
+    path, number = root / preset, 1
+    while path.exists():
+        number += 1
+        path = root / f"{preset}-{number}"
+    return path

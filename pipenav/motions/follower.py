@@ -1,0 +1,92 @@
+"""A recorded path played back pose by pose, no faster than the arm follows; one that is caught is freed on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.robots.robot import RobotSpec
+
+Array = NDArray[np.float64]
+
+FOLLOWING = 2.0
+"""How near to a pose every joint must be before the next one is given, as a share of its fastest motion in a tick. Two:
+a command may come one tick late, and the arm lags behind it by another. Closer following passed no more corners."""
+
+CAUGHT = 2
+"""Ticks without coming so near after which an arm counts as caught."""
+
+PATIENCE = 3
+"""Ticks that a path may take, per pose of it after the first."""
+
+SLACK = 30
+"""Ticks that a path may take besides: the slowest joint of the shipped robots crosses its whole travel in 23."""
+
+
+class Follower:
+    """n arms, each on a path of its own, that feel nothing but their own joints.
+
+    An arm that catches, on the corner's inner edge say, is freed as a person would do it: a little back along the path,
+    each time farther, then on again.
+
+    Args:
+        robot: the robot.
+        n: how many.
+        period: of a tick [s].
+
+    Attributes:
+        rows: the pose that each arm was given last, counted from 0, (n,).
+        caught: which arms counted as caught in the last tick, (n,).
+    """
+
+    def __init__(self, robot: RobotSpec, n: int, period: float) -> None:
+        self._near = FOLLOWING * robot.speed_limits * period
+        self._paths: list[Array] = [np.zeros((1, len(robot.joints)))] * n
+        self.rows, self._last = np.zeros(n, np.intp), np.zeros(n, np.intp)
+        self._waited, self._times = np.zeros(n, np.intp), np.zeros(n, np.intp)
+        self.caught = np.zeros(n, bool)
+
+    @property
+    def patience(self) -> NDArray[np.intp]:
+        """Ticks that each arm may take for its path, (n,)."""
+        return PATIENCE * self._last + SLACK
+
+    @property
+    def at_last(self) -> NDArray[np.bool_]:
+        """Which arms were given their path's last pose, (n,)."""
+        return np.asarray(self.rows == self._last)
+
+    def start(self, robots: NDArray[np.intp], paths: Sequence[Array]) -> None:
+        """Put some robots at their paths' first poses.
+
+        Args:
+            robots: which, (k,).
+            paths: joint positions, k arrays (rows, joints) [rad or m].
+        """
+        for robot, path in zip(robots, paths, strict=True):
+            self._paths[robot], self._last[robot] = path, len(path) - 1
+        self.rows[robots], self._waited[robots], self._times[robots] = 0, 0, 0
+
+    def away(self, q: Array) -> Array:
+        """How far the arms are from the poses that they were given last, (n, joints) [rad or m]."""
+        return np.abs(q - self._goal())
+
+    def act(self, q: Array) -> Array:
+        """Set-points of the next tick, (n, joints) [rad or m].
+
+        Args:
+            q: joint positions now, (n, joints) [rad or m].
+        """
+        near = (self.away(q) <= self._near).all(axis=1)
+        self._waited = np.where(near, 0, self._waited + 1)
+        self.caught = self._waited >= CAUGHT
+        self._times[self.caught] += 1
+        self._waited[self.caught] = 0
+        rows = np.where(self.caught, self.rows - self._times, np.where(near, self.rows + 1, self.rows))
+        self.rows = np.clip(rows, 0, self._last)
+        return self._goal()
+
+    def _goal(self) -> Array:
+        return np.array([path[row] for path, row in zip(self._paths, self.rows.tolist(), strict=True)])

@@ -1,0 +1,183 @@
+"""Approach II (thesis 3.5): the rear half passes as the front half did, mirrored in space and reversed in time.
+
+The front half enters the corner by the first leg and reaches into the second. The rear half follows it the other way
+round: joined to the front half at its own base, it lies bent around the corner with its tip in the first leg, and is
+drawn out into the second. Seen from the second leg, that is an arm in the mirrored pipe (same diameter and angle, other
+turn) which leaves the corner backwards: the front's motion, reflected and played from its end to its start.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.errors import PipenavError
+from pipenav.motions.trajectory import Motion, Trajectory, TrajectoryHeader
+from pipenav.pipes.corner import Pipe
+from pipenav.robots import kinematics
+from pipenav.robots.outline import foremost
+from pipenav.robots.robot import RobotSpec
+from pipenav.units import rad_to_deg
+
+Array = NDArray[np.float64]
+
+STRAIGHT = 0.1
+"""Largest hinge angle of a straight start [rad]: twice what the task starts with, and far from any corner's bend."""
+
+SAME_POSE = 1e-3
+"""How far apart two joint positions may be that count as one [rad, m]: what a servo's encoder resolves is 5e-3 rad."""
+
+
+class HandOver(NamedTuple):
+    """What lies between the front's last and the rear's first pose, which no one has driven.
+
+    The robot's middle is the rear end of the front arm's first link, where the rear half is joined to it. At the
+    front's end that point is still before the corner. When the rear motion starts, the rear arm's own base, which is
+    the same point of the robot, must be as far past the corner: in between the thesis re-spawns the robot (3.5).
+
+    Attributes:
+        distance: straight from where the middle is to where it must be, in the pipe's frame [m].
+        along: the same along the pipe's centre line, mitred [m].
+        turn: angle between the robot's heading at its middle before and after [rad].
+        joint: largest difference of a hinge between the front's last and the rear's first pose [rad]. Both are poses
+            of the one arm that is re-spawned; as a mirror image has the opposite angles, it is twice the largest one.
+    """
+
+    distance: float
+    along: float
+    turn: float
+    joint: float
+
+
+def mirror_pipe(pipe: Pipe) -> Pipe:
+    """The pipe that turns to the other side."""
+    return pipe.model_copy(update={"turn": "right" if pipe.turn == "left" else "left"})
+
+
+def mirror(robot: RobotSpec, motion: Motion) -> Motion:
+    """A motion's mirror image about the first leg's axis: hinges change sign, slides do not, the pipe turns over.
+
+    That is exact for every pose, as joints at zero are the straight arm on that axis. Mirroring twice changes nothing.
+    """
+    return Motion(mirror_pipe(motion.pipe), motion.base, motion.q * robot.mirror_signs)
+
+
+def reverse(motion: Motion) -> Motion:
+    """A motion from its end to its start. Reversing twice changes nothing."""
+    return motion._replace(q=motion.q[::-1])
+
+
+def rear_motion(robot: RobotSpec, front: Motion) -> Motion:
+    """The rear half's motion: `[l, -theta1, ...]` of the front's, in the order T..0, in the mirrored pipe."""
+    return reverse(mirror(robot, front))
+
+
+def join(parts: Sequence[Motion]) -> Motion:
+    """One motion of several that follow each other, each starting in the pose in which the one before ended.
+
+    Raises:
+        PipenavError: a part is in another pipe, at another base, or does not start where the one before ended.
+    """
+    first = parts[0]
+    rows = [first.q]
+    for number, part in enumerate(parts[1:], start=2):
+        if part.pipe != first.pipe or abs(part.base - first.base) > SAME_POSE:
+            raise PipenavError(f"part {number} of the passage is in another pipe or at another base than part 1.")
+        gap = float(np.abs(part.q[0] - rows[-1][-1]).max())
+        if gap > SAME_POSE:
+            raise PipenavError(
+                f"part {number} of the passage starts {gap:.3g} rad or m away from where part {number - 1} ended: "
+                "give the parts of one passage in their order."
+            )
+        rows.append(part.q[1:])
+    return first._replace(q=np.concatenate(rows))
+
+
+def plan_rear(parts: Sequence[Trajectory]) -> Trajectory:
+    """The rear half's trajectory for a front half's passage.
+
+    Its start must be straight and before the corner, since the rear ends where the front began. The task starts with
+    hinges bent by up to 0.05 rad, which counts as straight. A front that began where locating a target ended is bent;
+    with the locating part before it, the passage begins straight again.
+
+    Args:
+        parts: the passage's recordings in their order: the front, or the locating part and then the front.
+
+    Raises:
+        PipenavError: a part did not succeed or is a rear's, the last one is no front passage, the parts do not follow
+            each other, or the first pose is not straight or not before the corner.
+    """
+    for part in parts:
+        if part.header.stage == "rear":
+            raise PipenavError("the trajectory is a rear half's already: give the front half's.")
+        if not part.succeeded:
+            outcome = part.header.outcome or "not run"
+            raise PipenavError(
+                f"the {part.header.stage} part of the passage did not succeed (outcome: {outcome}): only a successful "
+                "front passage can be mirrored."
+            )
+    last = parts[-1]
+    if last.header.stage == "traverse":
+        raise PipenavError("a whole robot passes in one motion: no rear half is left to follow it.")
+    if last.header.stage != "front":
+        raise PipenavError(f"the passage ends with a part of stage {last.header.stage!r}: give its front part last.")
+    front = join([part.motion for part in parts])
+    _require_straight_start(last.robot, front)
+    rear = rear_motion(last.robot, front)
+    header = TrajectoryHeader(
+        robot=last.robot.name, pipe=rear.pipe, base_m=rear.base, stage="rear", controller="mirror-rear"
+    )
+    return Trajectory(header, last.robot, rear.q)
+
+
+def _require_straight_start(robot: RobotSpec, front: Motion) -> None:
+    hinges = np.where(robot.hinges, np.abs(front.q[0]), 0.0)
+    if hinges.max() > STRAIGHT:
+        name = robot.joints[int(hinges.argmax())].name
+        raise PipenavError(
+            f"the passage does not start straight: {name} is at {rad_to_deg(float(hinges.max())):.1f} deg, allowed are "
+            f"{rad_to_deg(STRAIGHT):.1f} deg; where a locating part went before, give it first."
+        )
+    if not is_out(robot, front.pipe, front.base, front.q[:1])[0]:
+        raise PipenavError(
+            "the passage starts with a part of the arm in the corner, where the rear half would then end: give a "
+            "passage that starts before the corner."
+        )
+
+
+def hand_over(robot: RobotSpec, front: Motion) -> HandOver:
+    """The jump from the front's last to the rear's first pose, see `HandOver`."""
+    rear = rear_motion(robot, front)
+    before, after = _middle(robot, front.base, front.q[-1]), _middle(robot, rear.base, rear.q[0])
+    turned = front.pipe.heading_change - math.pi  # what takes the mirrored pipe's first leg onto the second leg
+    cos, sin = math.cos(turned), math.sin(turned)
+    place = np.array([[cos, -sin], [sin, cos]]) @ after[:2]
+    # The halves are joined back to back: seen along the robot, the rear arm's base faces backwards.
+    turn = after[2] + turned + math.pi - before[2]
+    along = front.pipe.centre_line_distance(place) - front.pipe.centre_line_distance(before[:2])
+    hinges = robot.hinges
+    joint = np.abs(rear.q[0] - front.q[-1])[hinges]
+    distance = float(np.linalg.norm(place - before[:2]))
+    return HandOver(distance, float(along), abs(math.remainder(turn, 2 * math.pi)), float(joint.max(initial=0.0)))
+
+
+def _middle(robot: RobotSpec, base: float, q: Array) -> Array:
+    """Place and heading of the first link's rear end in its pipe's frame, (3,) [m, m, rad]."""
+    pose = kinematics.forward(robot, q[None])
+    return np.array([base + pose.joints[0, 0, 0], pose.joints[0, 0, 1], pose.headings[0, 0]])
+
+
+def is_out(robot: RobotSpec, pipe: Pipe, base: float, q: Array) -> NDArray[np.bool_]:
+    """Whether the whole arm lies in the first leg, before the inner wall begins to turn, (n,).
+
+    Args:
+        robot: the robot.
+        pipe: the pipe.
+        base: x of the robot's frame in the pipe's frame [m].
+        q: joint positions, (n, joints) [rad or m].
+    """
+    return np.asarray(base + foremost(robot, q) <= -pipe.inner_edge)

@@ -1,0 +1,146 @@
+"""Sets of pipes: shipped ones by name, a TOML file, or one pipe typed as `d=90,angle=60,turn=right`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, TypeVar
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, model_validator
+from pydantic_core import PydanticCustomError
+
+from pipenav.errors import ConfigError, PipenavError, UnknownName
+from pipenav.pipes.corner import Pipe
+from pipenav.storage import shipped
+from pipenav.storage.atomic_files import read_toml
+
+_File = TypeVar("_File", bound=BaseModel)
+
+MAX_STEPS = 1000
+"""Steps of a range: more is a slip of the keyboard."""
+
+
+class _Range(BaseModel):
+    """Evenly spaced values, both ends included."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    start: float
+    stop: float
+    step: float = Field(gt=0)
+
+    @model_validator(mode="after")
+    def _whole_steps(self) -> _Range:
+        steps = (self.stop - self.start) / self.step
+        if not 0 <= steps <= MAX_STEPS or abs(steps - round(steps)) > 1e-6:
+            raise PydanticCustomError(
+                "whole_steps",
+                f"from {self.start:g} to {self.stop:g} must be a whole number of steps of {self.step:g}, "
+                f"at most {MAX_STEPS}",
+            )
+        return self
+
+    def values(self) -> list[float]:
+        count = round((self.stop - self.start) / self.step) + 1
+        return [round(float(x), 6) for x in np.linspace(self.start, self.stop, count)]
+
+
+_List = Annotated[list[float], Field(min_length=1)]
+Values = Annotated[
+    Annotated[_List, Tag("list")] | Annotated[_Range, Tag("range")],
+    Discriminator(lambda given: "range" if isinstance(given, dict | _Range) else "list"),  # one of them to complain
+]
+"""Numbers in a set's file: a list, or a range with both ends."""
+
+
+class PipeSetFile(BaseModel):
+    """A pipe set as TOML: every diameter with every angle and turn."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    description: str
+    diameters_mm: Values
+    angles_deg: Values
+    turns: list[str] = Field(["left"], min_length=1)
+    bend_radius_mm: float = 0.0
+
+    def pipes(self) -> list[Pipe]:
+        """Every diameter with every angle, first to one side, then to the other."""
+        diameters, angles = values_of(self.diameters_mm), values_of(self.angles_deg)
+        return [Pipe.of(d, a, turn, self.bend_radius_mm) for turn in self.turns for d in diameters for a in angles]
+
+
+def values_of(given: Values) -> list[float]:
+    """The numbers that were given, one by one."""
+    return given.values() if isinstance(given, _Range) else given
+
+
+def pipe_set_names() -> list[str]:
+    """The shipped pipe sets."""
+    return sorted(path.stem for path in shipped.pipes_dir().glob("*.toml"))
+
+
+def parse_pipes(given: Sequence[str]) -> list[Pipe]:
+    """All pipes of the given sets, in order, each once.
+
+    Args:
+        given: shipped names, TOML files, or `d=90,angle=60[,turn=right][,bend_radius=100]` (mm, deg).
+
+    Raises:
+        PipenavError: something that is none of these, or a pipe that is out of range.
+    """
+    pipes = [pipe for text in given for pipe in _parse_one(text)]
+    return list(dict.fromkeys(pipes))
+
+
+def _parse_one(text: str) -> list[Pipe]:
+    if text.endswith(".toml"):
+        return _read(Path(text))
+    if "=" in text:
+        return [_typed_pipe(text)]
+    if text not in pipe_set_names():
+        raise UnknownName("pipe set", text, [*pipe_set_names(), "FILE.toml", "d=90,angle=60"])
+    return _read(shipped.pipes_dir() / f"{text}.toml")
+
+
+def _typed_pipe(text: str) -> Pipe:
+    allowed = {"d": None, "angle": None, "turn": "left", "bend_radius": "0"}
+    values = {}
+    for part in text.split(","):
+        key, _, value = part.partition("=")
+        if key.strip() not in allowed:
+            raise UnknownName(f"pipe key in {text!r}", key.strip(), allowed)
+        values[key.strip()] = value.strip()
+    given = {**allowed, **values}
+    try:
+        numbers = {key: float(given[key] or "missing") for key in ("d", "angle", "bend_radius")}
+    except ValueError:
+        raise PipenavError(f"pipe {text!r} is incomplete: write it as d=90,angle=60[,turn=right].") from None
+    return Pipe.of(numbers["d"], numbers["angle"], given["turn"] or "left", numbers["bend_radius"])
+
+
+def _read(path: Path) -> list[Pipe]:
+    return read_as(PipeSetFile, path).pipes()
+
+
+def read_as(kind: type[_File], path: Path, inner: type[BaseModel] = _Range) -> _File:
+    """A TOML file of a kind.
+
+    Args:
+        kind: what it must fit.
+        path: the file.
+        inner: what the tables in it are.
+
+    Raises:
+        FileProblem: the file cannot be read.
+        ConfigError: it is no TOML, or does not fit.
+    """
+    table = read_toml(path)
+    try:
+        return kind.model_validate(table)
+    except ValidationError as error:
+        table_of_key = [str(part) for part in error.errors()[0]["loc"][:-1]]
+        fields = (inner if table_of_key else kind).model_fields
+        known = [".".join([*table_of_key, field.alias or name]) for name, field in fields.items()]
+        raise ConfigError.from_validation(str(path), error, known) from error

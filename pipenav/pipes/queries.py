@@ -1,0 +1,48 @@
+"""A pipe as a robot meets it: a single corner, or a run of several in the plane. What both are asked alike."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.errors import PipenavError
+from pipenav.pipes.corner import Pipe
+from pipenav.pipes.route import PipeRun
+
+Array = NDArray[np.float64]
+AnyPipe = Pipe | PipeRun
+
+
+def turn_sides(pipe: AnyPipe) -> Array:
+    """+1 for each corner that turns left, -1 for each that turns right, (corners,); a run lies in the plane."""
+    return np.array([pipe.side]) if isinstance(pipe, Pipe) else np.where(np.cos(pipe.legs.inside) > 0, 1.0, -1.0)
+
+
+def interior_angles(pipe: AnyPipe) -> Array:
+    """Of each corner, (corners,) [rad]."""
+    return np.array([pipe.angle] if isinstance(pipe, Pipe) else [corner.angle for corner in pipe.corners])
+
+
+def inner_edges(pipe: AnyPipe) -> Array:
+    """How far before and after each corner, along either leg, the inner wall's bend ends, (corners,) [m]."""
+    return np.array([pipe.inner_edge]) if isinstance(pipe, Pipe) else pipe.radius * pipe.legs.reach
+
+
+def leaves_plane(pipe: AnyPipe) -> bool:
+    """Whether it is a run with corners in several planes."""
+    return isinstance(pipe, PipeRun) and not pipe.planar
+
+
+def corner_count(pipe: AnyPipe) -> int:
+    return 1 if isinstance(pipe, Pipe) else len(pipe.corners)
+
+
+def single_corner(pipe: AnyPipe) -> Pipe:
+    """The pipe, where it is a single corner.
+
+    Raises:
+        PipenavError: it is a run.
+    """
+    if isinstance(pipe, Pipe):
+        return pipe
+    raise PipenavError(f"{pipe.name} is a run of {corner_count(pipe)} corners, where a single corner is needed.")

@@ -1,0 +1,151 @@
+"""The straight legs of a run of pipe in space: lines along them, which leg a point belongs to, whether legs meet.
+
+No leg is twisted against its neighbour: a line at one distance from the centre line and at one angle around it is a
+polyline with a point in each mitre. Angles around the centre line count from the left of the first leg upwards.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.pipes.convex import apart
+
+Array = NDArray[np.float64]
+
+SPACING = 0.02
+"""Least distance between the outsides of two legs [m]: the thickness of what simulators put behind a wall."""
+
+SHORT_SPACING = 0.25
+"""The same where one short leg joins the two, as a share of the shortest line along that leg: where its mitres are
+parallel, and as sharp as they may be, their distance is 0.26 of it."""
+
+ROUND = 32
+"""Sides of the prism around a leg, in the test whether legs are apart."""
+
+
+class Place(NamedTuple):
+    """Where points (...) are.
+
+    Attributes:
+        leg: the leg that each belongs to, (...).
+        local: the point from that leg's start: along it, and across it to two sides, (..., 3) [m].
+        beyond: how far past its leg's open end it lies, 0 for most points, (...) [m].
+    """
+
+    leg: NDArray[np.intp]
+    local: Array
+    beyond: Array
+
+
+class Legs(NamedTuple):
+    """The legs; the arrays are read-only.
+
+    Attributes:
+        length: along the centre line, (legs,) [m].
+        start: where each begins on the centre line, (legs, 3) [m]; the second one at the origin.
+        axes: unit vectors along the leg, to the left and upwards as columns, (legs, 3, 3); without twist.
+        inside: where the inside of each corner is, around the leg before and the leg after it alike, (corners,) [rad].
+        reach: how far before the corner a line turns that lies 1 m to its inside, (corners,) [m].
+        mitre: unit normals of the mitres, forwards, (corners, 3).
+    """
+
+    length: Array
+    start: Array
+    axes: Array
+    inside: Array
+    reach: Array
+    mitre: Array
+
+    def lines(self, distance: float | Array, around: Array) -> Array:
+        """Lines with a point at each open end and in each mitre, (m, legs + 1, 3) [m].
+
+        Args:
+            distance: from the centre line, one for all or (m,) [m].
+            around: angles around it, (m,) [rad].
+        """
+        along, left, up = np.moveaxis(self.axes, -1, 0)  # (legs, 3) each
+        left_of, above = (distance * np.cos(around))[:, None, None], (distance * np.sin(around))[:, None, None]
+        sideways = left_of * left + above * up  # (m, legs, 3)
+        inwards = np.cos(around[:, None] - self.inside) * np.reshape(distance, (-1, 1))  # (m, corners)
+        mitred = self.start[1:] + sideways[:, :-1] - (inwards * self.reach)[..., None] * along[:-1]
+        end = self.start[-1] + self.length[-1] * along[-1]
+        return np.concatenate([self.start[0] + sideways[:, :1], mitred, end + sideways[:, -1:]], axis=1)
+
+    def place(self, points: Array, radius: float) -> Place:
+        """The leg of points (..., 3) [m].
+
+        That is the leg in whose bore a point lies, and of a point in none the nearest of those between whose mitres it
+        lies; the first and the last leg have one mitre, and go on past their open ends. A point in a mitre counts to
+        the leg before.
+
+        Args:
+            points: where to look.
+            radius: of the bore [m].
+        """
+        local = np.einsum("...li,lij->...lj", points[..., None, :] - self.start, self.axes)  # (..., legs, 3)
+        past = ((points[..., None, :] - self.start[1:]) * self.mitre).sum(axis=-1) > 0  # (..., corners)
+        always = np.ones_like(past[..., :1])
+        between = np.concatenate([always, past], axis=-1) & np.concatenate([~past, always], axis=-1)  # (..., legs)
+        beyond = np.zeros_like(local[..., 0])
+        beyond[..., 0] = np.maximum(-local[..., 0, 0], 0.0)
+        beyond[..., -1] = np.maximum(local[..., -1, 0] - self.length[-1], 0.0)
+        off_axis = np.hypot(local[..., 1], local[..., 2])
+        in_bore = (off_axis <= radius) & (beyond == 0)
+        distance = np.where(in_bore, 0.0, np.hypot(off_axis, beyond))
+        leg = np.where(between, distance, np.inf).argmin(axis=-1)
+        chosen = leg[..., None]
+        local = np.take_along_axis(local, chosen[..., None], axis=-2)[..., 0, :]
+        return Place(leg, local, np.take_along_axis(beyond, chosen, axis=-1)[..., 0])
+
+    def meeting(self, radius: float) -> tuple[int, int] | None:
+        """Two legs that are no neighbours and yet meet, or nearly so (`SPACING`), as solid rods of a radius [m]."""
+        around = (np.arange(ROUND) + 0.5) * 2 * math.pi / ROUND
+        lines = self.lines(radius / math.cos(math.pi / ROUND), around)
+        rods = [lines[:, i : i + 2].reshape(-1, 3) for i in range(len(self.length))]
+        shortest = np.linalg.norm(np.diff(lines, axis=1), axis=2).min(axis=0)  # (legs,)
+        for i, j in combinations(range(len(rods)), 2):
+            spacing = SPACING if j > i + 2 else min(SPACING, SHORT_SPACING * shortest[i + 1])
+            if j > i + 1 and not apart(rods[i], rods[j], spacing):
+                return i, j
+        return None
+
+
+def make_legs(angles: Array, inside: Array, straights: Array) -> Legs:
+    """The legs of a run, the first one along x, the second one from the origin.
+
+    Args:
+        angles: interior angles, (corners,) [rad].
+        inside: where the inside of each corner is, as in `Legs`, (corners,) [rad].
+        straights: lengths of the legs, (corners + 1,) [m].
+    """
+    axes = [np.eye(3)]
+    for angle, around in zip(angles, inside, strict=True):
+        axes.append(axes[-1] @ about_x(around) @ _about_z(math.pi - angle) @ about_x(-around))
+    stacked = np.stack(axes)
+    along = stacked[:, :, 0]
+    steps = np.cumsum(straights[1:-1, None] * along[1:-1], axis=0)
+    start = np.concatenate([[-straights[0] * along[0]], np.zeros((1, 3)), steps])
+    mitre = along[:-1] + along[1:]
+    mitre /= np.linalg.norm(mitre, axis=1, keepdims=True)
+    return Legs(*map(frozen, (straights, start, stacked, inside, 1 / np.tan(angles / 2), mitre)))
+
+
+def frozen(array: Array) -> Array:
+    array.setflags(write=False)
+    return array
+
+
+def about_x(angle: float) -> Array:
+    """Rotation about x, (3, 3)."""
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+
+
+def _about_z(angle: float) -> Array:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

@@ -1,0 +1,74 @@
+"""A pipe run as solids: its tube, its boards, and its wall as convex prisms that a simulator can collide with.
+
+The bore of the prisms is a prism itself: a regular polygon whose sides touch the round bore from outside, so that what
+fits into the tube fits between them. A side faces the left of the first leg, and with it the inside or the outside of
+every corner whose plane is rolled by a whole number of sides.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from pipenav.errors import PipenavError
+from pipenav.pipes.corner import Array
+from pipenav.pipes.corner_solids import Faces, Mesh, boards_between, round_angles, tube_between
+from pipenav.pipes.route import PipeRun
+from pipenav.units import m_to_mm
+
+FACETS = 16
+"""Sides of the polygon: its corners lie 2 % of the radius outside the round bore."""
+
+PRISM_FACES: Faces = np.array(
+    [[0, 1, 2], [0, 2, 3], [4, 6, 5], [4, 7, 6]]
+    + [[i, 4 + i, 4 + (i + 1) % 4] for i in range(4)]
+    + [[i, 4 + (i + 1) % 4, (i + 1) % 4] for i in range(4)]
+)
+"""Triangles of a prism of `wall_prisms`, counter-clockwise seen from outside, (12, 3)."""
+
+
+def wall_prisms(run: PipeRun, facets: int = FACETS, thickness: float | None = None) -> Array:
+    """The wall as convex prisms, (legs, facets, 8, 3) [m] in the run's frame.
+
+    Each lies behind one side of the polygon, from mitre to mitre or to an open end. Its corners: on the bore and
+    behind it, first at the leg's start and then at its end, each time around the section. Neighbours share a face, in a
+    mitre too; so they leave no gap, and none reaches into the bore of another leg.
+
+    Args:
+        run: the run.
+        facets: sides of the polygon.
+        thickness: of the wall [m], by default the run's own.
+
+    Raises:
+        PipenavError: a wall so thick that those of the legs before and after a short one would meet.
+    """
+    thickness = run.wall if thickness is None else thickness
+    edges = (np.arange(facets) - 0.5) * 2 * math.pi / facets
+    to_corner = 1 / math.cos(math.pi / facets)
+    near, far = (run.legs.lines(r * to_corner, edges) for r in (run.radius, run.radius + thickness))  # (facets, p, 3)
+    if (np.sum(np.diff(far, axis=1) * run.legs.axes[:, :, 0], axis=-1) <= 0).any():
+        raise PipenavError(
+            f"walls of {m_to_mm(thickness):g} mm do not fit behind the short straights of {run.name}: "
+            "choose thinner ones."
+        )
+    ring = np.stack([near, np.roll(near, -1, axis=0), np.roll(far, -1, axis=0), far], axis=2)  # (facets, p, 4, 3)
+    return np.concatenate([ring[:, :-1], ring[:, 1:]], axis=2).swapaxes(0, 1)
+
+
+def run_tube_mesh(run: PipeRun) -> Mesh:
+    """The hollow tube."""
+    outside = run.radius + run.wall
+    inner, outer = (run.legs.lines(r, round_angles(outside)) for r in (run.radius, outside))
+    return tube_between(inner, outer)
+
+
+def run_boards_mesh(run: PipeRun) -> Mesh:
+    """The two boards of a planar run: its left and its right wall, as high as the diameter.
+
+    Raises:
+        PipenavError: the run leaves the plane.
+    """
+    left, right = run.walls
+    behind_left, behind_right = run.legs.lines(run.radius + run.wall, np.array([0.0, math.pi]))[..., :2]
+    return boards_between([(left, behind_left), (behind_right, right)], run.radius)

@@ -1,0 +1,1 @@
+"""Scripted controllers to compare a policy with."""

@@ -1,0 +1,97 @@
+"""A policy of the arm moves a whole robot's front half: the clamped rear half is the mount, its wheels are the slide.
+
+The front half is the arm at another scale. Its three bending joints are the arm's hinges and the laser is the same one;
+lengths that the policy sees are divided by the ratio of the two reaches, and lengths that it commands multiplied.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.backends.backend import CONTROL_PERIOD
+from pipenav.errors import PipenavError
+from pipenav.pipes.corner import Pipe
+from pipenav.policies.policy import Policy
+from pipenav.robots.robot import RobotSpec
+from pipenav.tasks.reach.action import position_step
+from pipenav.tasks.reach.observation import Snapshot, observe, scale_of
+from pipenav.tasks.registry import kind_of, reaching
+from pipenav.tasks.traverse.config import TraverseConfig
+from pipenav.tasks.traverse.observation import action_scale
+
+Array = NDArray[np.float64]
+
+SLOWER = 0.7
+"""What the slide's steps are multiplied by, besides: the whole robot's joints are half as fast as the arm's."""
+
+HINGES = slice(3, 6)
+"""The front half's joints."""
+
+DRIVING = 1
+"""The wheel of the clamp that stands for the slide: the middle one, which carries the most."""
+
+
+class FrontArm:
+    """A policy that reaches a target, as the front half of a whole robot.
+
+    Args:
+        robot: the whole robot.
+        task: the whole robot's task.
+        policy: of an arm.
+
+    Raises:
+        PipenavError: a policy for another task or control, or for another laser.
+    """
+
+    def __init__(self, robot: RobotSpec, task: TraverseConfig, policy: Policy) -> None:
+        self._robot, self._policy, self._arm = robot, policy, policy.header.robot
+        self._task = reaching(policy.header.task, "the front half")
+        if self._task.control != "position" or len(self._arm.joints) != 1 + len(robot.joints) // 2:
+            raise PipenavError(f"{policy.path} does not step a slide and as many hinges as half of {robot.name!r} has.")
+        own, other = robot.laser, self._arm.laser
+        if (own.beams, own.fan_deg, own.fan) != (other.beams, other.fan_deg, other.fan):
+            raise PipenavError(f"{policy.path} was made for another laser than that of robot {robot.name!r}.")
+        self._scale = float(robot.lengths[4:].sum() / self._arm.lengths[1:].sum())
+        parts = kind_of(task).layout(robot, task)
+        ends = np.cumsum([len(part.scale) for part in parts])
+        self._seen = {
+            part.name: (slice(end - len(part.scale), end), part.scale) for part, end in zip(parts, ends, strict=True)
+        }
+        full = action_scale(robot, task)
+        step = position_step(self._arm, self._task)
+        rim = full[-1] * robot.wheels[DRIVING].radius * CONTROL_PERIOD  # way of a wheel at full speed in a step [m]
+        self._step = np.array([SLOWER * self._scale * step[0] / rim, *(step[1:] / full[HINGES])])
+
+    def target(self, pipe: Pipe) -> Array:
+        """Where the front half's tip shall go: the middle of the arm's target area, in a left turn, (2,) [m]."""
+        left = pipe.model_copy(update={"turn": "left"})
+        return (pipe.inner_edge + self._scale * sum(self._task.target_depth) / 2) * left.second_leg
+
+    def reached(self, tip: Array, target: Array) -> bool:
+        """Whether the tip is as near to the target as the arm's task asks for; both (2,) [m]."""
+        return bool(np.hypot(*(tip - target)) <= self._task.reach_tolerance)
+
+    def act(self, observation: Array, points: Array, target: Array, start: float) -> Array:
+        """Actions of the whole robot: the wheels' speed and the front half's joints, (1 + 3,).
+
+        Args:
+            observation: of the whole robot, scaled, (size,).
+            points: rear end, joints and tip in a left turn, (links + 1, 2) [m].
+            target: (2,) [m].
+            start: where the front half's first joint was when the policy took over, x in the pipe's frame [m].
+        """
+        arm, scale = self._arm, self._scale
+        seen = {name: observation[part] * size for name, (part, size) in self._seen.items()}
+        d = np.diff(points[4:], axis=0)
+        headings = np.arctan2(d[:, 1], d[:, 0])
+        slide = float(np.clip((points[4, 0] - start) / scale, arm.lower[0], arm.upper[0]))
+        q = np.array([slide, headings[0], *seen["q"][HINGES][1:]])
+        speed = seen["wheel_speeds"][DRIVING] * self._robot.wheels[DRIVING].radius / scale
+        qd = np.array([speed, *seen["qd"][HINGES]])
+        ranges = np.clip(seen["ranges"] / scale, arm.laser.range_min, arm.laser.range_max)
+        origin = np.array([start - arm.lengths[0] * scale, 0.0])  # of the arm's frame
+        tip, goal = (points[-1] - origin) / scale, (target - origin) / scale
+        now = Snapshot(q[None], qd[None], ranges[None], tip[None], headings[-1:])
+        state = observe(self._task, now, now, np.zeros_like(q[None]), goal[None]) / scale_of(arm, self._task)
+        return np.asarray(np.clip(self._policy.act(state)[0] * self._step, -1.0, 1.0))

@@ -1,0 +1,95 @@
+"""What acts in an episode: a trained policy, or a baseline to compare it with."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.errors import UnknownName
+from pipenav.policies.baselines.centreline import CentrelineController
+from pipenav.policies.baselines.sequence import SequenceController
+from pipenav.policies.policy import Policy, load_policy, resolve_policy
+from pipenav.robots.robot import RobotSpec, load_robot
+from pipenav.tasks.batch import TaskBatch
+from pipenav.tasks.registry import AnyTask, default_task
+
+Array = NDArray[np.float64]
+
+BASELINE = "baseline:"
+
+BASELINES = {"random": "basic", "centreline": "basic", "sequence": "pirate", "sequence-line": "pirate"}
+"""Controllers to compare a policy with, and the robot that each drives where none is named."""
+
+
+class Controller(Protocol):
+    """Anything that can act in a task.
+
+    Attributes:
+        robot: the robot that it acts for.
+        task: the task with the control mode and the observation that it wants.
+    """
+
+    @property
+    def robot(self) -> RobotSpec: ...
+
+    @property
+    def task(self) -> AnyTask: ...
+
+    def act(self, observation: Array, batch: TaskBatch) -> Array:
+        """Canonical actions in [-1, 1], (n, action_size).
+
+        Args:
+            observation: scaled, (n, size), as `batch` gave it.
+            batch: where the robots are; a policy does not look at it.
+        """
+        ...
+
+
+class PolicyController:
+    """A trained policy: acts on its observation alone."""
+
+    def __init__(self, policy: Policy) -> None:
+        self.policy = policy
+        self.robot, self.task = policy.header.robot, policy.header.task
+
+    def act(self, observation: Array, batch: TaskBatch) -> Array:  # noqa: ARG002  # the seam's signature
+        return self.policy.act(observation).astype(float)
+
+
+class RandomController:
+    """Uniform random actions, for a floor under every comparison."""
+
+    def __init__(self, robot: RobotSpec, seed: int, task: AnyTask | None = None) -> None:
+        self.robot, self.task = robot, task or default_task(robot)
+        self._rng = np.random.default_rng(seed)
+
+    def act(self, observation: Array, batch: TaskBatch) -> Array:  # noqa: ARG002  # the seam's signature
+        return self._rng.uniform(-1.0, 1.0, (len(observation), len(self.robot.drives)))
+
+
+def open_controller(text: str, robot_name: str | None = None, seed: int = 0) -> Controller:
+    """The controller that a person named.
+
+    Args:
+        text: `baseline:` and one of `BASELINES`, a shipped policy's name, or a policy file.
+        robot_name: robot of a baseline, by default as `BASELINES` says; a policy brings its own.
+        seed: of `baseline:random`.
+
+    Raises:
+        UnknownName: no such baseline, policy or robot.
+        PolicyFileError: a policy file that cannot be used.
+        PipenavError: a robot that the baseline cannot drive.
+    """
+    if not text.startswith(BASELINE):
+        return PolicyController(load_policy(resolve_policy(text)))
+    name = text.removeprefix(BASELINE)
+    if name not in BASELINES:
+        raise UnknownName("baseline", text, [BASELINE + known for known in BASELINES])
+    robot = load_robot(robot_name or BASELINES[name])
+    if name == "random":
+        return RandomController(robot, seed)
+    if name == "centreline":
+        return CentrelineController(robot)
+    return SequenceController(robot, load_policy(resolve_policy("arm")) if name == "sequence" else None)

@@ -1,0 +1,82 @@
+"""A backend's own window on an episode while it runs, in real time."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing, contextmanager
+
+import numpy as np
+
+from pipenav.backends.backend import CONTROL_PERIOD, Backend, Viewable, Viewer
+from pipenav.backends.registry import open_backend
+from pipenav.errors import PipenavError
+from pipenav.motions.trajectory import Trajectory
+from pipenav.recording.record import Simulator
+
+Clock = Callable[[], float]
+Sleep = Callable[[float], None]
+
+
+class Window:
+    """Shows one episode after another; a `Watch` of `pipenav.recording.record`. Where a window is closed, the episode goes on.
+
+    Args:
+        clock, sleep: of real time.
+    """
+
+    def __init__(self, clock: Clock = time.monotonic, sleep: Sleep = time.sleep) -> None:
+        self._clock, self._sleep = clock, sleep
+        self._backend: Backend | None = None
+        self._viewer: Viewer | None = None
+        self._due = 0.0
+
+    def __call__(self, backend: Backend) -> None:
+        """Show the backend's first robot, one control period after the call before."""
+        if backend is not self._backend:
+            self.close()
+            self._backend, self._viewer = backend, _open(backend)
+            self._due = self._clock()
+        if self._viewer is not None and self._viewer.show():
+            self._due += CONTROL_PERIOD
+            self._sleep(max(0.0, self._due - self._clock()))
+
+    def wait(self) -> None:
+        """Stay until the person closes the window."""
+        while self._viewer is not None and self._viewer.show():
+            self._sleep(CONTROL_PERIOD)
+
+    def close(self) -> None:
+        if self._viewer is not None:
+            self._viewer.close()
+        self._viewer = None
+
+
+@contextmanager
+def live_window() -> Iterator[Window]:
+    """A window that stays until it is closed, or until an error or an interrupt."""
+    window = Window()
+    try:
+        yield window
+        window.wait()
+    finally:
+        window.close()
+
+
+def play(trajectories: Sequence[Trajectory], simulator: Simulator) -> None:
+    """Show recorded poses one after another, without physics, to who looks on."""
+    for one in trajectories:
+        header = one.header
+        opened = open_backend(simulator.backend, one.robot, 1, simulator.options, len(header.pipe.segments))
+        with closing(opened) as backend:
+            for q in one.q:
+                backend.reset(np.arange(1), [header.pipe], q[None], np.array([header.base_m]))
+                if simulator.watch is not None:
+                    simulator.watch(backend)
+
+
+def _open(backend: Backend) -> Viewer:
+    if not isinstance(backend, Viewable):
+        name = type(backend).__name__
+        raise PipenavError(f"{name} has no window of its own: choose --backend mujoco, or leave out --live.")
+    return backend.open_viewer()

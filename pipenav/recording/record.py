@@ -1,0 +1,203 @@
+"""One episode of one robot, recorded as a trajectory."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import closing
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.backends.backend import Backend
+from pipenav.backends.registry import open_backend
+from pipenav.evaluation.episode_runner import random_start
+from pipenav.evaluation.locate_stage import LocateStage
+from pipenav.evaluation.rear_stage import RearStage
+from pipenav.evaluation.stage import Stage, TaskStage
+from pipenav.locating.locator import LocateConfig, Variant, robot_for
+from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
+from pipenav.pipes.corner import Pipe
+from pipenav.pipes.queries import AnyPipe
+from pipenav.policies.controller import Controller
+from pipenav.robots import kinematics
+from pipenav.robots.robot import RobotSpec
+from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.reach.episode import Episodes
+from pipenav.tasks.registry import kind_of
+
+Array = NDArray[np.float64]
+Watch = Callable[[Backend], None]
+"""Called with the backend at the start and after every control step, for whoever looks on."""
+
+
+class Simulator(NamedTuple):
+    """On what an episode runs: a backend's name, its own settings, and who looks on."""
+
+    backend: str = "mujoco"
+    options: Mapping[str, Any] = {}
+    watch: Watch | None = None
+
+
+class Located(NamedTuple):
+    """A recorded search for a target (approach I).
+
+    Attributes:
+        trajectory: of stage `locate`; its goal is the target that was found.
+        ranges: the laser's scan of each of its rows, (rows, beams) [m].
+        found: the row whose scan gave the target, which is also the control steps before it; None where none did.
+        beam: on or nearest to which the target lies, from right to left from 0; None likewise.
+    """
+
+    trajectory: Trajectory
+    ranges: Array
+    found: int | None
+    beam: int | None
+
+
+class Tracking(NamedTuple):
+    """How far a motion was from the one that was commanded, the largest of all control steps.
+
+    Attributes:
+        tip: distance of the tips [m].
+        joint: difference of a hinge [rad].
+        slide: difference of a slide [m].
+    """
+
+    tip: float
+    joint: float
+    slide: float
+
+
+def record(stage: Stage, backend: Backend, header: TrajectoryHeader, start: Array, watch: Watch | None) -> Trajectory:
+    """Run one episode of a stage that was made for one robot.
+
+    Args:
+        stage: its next episode is run, and it is closed afterwards.
+        backend: what the stage runs on.
+        header: what is known of the episode; its outcome is filled in.
+        start: the configuration that the episode starts in, (coordinates,).
+        watch: see `Watch`.
+    """
+    look = watch or (lambda _: None)
+    q, force, links = [start], [0.0], [np.zeros((len(stage.robot.links), 2))]
+    verdict = Verdict.RUNNING
+    with closing(stage):
+        stage.start(np.arange(1))
+        look(backend)
+        while verdict is Verdict.RUNNING:
+            step = stage.step()
+            look(backend)
+            verdict = Verdict(step.verdict[0])
+            q.append(step.q[0])
+            force.append(float(step.truth.contact_force[0]))
+            links.append(step.truth.link_forces[0])
+    ended = header.model_copy(update={"outcome": verdict.label})
+    return Trajectory(ended, stage.robot, np.array(q), np.array(force), np.array(links))
+
+
+def record_task(
+    controller: Controller, name: str, pipe: AnyPipe, seed: int, episode: int, simulator: Simulator
+) -> Trajectory:
+    """A controller's task: the episode that an evaluation with this seed runs as its number `episode` in this pipe.
+
+    Args:
+        controller: what acts.
+        name: of the controller, for the header.
+        pipe: where.
+        seed: of starts and targets.
+        episode: counted from 0.
+        simulator: on what.
+    """
+    robot, task = controller.robot, controller.task
+    kind = kind_of(task)
+    one = random_start(robot, task, [pipe], episode + 1, seed)(episode)
+    base = float(one.base[0])
+    goal = None
+    if isinstance(one, Episodes):
+        x, y = one.goal[0] * [1.0, one.side[0]] + [base, 0.0]
+        goal = (float(x), float(y))
+    header = TrajectoryHeader(
+        robot=robot.name,
+        pipe=one.pipes[0],
+        base_m=base,
+        goal_m=goal,
+        stage=kind.stage,
+        backend=simulator.backend,
+        controller=name,
+        options=dict(simulator.options),
+        seed=seed,
+    )
+    backend = open_backend(simulator.backend, robot, 1, simulator.options, len(pipe.segments))
+    stage = TaskStage(kind.batch(robot, task, backend, 1, lambda _: one), controller)
+    return record(stage, backend, header, one.q[0], simulator.watch)
+
+
+def record_locate(
+    robot: RobotSpec, variant: Variant, pipe: Pipe, seed: int, episode: int, simulator: Simulator
+) -> Located:
+    """Approach I: the same episode that an evaluation with this seed runs as its number `episode` in this pipe.
+
+    Args:
+        robot: a slide followed by hinges.
+        variant: how the target is located.
+        pipe: where.
+        seed: of starts.
+        episode: counted from 0.
+        simulator: on what.
+
+    Raises:
+        PipenavError: a pipe that is too narrow, or a robot of other joints.
+    """
+    task, seeing = TaskConfig(), robot_for(robot, variant)
+    one = random_start(seeing, task, [pipe], episode + 1, seed)(episode)
+    header = TrajectoryHeader(
+        robot=robot.name,
+        pipe=pipe,
+        base_m=float(one.base[0]),
+        stage="locate",
+        backend=simulator.backend,
+        controller=f"locate:{variant}",
+        options=dict(simulator.options),
+        seed=seed,
+    )
+    backend = open_backend(simulator.backend, seeing, 1, simulator.options, len(pipe.segments))
+    stage = LocateStage(seeing, LocateConfig(), variant, task, backend, 1, lambda _: one)
+    ranges, beams = [], []
+
+    def look(backend: Backend) -> None:
+        ranges.append(stage.reading.ranges[0].copy())
+        beams.append(int(stage.beam[0]))
+        if simulator.watch is not None:
+            simulator.watch(backend)
+
+    trajectory = record(stage, backend, header, one.q[0], look)
+    if beams[-1] < 0:
+        return Located(trajectory, np.array(ranges), None, None)
+    x, y = stage.target[0] * [1.0, one.side[0]] + [one.base[0], 0.0]
+    header = trajectory.header.model_copy(update={"goal_m": (float(x), float(y))})
+    found = int(np.argmax(np.array(beams) >= 0)) - 1  # a step decides on the scan before it
+    return Located(replace(trajectory, header=header), np.array(ranges), found, beams[-1])
+
+
+def record_rear(plan: Trajectory, simulator: Simulator) -> Trajectory:
+    """A rear passage: the plan's motion under the position controllers of a backend."""
+    changes = {"backend": simulator.backend, "options": dict(simulator.options)}
+    backend = open_backend(simulator.backend, plan.robot, 1, simulator.options, len(plan.header.pipe.segments))
+    stage = RearStage(plan.robot, backend, 1, lambda _: [plan.motion])
+    return record(stage, backend, plan.header.model_copy(update=changes), plan.q[0], simulator.watch)
+
+
+def tracking(plan: Trajectory, recorded: Trajectory) -> Tracking:
+    """How well a recording follows its plan; beyond the plan's last row, that row counts."""
+    goal = plan.q[np.minimum(np.arange(len(recorded.q)), len(plan.q) - 1)]
+    difference = np.abs(recorded.q - goal).max(axis=0)
+    hinges = plan.robot.hinges
+    tips = [kinematics.forward(plan.robot, q).tip for q in (goal, recorded.q)]
+    return Tracking(
+        float(np.linalg.norm(tips[0] - tips[1], axis=1).max()),
+        float(difference[hinges].max(initial=0.0)),
+        float(difference[~hinges].max(initial=0.0)),
+    )

@@ -1,0 +1,94 @@
+"""One episode of one robot in space, recorded for pictures."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.backends.backend import CONTROL_PERIOD
+from pipenav.backends.registry import open_space
+from pipenav.errors import PipenavError
+from pipenav.evaluation.episode_runner import random_start
+from pipenav.evaluation.rolling_stage import check_in_space, gravity_of
+from pipenav.evaluation.stage import TaskStage
+from pipenav.pipes.route import PipeRun
+from pipenav.policies.controller import Controller
+from pipenav.recording.record import Simulator
+from pipenav.robots.robot import RobotSpec
+from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.rolling.batch import SpaceBatch
+from pipenav.tasks.traverse.config import TraverseConfig
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SpaceRecording:
+    """A motion in space, one row per control step, the start first. Its arrays must not be written to.
+
+    Attributes:
+        run: where, its ends long enough for the robot.
+        robot: what moved.
+        controller: name of what acted.
+        backend: on what.
+        outcome: label of its `Verdict`.
+        points: rear end, joints and tip, (rows, links + 1, 3) [m].
+        normals: of the halves' planes, (rows, halves, 3).
+        contact_force: largest net force of the pipe on any one link, (rows,) [N].
+        doing: who drives, a `Mode` each, as words.
+    """
+
+    run: PipeRun
+    robot: RobotSpec
+    controller: str
+    backend: str
+    outcome: str
+    points: Array
+    normals: Array
+    contact_force: Array
+    doing: tuple[str, ...]
+
+    @property
+    def time(self) -> Array:
+        """Of each row [s], (rows,)."""
+        return np.round(np.arange(len(self.points)) * CONTROL_PERIOD, 6)
+
+    @property
+    def succeeded(self) -> bool:
+        return self.outcome == Verdict.REACHED.label
+
+
+def record_in_space(
+    controller: Controller, name: str, run: PipeRun, seed: int, episode: int, simulator: Simulator
+) -> SpaceRecording:
+    """The episode that an evaluation with this seed runs as its number `episode` in this run: as `record_task`.
+
+    Raises:
+        PipenavError: a robot or a backend that cannot roll, or somebody wants to look on.
+    """
+    robot, task = controller.robot, controller.task
+    check_in_space(robot, simulator.backend)
+    if simulator.watch is not None:
+        raise PipenavError("--live shows robots in a plane: give --out a name ending in .gif or .mp4 for a film.")
+    assert isinstance(task, TraverseConfig)  # no other task takes such runs
+    one = random_start(robot, task, [run], episode + 1, seed)(episode)
+    world = open_space(simulator.backend, robot, 1, simulator.options, gravity_of(task))
+    batch = SpaceBatch(robot, task, world, 1, lambda _: one)
+    verdict = Verdict.RUNNING
+    with closing(TaskStage(batch, controller)) as stage:
+        stage.start(np.arange(1))
+        truth = batch.truth()
+        points, normals, force, doing = [truth.points[0]], [truth.normals[0]], [0.0], [batch.doing[0]]
+        while verdict is Verdict.RUNNING:
+            verdict = Verdict(stage.step().verdict[0])
+            truth = batch.truth()
+            points.append(truth.points[0])
+            normals.append(truth.normals[0])
+            force.append(float(truth.contact_force[0]))
+            doing.append(batch.doing[0])
+    long = batch.pipes[0]
+    arrays = np.array(points), np.array(normals), np.array(force)
+    return SpaceRecording(long, robot, name, simulator.backend, verdict.label, *arrays, tuple(doing))

@@ -1,0 +1,201 @@
+"""Pictures of a motion in space: the run cut open towards the viewer, the robot's halves in two colours.
+
+Above the whole run with the robot's way, below the robot itself.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.drawing.dimensions import INK
+from pipenav.drawing.projection import View, wall_quads
+from pipenav.drawing.scene import FORCE
+from pipenav.recording.film import DPI, FAILED, SUCCEEDED, write_frames
+from pipenav.recording.record_rolling import SpaceRecording
+from pipenav.robots.robot import RobotSpec
+from pipenav.storage.atomic_files import atomic_write
+from pipenav.units import m_to_mm
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+Progress = Callable[[int, int], None]
+
+SUFFIXES = (".png", ".gif", ".mp4")
+
+HALF_COLOURS = np.array([[0.00, 0.45, 0.70], [0.84, 0.37, 0.00]])
+"""Of the rear and the front half: Okabe and Ito's blue and vermilion, as elsewhere."""
+
+BORE = np.array([0.86, 0.88, 0.90])
+PANELS, COLUMNS, PANEL_IN = 8, 4, 2.9
+REACH = 0.36
+"""How far a panel reaches from the robot's middle [m]."""
+
+SKIP = 5
+"""Control steps between two frames of a film, which so runs five times as fast as the robot."""
+
+SIDES = 12
+"""Sides of the polygon that a wheel is drawn as."""
+
+BOX_FACES = np.array([[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]])
+"""Corners of a box's faces; the corners count x slowest, z fastest."""
+
+
+def draw_in_space(path: Path, recording: SpaceRecording, progress: Progress) -> None:
+    """A strip (.png) or a film (.gif, .mp4) of the motion, by the file's suffix.
+
+    Raises:
+        PipenavError: MP4 without ffmpeg.
+        FileProblem: the file cannot be written.
+    """
+    view = View.of(recording.run)
+    if path.suffix.lower() == ".png":
+        picture = io.BytesIO()
+        _strip(recording, view, progress).savefig(picture, format="png", dpi=DPI)
+        atomic_write(path, picture.getvalue())
+        return
+    rows = np.append(np.arange(0, len(recording.points) - 1, SKIP), len(recording.points) - 1)
+    frames = _frames(recording, view, rows, progress)
+    write_frames(path, frames, {len(rows) - 1})
+
+
+def faces(robot: RobotSpec, points: Array, normals: Array) -> tuple[Array, list[Array], Array]:
+    """What is seen of a robot: faces of links, wheels, and the colour of each face.
+
+    Args:
+        robot: the robot, with a roll joint.
+        points: rear end, joints and tip, (links + 1, 3) [m].
+        normals: of the halves' planes, (halves, 3).
+
+    Returns:
+        The links' faces (6 per piece, 4, 3), the wheels' discs (SIDES, 3) each, and the half of each piece and then of
+        each wheel.
+    """
+    assert robot.roll is not None
+    boxes, halves, discs, of_wheels, half = [], [], [], [], 0
+    for link, start, end in zip(robot.links, points[:-1], points[1:], strict=True):
+        along = (end - start) / link.length
+        if link.wheel is not None:
+            across = np.cross(normals[half], along)
+            turn = np.arange(SIDES) * 2 * np.pi / SIDES
+            rim = np.cos(turn)[:, None] * along + np.sin(turn)[:, None] * across
+            discs.append(start + link.wheel.x * along + link.wheel.radius * rim)
+            of_wheels.append(half)
+        divided = link.name == robot.roll.link
+        for low, high in [(0.0, robot.roll.x), (robot.roll.x, link.length)] if divided else [(0.0, link.length)]:
+            if divided and low > 0:
+                half = 1
+            up, left = normals[half], np.cross(normals[half], along)
+            corners = [
+                start + x * along + y * left + z * up
+                for x in (low, high)
+                for y in (-link.width / 2, link.width / 2)
+                for z in (-link.height / 2, link.height / 2)
+            ]
+            boxes.append(np.array(corners)[BOX_FACES])
+            halves.append(half)
+    return np.concatenate(boxes), discs, np.array([*halves, *of_wheels])
+
+
+def _strip(recording: SpaceRecording, view: View, told: Progress) -> Any:
+    """The whole run above a few moments, evenly in time, as a figure."""
+    from matplotlib.figure import Figure
+
+    rows = np.unique(np.linspace(0, len(recording.points) - 1, PANELS).round().astype(int))
+    lines = -(-len(rows) // COLUMNS)
+    width = COLUMNS * PANEL_IN
+    figure = Figure(figsize=(width, 0.36 * width + lines * (PANEL_IN + 0.3)), facecolor="white", layout="constrained")
+    grid = figure.add_gridspec(lines + 1, COLUMNS, height_ratios=[0.36 * width, *[PANEL_IN + 0.3] * lines])
+    _overview(figure.add_subplot(grid[0, :]), recording, view, len(recording.points) - 1, rows)
+    for number, row in enumerate(rows):
+        axes = figure.add_subplot(grid[1 + number // COLUMNS, number % COLUMNS])
+        _close_up(axes, recording, view, int(row))
+        told(number + 1, len(rows))
+    return figure
+
+
+def _frames(recording: SpaceRecording, view: View, rows: Array, told: Progress) -> Iterator[NDArray[np.uint8]]:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    for number, row in enumerate(rows):
+        figure = Figure(figsize=(9.6, 5.2), dpi=DPI, facecolor="white")
+        canvas = FigureCanvasAgg(figure)
+        _overview(figure.add_axes((0.01, 0.02, 0.44, 0.86)), recording, view, int(row), rows[:0])
+        _close_up(figure.add_axes((0.48, 0.02, 0.51, 0.86)), recording, view, int(row))
+        canvas.draw()
+        yield np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
+        told(number + 1, len(rows))
+
+
+def _overview(axes: Axes, recording: SpaceRecording, view: View, row: int, marked: Array) -> None:
+    """The whole run and the way of the robot's middle so far, with the moments of the close-ups."""
+    _pipe(axes, recording, view)
+    middle = recording.points.mean(axis=1)
+    way = m_to_mm(1.0) * view.flat(middle[: row + 1])
+    axes.plot(*way.T, color=INK, linewidth=1.0, zorder=6)
+    for number, at in enumerate(marked, 1):
+        x, y = m_to_mm(1.0) * view.flat(middle[at])
+        axes.text(x, y, f"{number}", fontsize=8, ha="center", va="center", zorder=8, bbox=_badge())
+    if not len(marked):
+        axes.plot(*way[-1], "o", color=FORCE, markersize=7, zorder=8)
+    axes.set(aspect="equal")
+    axes.set_axis_off()
+    outcome = f"{recording.outcome} after {recording.time[-1]:.1f} s"
+    colour = SUCCEEDED if recording.succeeded else FAILED
+    axes.set_title(recording.run.label.replace(", ", "  ·  "), loc="left", fontsize=8, color=INK)
+    axes.text(
+        0.0, 0.0, f"{recording.controller} · {recording.backend}: {outcome}", transform=axes.transAxes, color=colour
+    )
+
+
+def _badge() -> dict[str, Any]:
+    return {"boxstyle": "circle,pad=0.2", "facecolor": "white", "edgecolor": INK, "linewidth": 0.7}
+
+
+def _close_up(axes: Axes, recording: SpaceRecording, view: View, row: int) -> None:
+    """The robot in the pipe that is cut open towards the viewer."""
+    from matplotlib.collections import PolyCollection
+
+    points = recording.points[row]
+    middle = points.mean(axis=0)
+    _pipe(axes, recording, view, middle)
+    links, discs, half = faces(recording.robot, points, recording.normals[row])
+    pieces = len(links) // 6
+    shapes = [*links, *discs]
+    colours = np.concatenate([np.repeat(HALF_COLOURS[half[:pieces]], 6, axis=0), 0.45 * HALF_COLOURS[half[pieces:]]])
+    order = np.argsort([shape.mean(axis=0) @ view.to_viewer for shape in shapes])
+    drawn = [m_to_mm(1.0) * view.flat(shapes[i]) for i in order]
+    axes.add_collection(PolyCollection(drawn, facecolors=colours[order], edgecolors="white", linewidths=0.3, zorder=5))
+    x, y = m_to_mm(1.0) * view.flat(middle)
+    reach = m_to_mm(REACH)
+    axes.set(xlim=(x - reach, x + reach), ylim=(y - reach, y + reach), aspect="equal", xticks=[], yticks=[])
+    axes.set_title(f"{recording.time[row]:.1f} s   {recording.doing[row]}", loc="left", fontsize=9, color=INK)
+
+
+def _pipe(axes: Axes, recording: SpaceRecording, view: View, around: Array | None = None) -> None:
+    """The far half of the wall, seen from inside, near a point or all of it."""
+    from matplotlib.collections import PolyCollection
+
+    pieces = wall_quads(recording.run)
+    if around is not None:
+        pieces = pieces[np.linalg.norm(pieces.mean(axis=1) - around, axis=1) < 2 * REACH]
+    normal = np.cross(pieces[:, 1] - pieces[:, 0], pieces[:, 3] - pieces[:, 0])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    facing = normal @ view.to_viewer
+    far = facing < 0
+    shade = 1.0 - 0.35 * (1.0 + facing[far])[:, None]
+    colours = np.clip(shade * BORE, 0, 1)
+    order = np.argsort(pieces[far].mean(axis=1) @ view.to_viewer)
+    drawn = m_to_mm(1.0) * view.flat(pieces[far][order])
+    axes.add_collection(PolyCollection(list(drawn), facecolors=colours[order], edgecolors="none", zorder=2))
+    if around is None:
+        axes.update_datalim(drawn.reshape(-1, 2))
+        axes.autoscale_view()

@@ -1,0 +1,40 @@
+"""Actions in [-1, 1] as commands: drives (eq 3.3) or position steps (eq 3.4, 3.5)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.backends.messages import Command
+from pipenav.robots.robot import RobotSpec
+from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.reach.observation import joint_signs
+
+Array = NDArray[np.float64]
+
+
+def to_command(robot: RobotSpec, config: TaskConfig, action: Array, q: Array, side: Array) -> Command:
+    """The command for canonical actions.
+
+    Args:
+        robot: the robot.
+        config: control mode and step size.
+        action: canonical actions, (n, joints); clipped to [-1, 1].
+        q: measured joint positions in the robot's own frame, (n, joints).
+        side: +1 for a left turn, -1 for a right one, (n,).
+    """
+    own = np.clip(action, -1.0, 1.0) * joint_signs(robot, side)
+    if config.control == "torque":
+        return Command("torque", own)
+    goal = q + position_step(robot, config) * own
+    return Command("position", np.clip(goal, robot.lower, robot.upper))
+
+
+def full_action(robot: RobotSpec, config: TaskConfig) -> Array:
+    """What a full action is: an effort at standstill, or a set-point step, (joints,)."""
+    return robot.effort_limits if config.control == "torque" else position_step(robot, config)
+
+
+def position_step(robot: RobotSpec, config: TaskConfig) -> Array:
+    """The set-point change of a full action, (joints,) [rad or m]."""
+    return config.alpha * np.where(robot.hinges, 1.0, config.slide_unit)

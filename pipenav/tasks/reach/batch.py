@@ -1,0 +1,147 @@
+"""The reach task on n robots of one backend at once: the core that every adapter wraps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.backends.backend import Backend
+from pipenav.backends.messages import Truth
+from pipenav.pipes.corner import Pipe
+from pipenav.robots.robot import RobotSpec
+from pipenav.tasks.batch import Sized, StepResult
+from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.reach import action as actions
+from pipenav.tasks.reach import episode, observation, reward
+from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.reach.episode import Episodes
+
+Array = NDArray[np.float64]
+
+
+EpisodeSource = Callable[[NDArray[np.intp]], Episodes]
+"""Given the robots that start anew, their next episodes."""
+
+
+class CornerBatch(Sized):
+    """n episodes of the corner task, stepped together. Who calls `step` also says, by `reset`, who starts anew.
+
+    Raises:
+        PipenavError: a robot that hangs on no mount.
+    """
+
+    def __init__(self, robot: RobotSpec, config: TaskConfig, backend: Backend, n: int, source: EpisodeSource) -> None:
+        episode.check_robot(robot)
+        self.robot, self.config, self.n = robot, config, n
+        self._backend, self._source = backend, source
+        self._scale = observation.scale_of(robot, config)
+        joints = len(robot.joints)
+        self.pipes: list[Pipe | None] = [None] * n
+        self.steps, self._ages = np.zeros(n, int), np.zeros(n, int)
+        self._side, self._goal, self._edge = np.ones(n), np.zeros((n, 2)), np.zeros((n, 2))
+        self._way = np.zeros(n)
+        self._action, self._own_q = np.zeros((n, joints)), np.zeros((n, joints))
+        self._observation = np.zeros((n, len(self._scale)))
+        self._now = self._before = observation.Snapshot(
+            np.zeros((n, joints)),
+            np.zeros((n, joints)),
+            np.zeros((n, robot.laser.beams)),
+            np.zeros((n, 2)),
+            np.zeros(n),
+        )
+
+    @property
+    def goal(self) -> Array:
+        """Targets in the canonical frame, (n, 2) [m]."""
+        return self._goal.copy()
+
+    @property
+    def edge(self) -> Array:
+        """Where the inner wall starts to bend, in the canonical frame, (n, 2) [m]."""
+        return self._edge.copy()
+
+    @property
+    def q(self) -> Array:
+        """Joint positions in the robot's own frame, (n, joints)."""
+        return self._own_q.copy()
+
+    @property
+    def snapshot(self) -> observation.Snapshot:
+        """This step's readings in the canonical frame."""
+        return self._now
+
+    def reset(self, robots: NDArray[np.intp] | None = None) -> Array:
+        """Start new episodes for some robots (sorted, unique), or all; observations of all robots, (n, size)."""
+        robots = np.arange(self.n) if robots is None else np.asarray(robots, np.intp)
+        episodes = self._source(robots)
+        reading = self._backend.reset(robots, episodes.pipes, episodes.q, episodes.base)
+        for i, pipe in zip(robots, episodes.pipes, strict=True):
+            self.pipes[i] = pipe
+        self.steps[robots] = self._ages[robots]
+        self._ages[robots] = 0
+        self._side[robots], self._goal[robots], self._edge[robots] = episodes.side, episodes.goal, episodes.edge
+        self._action[robots], self._own_q[robots] = 0.0, reading.q
+        now = observation.canonical(self.robot, reading, episodes.side)
+        self._now.put(robots, now)
+        self._before.put(robots, now)
+        self._way[robots] = episode.way_to_goal(now.tip, episodes.goal, episodes.edge)
+        observed = observation.observe(self.config, now, now, self._action[robots], episodes.goal)
+        self._observation = self._observation.copy()
+        self._observation[robots] = observed / self._scale
+        return self._observation
+
+    def stagger(self, rng: np.random.Generator) -> None:
+        """Make the next episodes start at random ages, so that their time-outs do not all fall into one step."""
+        self._ages = rng.integers(0, self.config.max_steps // 2, self.n)
+
+    def step(self, action: Array) -> StepResult:
+        """One control step of every robot.
+
+        Args:
+            action: canonical actions in [-1, 1], (n, joints).
+        """
+        command = actions.to_command(self.robot, self.config, action, self._own_q, self._side)
+        self._backend.step(command)
+        self.steps += 1
+        self._before, self._action = self._now, np.clip(action, -1.0, 1.0)
+        reading = self._backend.read()
+        self._own_q, self._now = reading.q, observation.canonical(self.robot, reading, self._side)
+        truth = self._backend.truth()
+        if truth is None:
+            raise TypeError("the corner task needs a simulator: this backend knows no truth")
+        facts, verdict = self._judge(truth)
+        result = reward.total(self.config.reward, facts)
+        observed = observation.observe(self.config, self._now, self._before, self._action, self._goal)
+        self._observation = observed / self._scale
+        cut_off = verdict == Verdict.TIMEOUT.value
+        return StepResult(self._observation, result, verdict, self._now.ranges.min(axis=1), truth, cut_off)
+
+    def close(self) -> None:
+        self._backend.close()
+
+    def _judge(self, truth: Truth) -> tuple[reward.StepFacts, NDArray[np.int8]]:
+        way = episode.way_to_goal(self._now.tip, self._goal, self._edge)
+        progress, self._way = self._way - way, way
+        error = np.hypot(*(self._now.tip - self._goal).T)
+        failed_at_limit = episode.at_limit(self.robot, self.config, self._own_q)
+        sank = truth.penetration > self.config.max_penetration
+        failed = failed_at_limit | sank
+        reached = (error <= self.config.reach_tolerance) & ~failed
+        verdict = np.full(self.n, Verdict.RUNNING.value, np.int8)
+        verdict[self.steps >= self.config.max_steps] = Verdict.TIMEOUT.value
+        verdict[reached] = Verdict.REACHED.value
+        verdict[failed_at_limit] = Verdict.LIMIT.value
+        verdict[sank] = Verdict.PENETRATION.value
+        facts = reward.StepFacts(
+            error=error,
+            ranges=self._now.ranges,
+            joint_change=np.abs(self._now.q - self._before.q).sum(axis=1),
+            progress=progress,
+            contact_force=truth.contact_force,
+            penetration=truth.penetration,
+            reached=reached,
+            failed=failed,
+        )
+        return facts, verdict

@@ -1,0 +1,71 @@
+"""Settings of the corner task; every field is read by the task, with its unit and its reason."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from pipenav.backends.messages import Control
+
+TargetReward = Literal["linear", "huber", "log"]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+
+class RewardConfig(_Table):
+    """Weights of the reward's terms: first the thesis's (eq 3.12, 3.15), then ours, which are off by default."""
+
+    target: TargetReward = Field("log", description="target term: eq 3.6 linear, 3.7 huber or 3.8 log")
+    c1: float = Field(1.5, ge=0, description="weight of the target term (5.1)")
+    c2: float = Field(0.4, ge=0, description="weight of the laser term, eq 3.10")
+    c3: float = Field(0.0, ge=0, description="weight of the joint-change term, eq 3.14")
+    beta: float = Field(5.0, gt=0, description="slope of the laser term [1/m] (eq 3.11)")
+    d0: float = Field(0.005, gt=0, description="offset of the laser term (eq 3.11)")
+    limit: float = Field(-1000.0, le=0, description="reward of a step that fails the episode (eq 3.13)")
+
+    progress: float = Field(0.0, ge=0, description="reward per metre of way to the target that a step gains [1/m]")
+    reach: float = Field(0.0, ge=0, description="reward of reaching the target")
+    step: float = Field(0.0, le=0, description="reward of every step, to be quick")
+    force: float = Field(0.0, le=0, description="reward per newton of the step's peak contact force [1/N]")
+    penetration: float = Field(0.0, le=0, description="reward per millimetre of the step's deepest overlap [1/mm]")
+
+    scale: float = Field(1.0, gt=0, description="factor on the sum, for the learner's sake")
+
+
+class TaskConfig(_Table):
+    """The corner task."""
+
+    kind: Literal["reach"] = "reach"
+    observation: Literal["basic", "history", "relative", "relative-history"] = Field(
+        "basic",
+        description="state of eq 3.1, of eq 3.2, of eq 3.1 with the target as the tip sees it, or that and what a late "
+        "command or a lost beam hides: the last action and the scan before",
+    )
+    control: Control = Field("torque", description="actions are drives (eq 3.3) or position steps (eq 3.4)")
+    alpha: float = Field(0.2, gt=0, le=1, description="position step of a full action, in units (eq 3.5; 5.2)")
+    slide_unit: float = Field(0.1, gt=0, description="unit step of a slide [m]: 0.2 x 0.1 m is the thesis's v0 (5.3.1)")
+    max_steps: int = Field(100, ge=1, description="control steps until an episode times out (4.4.2)")
+    reach_tolerance: float = Field(
+        0.020,
+        gt=0,
+        description="distance of tip and target that counts as reached [m]; the thesis gives none. The width of the "
+        "tip: what counts is to have passed the corner, not to park",
+    )
+    max_penetration: float = Field(0.002, gt=0, description="overlap with the wall that fails an episode [m]")
+    limit_margin: float = Field(
+        0.005, ge=0, lt=0.1, description="a joint is at its limit within this share of its travel"
+    )
+    target_depth: tuple[float, float] = Field(
+        (0.08, 0.12),
+        strict=False,
+        description="target area along the second leg, from the end of the inner wall's bend [m]",
+    )
+    target_lateral: float = Field(0.15, ge=0, lt=0.4, description="half width of the target area, in diameters")
+    start_gap: tuple[float, float] = Field(
+        (0.06, 0.10), strict=False, description="how far before the inner wall's bend the tip starts [m]"
+    )
+    start_bend: float = Field(0.05, ge=0, description="largest start angle of a hinge [rad]")
+    reward: RewardConfig = RewardConfig()

@@ -1,0 +1,127 @@
+"""States of eq 3.1 and 3.2, mirrored for right turns, scaled by fixed physical numbers."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.backends.messages import Reading
+from pipenav.robots import kinematics
+from pipenav.robots.robot import RobotSpec
+from pipenav.tasks.layout import Part
+from pipenav.tasks.reach.config import TaskConfig
+
+Array = NDArray[np.float64]
+
+POSITION_SCALE = 0.5
+"""Positions are observed in units of this [m]: about the robot's reach, so that values stay near [-1, 1]."""
+
+NEAR = 0.03
+"""Distance at which `goal_near` has half its length [m]: it resolves the last centimetres, where success is decided."""
+
+
+class Snapshot(NamedTuple):
+    """Readings of one control step in the canonical frame, and where that puts the tip.
+
+    Attributes:
+        q, qd: joint positions and speeds, (n, joints) [rad or m, per s].
+        ranges: laser readings from right to left, (n, beams) [m].
+        tip: (n, 2) [m].
+        heading: of the last link, (n,) [rad].
+    """
+
+    q: Array
+    qd: Array
+    ranges: Array
+    tip: Array
+    heading: Array
+
+    def part(self, robots: NDArray[np.intp]) -> Snapshot:
+        """The snapshot of some robots, k of them."""
+        return Snapshot(*(column[robots] for column in self))
+
+    def put(self, robots: NDArray[np.intp], part: Snapshot) -> None:
+        """Make some robots' rows those of `part`, in place."""
+        for column, rows in zip(self, part, strict=True):
+            column[robots] = rows
+
+
+def canonical(robot: RobotSpec, reading: Reading, side: Array) -> Snapshot:
+    """Readings as if every turn were a left turn.
+
+    Args:
+        robot: the robot.
+        reading: what the sensors give.
+        side: +1 for a left turn, -1 for a right one, (n,).
+    """
+    signs = joint_signs(robot, side)
+    ranges = np.where(side[:, None] > 0, reading.ranges, reading.ranges[:, ::-1])
+    q = reading.q * signs
+    pose = kinematics.forward(robot, q)
+    return Snapshot(q, reading.qd * signs, ranges, pose.tip, pose.headings[:, -1])
+
+
+def joint_signs(robot: RobotSpec, side: Array) -> Array:
+    """Factor on joint positions, speeds and actions that turns them into the canonical frame or back, (n, joints)."""
+    return np.where(side[:, None] > 0, 1.0, robot.mirror_signs)
+
+
+def layout(robot: RobotSpec, config: TaskConfig) -> list[Part]:
+    """The observation's parts in order, with the scale that each value is divided by."""
+    joints = len(robot.joints)
+    position = np.maximum(-robot.lower, robot.upper)
+    ranges = np.full(robot.laser.beams, robot.laser.range_max)
+    q, qd = Part("q", "rad, m", position), Part("qd", "rad/s, m/s", robot.speed_limits)
+    scans = Part("ranges", "m", ranges)
+    xy = np.full(2, POSITION_SCALE)
+    tip, goal = Part("p_ee", "m", xy), Part("p_goal", "m", xy)
+    relative = [q, qd, scans, Part("goal_in_tip", "m", xy), Part("goal_near", "1", np.ones(2))]
+    if config.observation == "relative":
+        return relative
+    if config.observation == "basic":
+        return [q, qd, tip, goal, scans]
+    before = [part._replace(name=f"{part.name}_before") for part in (q, qd, scans)]
+    action = Part("action_before", "1", np.ones(joints))
+    if config.observation == "relative-history":
+        return [*relative, before[-1], action]
+    return [q, qd, scans, *before, action, tip, goal]
+
+
+def observe(config: TaskConfig, now: Snapshot, before: Snapshot, action_before: Array, goal: Array) -> Array:
+    """Unscaled observation, (n, size): eq 3.1 `[q, qd, p_ee, p_goal, D]`, eq 3.2 with the step before, or
+    `relative`, of which `relative-history` also has the scan before and the last action.
+
+    Args:
+        config: names the state.
+        now: this step's readings.
+        before: the step before's; at the first step the same as `now`.
+        action_before: the last action in the canonical frame, zero at the first step, (n, joints).
+        goal: the target in the canonical frame, (n, 2) [m].
+    """
+    tip = now.tip
+    if config.observation in ("relative", "relative-history"):
+        goal_in_tip = _in_tip_frame(goal - tip, now.heading)
+        distance = np.hypot(goal_in_tip[:, :1], goal_in_tip[:, 1:])
+        near = goal_in_tip / (distance + NEAR)
+        seen = [now.q, now.qd, now.ranges, goal_in_tip, near]
+        memory = [before.ranges, action_before] if config.observation == "relative-history" else []
+        return np.concatenate([*seen, *memory], axis=1)
+    if config.observation == "basic":
+        return np.concatenate([now.q, now.qd, tip, goal, now.ranges], axis=1)
+    return np.concatenate(
+        [now.q, now.qd, now.ranges, before.q, before.qd, before.ranges, action_before, tip, goal], axis=1
+    )
+
+
+def _in_tip_frame(vector: Array, heading: Array) -> Array:
+    """World vectors (n, 2) in frames turned by `heading` (n,)."""
+    cos, sin = np.cos(heading), np.sin(heading)
+    x, y = vector[:, 0], vector[:, 1]
+    return np.array([cos * x + sin * y, cos * y - sin * x]).T
+
+
+def scale_of(robot: RobotSpec, config: TaskConfig) -> Array:
+    """What each value of the observation is divided by, (size,)."""
+    return np.concatenate([part.scale for part in layout(robot, config)])

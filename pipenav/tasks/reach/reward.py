@@ -1,0 +1,89 @@
+"""The reward's terms, one function each; equation numbers are the thesis's."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.tasks.reach.config import RewardConfig
+
+Array = NDArray[np.float64]
+
+LOG_SLOPE, LOG_OFFSET = 50.0, 0.1
+"""alpha [1/m] and c of eq 3.8, from eq 3.9."""
+
+HUBER_DELTA = 0.1
+"""delta of eq 3.7 [m]; the thesis gives none. Quadratic within the last decimetre."""
+
+JOINT_SLOPE, JOINT_OFFSET = 5.0, 0.005
+"""Constants of eq 3.14."""
+
+
+class StepFacts(NamedTuple):
+    """What the reward of one control step depends on.
+
+    Attributes:
+        error: distance of tip and target, (n,) [m].
+        ranges: laser readings, (n, beams) [m].
+        joint_change: sum over the joints of |q_t - q_(t-1)|, (n,) [rad + m].
+        progress: way to the target that the step gained, (n,) [m].
+        contact_force: the step's peak, (n,) [N].
+        penetration: the step's deepest, (n,) [m].
+        reached: whether the target was reached, (n,).
+        failed: whether the step ended at a joint limit or in a wall, (n,).
+    """
+
+    error: Array
+    ranges: Array
+    joint_change: Array
+    progress: Array
+    contact_force: Array
+    penetration: Array
+    reached: NDArray[np.bool_]
+    failed: NDArray[np.bool_]
+
+
+def target_linear(error: Array) -> Array:
+    """Eq 3.6."""
+    return -error
+
+
+def target_huber(error: Array) -> Array:
+    """Eq 3.7, as the negative of the Huber loss on both branches (as printed, the outer branch lacks its sign)."""
+    inner = -0.5 * error**2
+    outer = -(HUBER_DELTA * error - 0.5 * HUBER_DELTA**2)
+    return np.asarray(np.where(error <= HUBER_DELTA, inner, outer))
+
+
+def target_log(error: Array) -> Array:
+    """Eq 3.8 with eq 3.9."""
+    return np.asarray(-np.log(LOG_SLOPE * error + LOG_OFFSET) + np.log(LOG_OFFSET))
+
+
+def laser(ranges: Array, beta: float, d0: float) -> Array:
+    """Eq 3.10, (n, beams) -> (n,)."""
+    return np.asarray(-1.0 / (beta * ranges.min(axis=1) + d0))
+
+
+def joint_change(change: Array) -> Array:
+    """Eq 3.14."""
+    return np.asarray(-1.0 / (JOINT_SLOPE * change + JOINT_OFFSET))
+
+
+TARGET_TERMS = {"linear": target_linear, "huber": target_huber, "log": target_log}
+
+
+def total(config: RewardConfig, facts: StepFacts) -> Array:
+    """Eq 3.12 (c3 = 0) and eq 3.15, and our own terms where their weights are not zero: (n,)."""
+    reward = np.full(len(facts.error), config.step)
+    if config.c1:
+        reward = reward + config.c1 * TARGET_TERMS[config.target](facts.error)
+    if config.c2:
+        reward = reward + config.c2 * laser(facts.ranges, config.beta, config.d0)
+    if config.c3:
+        reward = reward + config.c3 * joint_change(facts.joint_change)
+    reward = reward + config.progress * facts.progress + config.reach * facts.reached
+    reward = reward + config.force * facts.contact_force + config.penetration * 1e3 * facts.penetration
+    return np.asarray(config.scale * np.where(facts.failed, config.limit, reward))

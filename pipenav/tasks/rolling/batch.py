@@ -1,0 +1,135 @@
+"""The traverse task in space: n robots, each in a run of its own, that roll before corners in other planes.
+
+A policy of the plane takes a robot through each corner. Between corners its `Pilot` drives, and what the policy wants
+is not done.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.backends.spatial import SpaceBackend, SpaceReading, SpaceTruth
+from pipenav.pipes.queries import inner_edges
+from pipenav.pipes.route import PipeRun
+from pipenav.robots.robot import BASE, RobotSpec
+from pipenav.tasks.batch import Sized, StepResult
+from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.rolling.clamp import check_robot
+from pipenav.tasks.rolling.manoeuvre import FRONT
+from pipenav.tasks.rolling.pilot import Mode, Pilot
+from pipenav.tasks.traverse import observation
+from pipenav.tasks.traverse.config import TraverseConfig
+from pipenav.tasks.traverse.episode import TraverseEpisodes
+from pipenav.tasks.traverse.outcome import Judge, reward
+
+Array = NDArray[np.float64]
+
+LIMIT_FACTOR = 2
+"""How many times as long as in the plane an episode may take: straights are longer, and rolling takes 10 to 20 s."""
+
+
+class SpaceBatch(Sized):
+    """n episodes in space, stepped together. Who calls `step` also says, by `reset`, who starts anew.
+
+    Raises:
+        PipenavError: a robot that cannot roll.
+    """
+
+    def __init__(
+        self,
+        robot: RobotSpec,
+        config: TraverseConfig,
+        backend: SpaceBackend,
+        n: int,
+        source: Callable[[NDArray[np.intp]], TraverseEpisodes],
+    ) -> None:
+        check_robot(robot)
+        self.robot, self.config, self.n = robot, config, n
+        self._backend, self._source = backend, source
+        self._scale = np.concatenate([part.scale for part in observation.layout(robot, config)])
+        self._pilots: dict[int, Pilot] = {}
+        self._runs: dict[int, PipeRun] = {}
+        self.steps = np.zeros(n, int)
+        self._judge = Judge(robot, config, n)
+        self._action, self._end, self._limit = np.zeros((n, len(robot.drives))), np.zeros(n), np.zeros(n, int)
+
+    @property
+    def pipes(self) -> list[PipeRun]:
+        """The run of each robot, once all have one."""
+        return [self._runs[i] for i in range(self.n)]
+
+    @property
+    def q(self) -> Array:
+        """Joint positions, after zeros where a configuration in the plane has the base's pose, (n, coordinates)."""
+        return np.concatenate([np.zeros((self.n, len(BASE))), self._backend.read().body.q], axis=1)
+
+    @property
+    def doing(self) -> list[str]:
+        """Who drives each robot, in words."""
+        return [self._pilots[i].doing for i in range(self.n)]
+
+    def truth(self) -> SpaceTruth:
+        """Where the robots are; no policy knows it."""
+        return self._backend.truth()
+
+    def reset(self, robots: NDArray[np.intp] | None = None) -> Array:
+        """Start new episodes for some robots (sorted, unique), or all, the first time all of them."""
+        robots = np.arange(self.n) if robots is None else np.asarray(robots, np.intp)
+        episodes = self._source(robots)
+        runs = [pipe if isinstance(pipe, PipeRun) else PipeRun.from_pipe(pipe) for pipe in episodes.pipes]
+        planes = np.array([run.corners[0].roll for run in runs])
+        reading = self._backend.reset(robots, runs, episodes.q, episodes.base, planes)
+        for i, run, q in zip(robots, runs, reading.body.q, strict=True):
+            self._runs[i] = run
+            self._pilots[i] = Pilot(self.robot, run, q + self.config.start_press * np.sign(q))
+            self._end[i] = run.places[-2] + inner_edges(run)[-1]
+            self._limit[i] = LIMIT_FACTOR * self.config.max_steps * len(run.corners)
+        self.steps[robots], self._action[robots] = 0, 0.0
+        self._judge.start(robots, self._along()[robots])
+        return self._observe(self._backend.read())
+
+    def stagger(self, rng: np.random.Generator) -> None:
+        """Nothing: it is for training, and nobody trains here."""
+
+    def step(self, action: Array) -> StepResult:
+        """One control step of every robot.
+
+        Args:
+            action: canonical actions of the policy in [-1, 1], (n, drives); not done where the pilot drives.
+        """
+        reading, pilots = self._backend.read(), [self._pilots[i] for i in range(self.n)]
+        held = np.array([pilot.set_points for pilot in pilots])
+        wanted = observation.to_command(self.robot, self.config, action, reading.body.q, held, self._side).values
+        commands = [pilot.command(reading.row(i), wanted[i]) for i, pilot in enumerate(pilots)]
+        policy_drives = np.array([pilot.mode is Mode.CORNER for pilot in pilots])
+        self._action = np.where(policy_drives[:, None], np.clip(action, -1.0, 1.0), 0.0)
+        self._backend.step(np.array([values for values, _ in commands]), np.array([roll for _, roll in commands]))
+        self.steps += 1
+        reading, truth = self._backend.read(), self._backend.truth()
+        for i, pilot in enumerate(pilots):
+            pilot.sense(reading.row(i))
+        self._judge.excuse(np.array([pilot.mode in (Mode.ROLL, Mode.BACK_OUT) for pilot in pilots]))
+        facts, verdict = self._judge.step(self.steps, self._limit, self._along(), self._end, reading.body, truth)
+        gained, clearance = reward(self.config.reward, facts), reading.body.ranges.min(axis=1)
+        cut_off = (verdict != Verdict.RUNNING) & ~facts.passed & ~facts.failed
+        return StepResult(self._observe(reading), gained, verdict, clearance, truth, cut_off)
+
+    def close(self) -> None:
+        self._backend.close()
+
+    @property
+    def _side(self) -> Array:
+        return np.array([self._pilots[i].side for i in range(self.n)])
+
+    def _observe(self, reading: SpaceReading) -> Array:
+        alone = np.zeros((self.n, 2))  # every corner is taken by itself, wherever the ones beside it turn
+        down = None if self.config.inclination_deg is None else reading.down[:, FRONT, :2]
+        seen = observation.observe(self.robot, reading.body, self._action, self._side, alone, down)
+        return np.asarray(seen / self._scale)
+
+    def _along(self) -> Array:
+        points = self._backend.truth().points
+        return np.array([run.along(place) for run, place in zip(self.pipes, points, strict=True)])

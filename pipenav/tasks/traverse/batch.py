@@ -1,0 +1,157 @@
+"""The traverse task on n robots of one backend at once: the core that every adapter wraps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.backends.backend import Backend, Inclinable
+from pipenav.backends.messages import Reading, Truth
+from pipenav.errors import PipenavError
+from pipenav.pipes.corner import Pipe
+from pipenav.pipes.queries import AnyPipe
+from pipenav.robots import kinematics
+from pipenav.robots.robot import RobotSpec
+from pipenav.tasks.batch import Sized, StepResult
+from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.traverse import observation
+from pipenav.tasks.traverse.config import TraverseConfig
+from pipenav.tasks.traverse.episode import GRAVITY, TraverseEpisodes, check_robot
+from pipenav.tasks.traverse.outcome import Judge, reward
+from pipenav.tasks.traverse.progress import Ways, waypoints
+
+Array = NDArray[np.float64]
+ANYWHERE = Pipe.of(100, 90)
+"""Where robots are thought to be before they are first put into pipes."""
+
+TraverseSource = Callable[[NDArray[np.intp]], TraverseEpisodes]
+"""Given the robots that start anew, their next episodes."""
+
+
+class TraverseBatch(Sized):
+    """n episodes of the traverse task, stepped together. Who calls `step` also says, by `reset`, who starts anew.
+
+    Raises:
+        PipenavError: a robot on a mount, or pipes that are not level on a backend that cannot incline them.
+    """
+
+    def __init__(
+        self, robot: RobotSpec, config: TraverseConfig, backend: Backend, n: int, source: TraverseSource
+    ) -> None:
+        check_robot(robot)
+        if config.inclination_deg is not None and not isinstance(backend, Inclinable):
+            raise PipenavError(f"{type(backend).__name__} knows no gravity along the pipe: choose --backend mujoco.")
+        self.robot, self.config, self.n = robot, config, n
+        self._backend, self._source = backend, source
+        self._scale = np.concatenate([part.scale for part in observation.layout(robot, config)])
+        self.pipes: list[AnyPipe | None] = [None] * n
+        self.steps, self._ages = np.zeros(n, int), np.zeros(n, int)
+        self._sides, self._base = np.ones((n, 3)), np.zeros(n)
+        self._ways = Ways.of([ANYWHERE] * n)
+        self._corner = np.zeros(n, np.intp)
+        self._gravity = np.zeros((n, 2))
+        self._judge = Judge(robot, config, n)
+        self._action, self._q = np.zeros((n, len(robot.drives))), np.zeros((n, robot.coordinates))
+        self._set_points = np.zeros((n, len(robot.joints)))
+        self._observation = np.zeros((n, len(self._scale)))
+
+    @property
+    def q(self) -> Array:
+        """Configurations in the robot's own frame, (n, coordinates)."""
+        return self._q.copy()
+
+    @property
+    def points(self) -> Array:
+        """Rear end, joints and tip in the pipe's frame, (n, links + 1, 2) [m]: no policy knows where it is."""
+        points = waypoints(self.robot, self._q)
+        points[..., 0] += self._base[:, None]
+        return points
+
+    @property
+    def along(self) -> Array:
+        """Where they are along the pipe, 0 at the corner, (n, links + 1) [m]."""
+        return self._ways.along(self.points)
+
+    def reset(self, robots: NDArray[np.intp] | None = None) -> Array:
+        """Start new episodes for some robots (sorted, unique), or all; observations of all robots, (n, size)."""
+        robots = np.arange(self.n) if robots is None else np.asarray(robots, np.intp)
+        episodes = self._source(robots)
+        if self.config.inclination_deg is not None and isinstance(self._backend, Inclinable):
+            self._backend.incline(robots, episodes.gravity)
+        reading = self._backend.reset(robots, episodes.pipes, episodes.q, episodes.base)
+        for i, pipe in zip(robots, episodes.pipes, strict=True):
+            self.pipes[i] = pipe
+        self.steps[robots], self._ages[robots] = self._ages[robots], 0
+        self._base[robots], self._q[robots], self._action[robots] = episodes.base, episodes.q, 0.0
+        self._gravity[robots] = episodes.gravity
+        self._set_points[robots] = reading.q + self.config.start_press * np.sign(reading.q)
+        self._ways, self._corner[robots] = self._ways.put(robots, Ways.of(episodes.pipes)), 0
+        self._sides[robots] = self._ways.sides(self._corner)[robots]
+        self._judge.start(robots, self.along[robots])
+        self._observation = self._observation.copy()
+        self._observation[robots] = self._observe(reading, robots)
+        return self._observation
+
+    def stagger(self, rng: np.random.Generator) -> None:
+        """Make the next episodes start at random ages, so that their time-outs do not all fall into one step."""
+        self._ages = rng.integers(0, self.config.max_steps // 2, self.n)
+
+    def step(self, action: Array) -> StepResult:
+        """One control step of every robot.
+
+        Args:
+            action: canonical actions in [-1, 1], (n, drives).
+        """
+        joints = self._q[:, -self._set_points.shape[1] :]
+        command = observation.to_command(self.robot, self.config, action, joints, self._set_points, self._sides[:, 0])
+        self._set_points = command.values[:, : joints.shape[1]].copy()
+        self._backend.step(command)
+        self.steps += 1
+        self._action = np.clip(action, -1.0, 1.0)
+        reading, truth = self._backend.read(), self._backend.truth()
+        if truth is None:
+            raise TypeError("the traverse task needs a simulator: this backend knows no truth")
+        self._place(reading, truth)
+        along, every, last = self.along, np.arange(self.n), self._ways.corners - 1
+        limit, end = self.config.max_steps * (last + 1), self._ways.end[every, last]
+        facts, verdict = self._judge.step(self.steps, limit, along, end, reading, truth)
+        self._go_on(along.mean(axis=1))
+        self._observation = self._observe(reading, every)
+        gained = reward(self.config.reward, facts)
+        cut_off = (verdict != Verdict.RUNNING) & ~facts.passed & ~facts.failed
+        return StepResult(self._observation, gained, verdict, reading.ranges.min(axis=1), truth, cut_off)
+
+    def close(self) -> None:
+        self._backend.close()
+
+    def _place(self, reading: Reading, truth: Truth) -> None:
+        """Where the robots are, from their joints and from the tip that the simulator knows."""
+        tip = truth.tip.copy()
+        tip[:, 0] -= self._base
+        self._q = kinematics.configuration(self.robot, reading.q, tip)
+
+    def _observe(self, reading: Reading, robots: NDArray[np.intp]) -> Array:
+        """What some robots see, scaled, from what their sensors give."""
+        side, beside = self._sides[robots, 0], self._sides[robots, 1:]
+        down = None if self.config.inclination_deg is None else self._down(robots)
+        observed = observation.observe(self.robot, reading, self._action[robots], side, beside, down)
+        return np.asarray(observed / self._scale)
+
+    def _down(self, robots: NDArray[np.intp]) -> Array:
+        """What some robots' accelerometers say of where down is, (k, 2), see `pipenav.tasks.traverse.observation.observe`."""
+        heading = kinematics.forward(self.robot, self._q[robots]).headings[:, observation.accelerometer(self.robot)]
+        x, y = self._gravity[robots].T / GRAVITY
+        cos, sin = np.cos(heading), np.sin(heading)
+        return np.stack([x * cos + y * sin, y * cos - x * sin], axis=1)
+
+    def _go_on(self, middle: Array) -> None:
+        """The corner that a robot is in is the first one through which its middle (n,) has not come; never one before.
+
+        With the corner its side may change, and what is seen and done from there on is mirrored.
+        """
+        done = (middle[:, None] >= self._ways.end) & (self._ways.side != 0)
+        self._corner = np.maximum(self._corner, np.minimum(done.sum(axis=1), self._ways.corners - 1))
+        before, self._sides = self._sides[:, 0], self._ways.sides(self._corner)
+        self._action = observation.seen_from(self.robot, self._action, self._sides[:, 0] * before)

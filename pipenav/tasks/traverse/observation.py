@@ -1,0 +1,131 @@
+"""What the policy sees: the robot's own sensors and its last action, mirrored for right turns, in fixed scales."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipenav.backends.messages import Command, Reading
+from pipenav.robots.robot import RobotSpec
+from pipenav.tasks.layout import Part
+from pipenav.tasks.traverse.config import TraverseConfig
+
+Array = NDArray[np.float64]
+
+STRAIGHT = 0.1
+"""Bend below which a wheel rolls more slowly than asked, down to not at all at a straight joint [rad]: there it moves
+from one wall to the other, and its forwards turns round."""
+
+
+def layout(robot: RobotSpec, config: TraverseConfig) -> list[Part]:
+    """The observation's parts in order, with the scale that each value is divided by."""
+    drives, lidar = len(robot.drives), robot.laser
+    weighs = config.inclination_deg is not None
+    return [
+        Part("q", "rad", np.maximum(-robot.lower, robot.upper)),
+        Part("qd", "rad/s", np.array(robot.speed_limits)),
+        Part("wheel_speeds", "rad/s", wheel_limits(robot)),
+        Part("loads", "1", np.ones(drives)),
+        Part("ranges", "m", np.full(lidar.beams, lidar.range_max)),
+        Part("action_before", "1", np.ones(drives)),
+        Part("turns_beside", "1", np.ones(2)),
+        *([Part("down", "1", np.ones(2))] if weighs else []),
+    ]
+
+
+def wheel_limits(robot: RobotSpec) -> Array:
+    """No-load speeds of the wheels, (wheels,) [rad/s]."""
+    return np.array([robot.actuators[wheel.actuator].speed_limit for wheel in robot.wheels])
+
+
+def action_scale(robot: RobotSpec, config: TraverseConfig) -> Array:
+    """What a full action is: a joint's set-point change [rad], then a wheel's speed forwards [rad/s], (drives,)."""
+    return np.concatenate([np.full(len(robot.joints), config.alpha), wheel_limits(robot)])
+
+
+def drive_signs(robot: RobotSpec, side: Array) -> Array:
+    """Factor on loads, commands and actions that turns them into the canonical frame or back, (n, drives).
+
+    Its first columns do so to joint positions and speeds, its last ones to wheel speeds.
+
+    Args:
+        robot: the robot.
+        side: +1 for a left turn, -1 for a right one, (n,).
+    """
+    return np.where(side[:, None] > 0, 1.0, robot.mirror_drives)
+
+
+def seen_from(robot: RobotSpec, action: Array, change: Array) -> Array:
+    """Canonical actions (n, drives) as they are after a change of side: bends change sign, wheels roll forwards anyway.
+
+    Args:
+        robot: the robot.
+        action: before.
+        change: -1 where the side changes, else +1, (n,).
+    """
+    joints = len(robot.joints)
+    return np.concatenate([action[:, :joints] * drive_signs(robot, change)[:, :joints], action[:, joints:]], axis=1)
+
+
+def accelerometer(robot: RobotSpec) -> int:
+    """Which link carries it: the one that the roll joint divides, else the last one."""
+    return len(robot.links) - 1 if robot.roll is None else [link.name for link in robot.links].index(robot.roll.link)
+
+
+def observe(
+    robot: RobotSpec, reading: Reading, action_before: Array, side: Array, beside: Array, down: Array | None = None
+) -> Array:
+    """Unscaled observation, (n, size).
+
+    Args:
+        robot: the robot.
+        reading: what the sensors give.
+        action_before: the last action in the canonical frame, zero at the first step, (n, drives).
+        side: +1 for a left turn, -1 for a right one, (n,).
+        beside: likewise for the corners before and after the robot's, 0 where there is none, (n, 2).
+        down: what the accelerometer gives at rest, turned round, as a share of the weight: forwards along its link and
+            to its left, (n, 2); none in a level plane.
+
+    Raises:
+        TypeError: the backend measures no wheel speeds or no loads.
+    """
+    if reading.wheel_speeds is None or reading.loads is None:
+        raise TypeError("the traverse task needs a backend that measures wheel speeds and loads")
+    signs, joints = drive_signs(robot, side), len(robot.joints)
+    ranges = np.where(side[:, None] > 0, reading.ranges, reading.ranges[:, ::-1])
+    own = (reading.q * signs[:, :joints], reading.qd * signs[:, :joints], reading.wheel_speeds * signs[:, joints:])
+    felt = [] if down is None else [down[:, :1], down[:, 1:] * side[:, None]]
+    beside = beside * side[:, None]
+    return np.concatenate([*own, reading.loads * signs, ranges, action_before, beside, *felt], axis=1)
+
+
+def to_command(
+    robot: RobotSpec, config: TraverseConfig, action: Array, q: Array, set_points: Array, side: Array
+) -> Command:
+    """The command for canonical actions: bending joints go on from where they are or were set, wheels roll forwards.
+
+    A joint's bend presses its wheel against the wall on the bend's outside, so the bend says which way round is
+    forwards; the wheel of a straight joint stands.
+
+    Args:
+        robot: the robot.
+        config: sizes of a full action.
+        action: canonical actions, (n, drives); clipped to [-1, 1].
+        q: measured joint positions in the robot's own frame, (n, joints).
+        set_points: those of the command before, (n, joints).
+        side: +1 for a left turn, -1 for a right one, (n,).
+    """
+    asked, joints = np.clip(action, -1.0, 1.0) * action_scale(robot, config), q.shape[1]
+    bends = asked[:, :joints] * drive_signs(robot, side)[:, :joints]
+    bends += q if config.set_points == "measured" else set_points
+    bends = np.clip(np.clip(bends, q - config.alpha, q + config.alpha), robot.lower, robot.upper)
+    # A bend to the right presses its wheel on the left wall, where turning to the left rolls forwards.
+    forwards = -np.clip(q[:, wheel_joints(robot)] / STRAIGHT, -1.0, 1.0)
+    rolls = asked[:, joints:] * forwards
+    return Command("position", np.concatenate([bends, rolls], axis=1))
+
+
+def wheel_joints(robot: RobotSpec) -> list[int]:
+    """Which joint each wheel sits on, (wheels,)."""
+    jointed = [link for link in robot.links if link.joint is not None]
+    return [i for i, link in enumerate(jointed) if link.wheel is not None]
