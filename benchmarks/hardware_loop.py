@@ -21,10 +21,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pipenav_hardware import table
 from pipenav_hardware.emulator.client import Emulator
 
+from pipenav.arrays import Floats
 from pipenav.backends.real_robot import load_machine
 from pipenav.backends.registry import open_backend
 from pipenav.deployment.loop import drive, guarded
@@ -33,8 +33,6 @@ from pipenav.deployment.session import policy_for, rehearse, run_settings
 from pipenav.deployment.telemetry import Telemetry
 from pipenav.pipes.corner import Pipe
 from pipenav.tasks.reach import episode
-
-Array = NDArray[np.float64]
 
 ANSWER = table.SETTINGS_SIZE + table.STATE_SIZE + 6
 """Bytes of a servo's answer, and of the question for it."""
@@ -151,7 +149,7 @@ def report(records: list[dict[str, Any]], outcomes: dict[str, int], bare: Bare) 
     return int(late > 0)
 
 
-def row(what: str, times: Array) -> None:
+def row(what: str, times: Floats) -> None:
     """One line of the table [ms]."""
     if len(times):
         print(

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
-from pipenav.backends.backend import Array, Backend, BackendOptions, Variation
+from pipenav.arrays import Floats, Ints
+from pipenav.backends.backend import Backend, BackendOptions, Variation
 from pipenav.backends.messages import Command, Control, Reading
 from pipenav.disturbances.disturbance import UNDISTURBED, Disturbance
 from pipenav.disturbances.disturbed_backend import DisturbedBackend, disturbed
@@ -55,7 +55,7 @@ def test_nothing_stands_between_where_nothing_is_disturbed() -> None:
     assert disturbed(backend, ROBOT, 2, WORST, 0) is not backend
 
 
-def run(backend: Backend, n: int, commands: list[Command], rows: NDArray[np.intp] | None = None) -> list[Reading]:
+def run(backend: Backend, n: int, commands: list[Command], rows: Ints | None = None) -> list[Reading]:
     """Readings of n robots from the contract's starts on, or from some rows of more starts."""
     start = starts(Bench(KinematicBackend, n=6))
     rows = np.arange(n) if rows is None else rows
@@ -77,7 +77,7 @@ def test_commands_arrive_so_many_steps_late(latency: int, control: Control) -> N
         np.testing.assert_array_equal(reading.q, on_time[max(step - latency, 0)].q)
 
 
-def stand(disturbance: Disturbance, n: int = 40, steps: int = 50) -> tuple[Array, Array]:
+def stand(disturbance: Disturbance, n: int = 40, steps: int = 50) -> tuple[Floats, Floats]:
     """Readings of robots that stand still in a wide pipe, (steps, n, beams), and the true ones, (beams,)."""
     backend = DisturbedBackend(plain(n), ROBOT, n, disturbance, 0)
     pipe = Pipe.of(300, 60)
@@ -123,7 +123,7 @@ def test_missing_beams_are_missing_all_episode_long() -> None:
 
 @settings(deadline=None, max_examples=10)
 @given(rows=st.permutations(range(6)).map(lambda order: np.array(order[:3])), seed=st.integers(0, 2**31))
-def test_an_episode_does_not_depend_on_its_neighbours(rows: NDArray[np.intp], seed: int) -> None:
+def test_an_episode_does_not_depend_on_its_neighbours(rows: Ints, seed: int) -> None:
     commands = Bench(KinematicBackend, n=6).commands(6)
     all_of_them = run(DisturbedBackend(plain(6), ROBOT, 6, WORST, seed), 6, commands, np.arange(6))
     some = [Command(control, values[rows]) for control, values in commands]
@@ -134,7 +134,7 @@ def test_an_episode_does_not_depend_on_its_neighbours(rows: NDArray[np.intp], se
 
 
 def test_another_seed_or_another_start_is_disturbed_otherwise() -> None:
-    def seen(seed: int, q: float) -> Array:
+    def seen(seed: int, q: float) -> Floats:
         backend = DisturbedBackend(plain(1), ROBOT, 1, Disturbance(noise=(0.02, 0.02)), seed)
         return backend.reset(np.arange(1), [Pipe.of(300, 60)], np.full((1, 4), q), np.array([-0.7])).ranges
 
@@ -146,7 +146,7 @@ def test_another_seed_or_another_start_is_disturbed_otherwise() -> None:
 class Varied(KinematicBackend):
     """Remembers how it was varied; does nothing with it."""
 
-    def vary(self, robots: NDArray[np.intp], variation: Variation) -> None:
+    def vary(self, robots: Ints, variation: Variation) -> None:
         self.robots, self.variation = robots, variation
 
 

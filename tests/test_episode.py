@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.backends.backend import Backend, BackendOptions
 from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.pipes.corner import Pipe
@@ -24,8 +24,6 @@ from pipenav.tasks.reach.episode import way_to_goal
 from pipenav.tasks.reach.observation import scale_of
 from pipenav.tasks.sampling import random_episodes
 
-Array = NDArray[np.float64]
-
 ROBOT, TASK = load_robot("basic"), TaskConfig()
 PIPES = parse_pipes(["working-range"])
 seeds = st.integers(0, 2**32 - 1)
@@ -36,7 +34,7 @@ def drawn(seed: int, pipes: Sequence[Pipe] = PIPES) -> episode.Episodes:
     return episode.sample(ROBOT, TASK, pipes, np.random.default_rng(seed))
 
 
-def in_pipe(points: Array, base: float, side: float) -> Array:
+def in_pipe(points: Floats, base: float, side: float) -> Floats:
     """Points (..., 2) of the canonical frame in the pipe's frame."""
     return (points + np.array([base, 0.0])) * [1.0, side]
 
@@ -88,10 +86,10 @@ def test_turns_mirror_each_other(seed: int, pipe: Pipe) -> None:
         assert np.array_equal(getattr(one, name), getattr(two, name))
 
 
-def crossing(p: Array, q: Array, a: Array, b: Array) -> bool:
+def crossing(p: Floats, q: Floats, a: Floats, b: Floats) -> bool:
     """Whether the segments pq and ab cross: the ends of each lie on either side of the other."""
 
-    def side(u: Array, v: Array, w: Array) -> float:
+    def side(u: Floats, v: Floats, w: Floats) -> float:
         return float((v - u)[0] * (w - u)[1] - (v - u)[1] * (w - u)[0])
 
     return side(p, q, a) * side(p, q, b) < 0 and side(a, b, p) * side(a, b, q) < 0

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.cli import main
 from pipenav.evaluation import episode_runner
 from pipenav.evaluation.episode_runner import EpisodeResults
@@ -25,8 +25,6 @@ from pipenav.tasks.outcome import Verdict
 from pipenav.tasks.reach.batch import CornerBatch
 from pipenav.tasks.reach.config import TaskConfig
 from pipenav.tasks.reach.observation import scale_of
-
-Array = NDArray[np.float64]
 
 EPISODES = 4
 NAMES = ["d=100,angle=90", "d=70,angle=55", "d=70,angle=55,turn=right"]
@@ -46,7 +44,7 @@ class Clumsy:
         size = len(scale_of(self.robot, self.task))
         self._weights = np.random.default_rng(1).normal(0.0, 1.5, (size, len(self.robot.joints)))
 
-    def act(self, observation: Array, batch: CornerBatch) -> Array:  # noqa: ARG002  # the seam's signature
+    def act(self, observation: Floats, batch: CornerBatch) -> Floats:  # noqa: ARG002  # the seam's signature
         return np.tanh(np.einsum("ni,ij->nj", observation, self._weights))
 
 

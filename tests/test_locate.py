@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.backends.messages import Reading
 from pipenav.errors import PipenavError
 from pipenav.evaluation.locate_stage import LocateStage, inside_second_leg
@@ -26,13 +26,12 @@ from pipenav.tasks.reach.config import TaskConfig
 from pipenav.tasks.reach.episode import Episodes
 from pipenav.testing import KinematicBackend, KinematicOptions
 
-Array = NDArray[np.float64]
 ROBOTS = ("basic", "high-fidelity", "real-setup")
 FAST = Simulator("mujoco", {"timestep": 0.005, "threads": 1})
 ONE = np.arange(1)
 
 
-def reading(robot: RobotSpec, q: Array, ranges: Array) -> Reading:
+def reading(robot: RobotSpec, q: Floats, ranges: Floats) -> Reading:
     return Reading(q[None], np.zeros((1, len(robot.joints))), ranges[None], np.zeros(1))
 
 
@@ -136,11 +135,11 @@ class Search(NamedTuple):
     """How one search ended: verdict, target in the pipe's frame (2,), all poses (rows, joints)."""
 
     verdict: Verdict
-    target: Array
-    q: Array
+    target: Floats
+    q: Floats
 
 
-def search(name: str, pipe: Pipe, gap: float, bend: Array, variant: Variant = "map") -> Search:
+def search(name: str, pipe: Pipe, gap: float, bend: Floats, variant: Variant = "map") -> Search:
     """A search on a backend without physics, from a start so far before the bend, so much off straight."""
     robot = robot_for(load_robot(name), variant)
     base = np.array([-pipe.inner_edge - gap - robot.length])

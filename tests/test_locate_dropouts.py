@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.backends.messages import Reading
 from pipenav.disturbances.disturbance import Disturbance, load_disturbance
 from pipenav.evaluation.passage import Passages
@@ -23,13 +23,13 @@ ONE = np.arange(1)
 PIPES = [Pipe.of(d, angle, turn) for d in (90, 120) for angle in (60, 90, 120) for turn in ("left", "right")]
 
 
-def reading(slide: float, ranges: NDArray[np.float64]) -> Reading:
+def reading(slide: float, ranges: Floats) -> Reading:
     q = np.zeros((1, len(ROBOT.joints)))
     q[0, 0] = slide
     return Reading(q, np.zeros_like(q), ranges[None], np.zeros(1))
 
 
-def advances(scans: list[NDArray[np.float64]]) -> list[float]:
+def advances(scans: list[Floats]) -> list[float]:
     """What a slide that follows at once moves by after each scan [m]."""
     locator, slide, moved = MapLocator(ROBOT, LocateConfig(), 1), 0.0, []
     locator.start(ONE, reading(0.0, scans[0]), np.ones(1))

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from pipenav.arrays import Ints
 from pipenav.backends.registry import open_backend
 from pipenav.errors import PipenavError
 from pipenav.evaluation.rear_stage import RearStage
@@ -26,8 +26,6 @@ from pipenav.robots.kinematics import forward
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import Verdict
 from pipenav.testing import KinematicBackend, KinematicOptions
-
-Array = NDArray[np.float64]
 
 ROBOT = load_robot("basic")
 FAST = {"timestep": 0.005, "threads": 1}
@@ -184,7 +182,7 @@ def test_each_robot_replays_its_own_motion_anew_after_each_start(front: Trajecto
     slow = rear._replace(q=np.repeat(rear.q, 2, axis=0))
     given: list[list[int]] = []
 
-    def source(robots: NDArray[np.intp]) -> list[Motion]:
+    def source(robots: Ints) -> list[Motion]:
         given.append(robots.tolist())
         return [rear if robot % 2 == 0 else slow for robot in robots]
 

@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 import mujoco
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from pipenav_mujoco.backend import MujocoBackend, MujocoOptions
 from pipenav_mujoco.model import Contact, static_spec
 
+from pipenav.arrays import Floats
 from pipenav.backends.messages import Command
 from pipenav.backends.wall_boxes import INNER_THICKNESS
 from pipenav.errors import PipenavError
@@ -20,8 +20,6 @@ from pipenav.robots import kinematics, laser
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.reach import episode
 from pipenav.tasks.reach.config import TaskConfig
-
-Array = NDArray[np.float64]
 
 ROBOT = load_robot("basic")
 OPTIONS = MujocoOptions(threads=1)
@@ -33,8 +31,8 @@ class Scene(NamedTuple):
 
     backend: MujocoBackend
     pipes: list[Pipe]
-    q: Array
-    base: Array
+    q: Floats
+    base: Floats
 
 
 def random_pipes(rng: np.random.Generator, n: int, bends: Sequence[float] = (0.0,)) -> list[Pipe]:
@@ -54,7 +52,7 @@ def scene(rng: np.random.Generator, n: int, bends: Sequence[float] = (0.0,)) -> 
     return Scene(backend, pipes, start.q, start.base)
 
 
-def drives(rng: np.random.Generator, n: int) -> Array:
+def drives(rng: np.random.Generator, n: int) -> Floats:
     """Random drives that push the arm into the corner, so that it meets the walls often."""
     values = rng.uniform(-1, 1, (n, 4))
     values[:, 0] = 0.3 + 0.7 * np.abs(values[:, 0])
@@ -96,7 +94,7 @@ def test_mocap_walls_give_the_trajectories_of_static_ones(bends: tuple[float, ..
         assert truth.tip[i, :2] - [now.base[i], 0.0] == pytest.approx(state.site("tip").xpos[:2], abs=1e-9)
 
 
-def mujoco_rays(pipe: Pipe, base: float, q: Array) -> Array:
+def mujoco_rays(pipe: Pipe, base: float, q: Floats) -> Floats:
     """Distances that MuJoCo's own rays find from the tip along the beams; inf where they meet nothing."""
     model = static_model(pipe, base)
     model.geom_group[:] = model.geom_bodyid == 0  # the walls
@@ -138,7 +136,7 @@ def test_beams_are_mujocos_rangefinders() -> None:
     backend.close()
 
 
-def beyond_the_ends(pipe: Pipe, points: Array) -> bool:
+def beyond_the_ends(pipe: Pipe, points: Floats) -> bool:
     """Whether all points lie past an open end of the pipe, where the boxes of the outer wall run on a little."""
     past_second = pipe.along_second_leg(points)[:, 0] > pipe.leg
     return bool(np.all(past_second | (points[:, 0] < -pipe.leg)))
@@ -174,7 +172,7 @@ def test_beams_are_mujocos_own_rays(bends: tuple[float, ...]) -> None:
     assert compared > 850
 
 
-def overlap(q: Array, pipe: Pipe, base: float) -> float:
+def overlap(q: Floats, pipe: Pipe, base: float) -> float:
     """Deepest overlap of the links' rectangles with the walls of a mitred pipe, by separating axes."""
     pose = kinematics.forward(ROBOT, q[None])
     start, end = pipe.segments[:, 0], pipe.segments[:, 1]

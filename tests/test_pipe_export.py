@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 import trimesh
 
+from pipenav.arrays import Floats
 from pipenav.export.corner_folder import FILES, read_pipe, write_pipe_folder
-from pipenav.pipes.corner import Array, Pipe
+from pipenav.pipes.corner import Pipe
 from pipenav.pipes.corner_solids import wall_boxes
 
 TENTH_OF_A_MM = 1e-4
@@ -64,11 +65,11 @@ def test_tube_has_its_diameters_all_around(made: tuple[Pipe, Path]) -> None:
     assert np.abs(outer - pipe.radius - pipe.wall).max() < TENTH_OF_A_MM
 
 
-def rays(pipe: Pipe, count: int) -> list[tuple[Array, Array]]:
+def rays(pipe: Pipe, count: int) -> list[tuple[Floats, Floats]]:
     """Rays from the centre line, in all directions, that meet a wall well within the legs."""
     rng = np.random.default_rng(1)
     line = pipe.line(0.0)
-    chosen: list[tuple[Array, Array]] = []
+    chosen: list[tuple[Floats, Floats]] = []
     while len(chosen) < count:
         i = rng.integers(0, len(line) - 1)
         origin = line[i] + rng.uniform(0.05, 0.95) * (line[i + 1] - line[i])
@@ -79,7 +80,7 @@ def rays(pipe: Pipe, count: int) -> list[tuple[Array, Array]]:
     return chosen
 
 
-def all_hits(origin: Array, direction: Array, segments: Array) -> Array:
+def all_hits(origin: Floats, direction: Floats, segments: Floats) -> Floats:
     """Distances along a ray to the segments (s, 2, 2) that it crosses."""
     start, step = segments[:, 0] - origin, segments[:, 1] - segments[:, 0]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -89,11 +90,11 @@ def all_hits(origin: Array, direction: Array, segments: Array) -> Array:
     return along[(share >= 0) & (share < 1) & (along > 0)]
 
 
-def distance_to_segments(origin: Array, direction: Array, segments: Array) -> float:
+def distance_to_segments(origin: Floats, direction: Floats, segments: Floats) -> float:
     return float(min(all_hits(origin, direction, segments), default=math.inf))
 
 
-def distance_to_point(point: Array, segments: Array) -> float:
+def distance_to_point(point: Floats, segments: Floats) -> float:
     start, step = segments[:, 0], segments[:, 1] - segments[:, 0]
     share = np.clip(np.sum((point - start) * step, axis=1) / np.sum(step**2, axis=1), 0, 1)
     return float(np.linalg.norm(start + share[:, None] * step - point, axis=1).min())

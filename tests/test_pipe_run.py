@@ -10,9 +10,10 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from pipenav.arrays import Floats
 from pipenav.backends.wall_boxes import wall_boxes
 from pipenav.errors import OutOfRange, PipenavError
-from pipenav.pipes.corner import Array, Pipe
+from pipenav.pipes.corner import Pipe
 from pipenav.pipes.route import Corner, CrossesItself, PipeRun
 
 diameters = st.floats(40, 300)
@@ -50,7 +51,7 @@ OVER_ITSELF = [(90, "left", 90), (90, "right", 0), (90, "left", -90), (90, "left
 MIRROR = np.diag([1.0, -1.0, 1.0])
 
 
-def inside(run: PipeRun, seed: int = 0, count: int = 40) -> Array:
+def inside(run: PipeRun, seed: int = 0, count: int = 40) -> Floats:
     """Points in the bore of every leg, between its mitres, (legs, count, 3)."""
     rng = np.random.default_rng(seed)
     around, (off, share) = rng.uniform(0, 2 * math.pi, count), rng.uniform(0.001, 0.999, (2, count))
@@ -76,7 +77,7 @@ def test_a_run_of_one_is_that_pipe(diameter: float, angle: float, turn: str) -> 
         np.testing.assert_allclose(*boxes, atol=1e-9)
 
 
-def _sorted_boxes(pipe: Pipe | PipeRun) -> Array:
+def _sorted_boxes(pipe: Pipe | PipeRun) -> Floats:
     boxes = wall_boxes([pipe], 4, np.zeros(1))
     turned = np.sign(boxes.quaternion[0][:, :1]) * boxes.quaternion[0]
     rows = np.concatenate([boxes.position[0], np.abs(turned), boxes.half_size[0]], axis=1)

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 import trimesh
 
+from pipenav.arrays import Floats
 from pipenav.errors import ConfigError, OutOfRange, PipenavError
 from pipenav.export.route_folder import FILES, read_run_folder, run_files, run_record, write_run_folder
-from pipenav.pipes.corner import Array
 from pipenav.pipes.route import PipeRun
 from pipenav.pipes.route_sets import parse_runs
 from pipenav.pipes.route_solids import FACETS, PRISM_FACES
@@ -56,7 +56,7 @@ def test_stl_files_are_watertight_and_in_millimetres(made: tuple[PipeRun, Path])
         assert 1000 * run.centre_line[0, 0] == pytest.approx(body.bounds[0, 0], abs=0.01) or body.bounds[0, 0] < -1000
 
 
-def rays(run: PipeRun, count: int) -> tuple[Array, Array, Array]:
+def rays(run: PipeRun, count: int) -> tuple[Floats, Floats, Floats]:
     """Rays from the axes across the legs, away from mitres: origins, unit vectors, distances to the polygon."""
     rng = np.random.default_rng(1)
     leg, around = rng.integers(0, len(run.straights), count), rng.uniform(0, 2 * math.pi, count)

@@ -10,8 +10,8 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
-from pipenav.pipes.corner import Array
 from pipenav.pipes.corner_solids import Mesh
 from pipenav.pipes.route import PipeRun
 from pipenav.pipes.route_sets import parse_runs
@@ -28,7 +28,7 @@ def solid(mesh: Mesh) -> trimesh.Trimesh:
     return trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
 
 
-def faces_of(prisms: Array) -> tuple[Array, Array]:
+def faces_of(prisms: Floats) -> tuple[Floats, Floats]:
     """Outward normals and offsets of every prism's faces: n x <= d inside, (..., 12, 3) and (..., 12)."""
     a, b, c = np.moveaxis(prisms[..., PRISM_FACES, :], -2, 0)
     normal = np.cross(b - a, c - a)
@@ -36,7 +36,7 @@ def faces_of(prisms: Array) -> tuple[Array, Array]:
     return normal, (normal * a).sum(axis=-1)
 
 
-def depth_in_any(prisms: Array, points: Array) -> Array:
+def depth_in_any(prisms: Floats, points: Floats) -> Floats:
     """How deep points (p, 3) lie in the prism that holds them deepest, negative outside of all: (p,) [m]."""
     normal, offset = (x.reshape(-1, 12, *x.shape[3:]) for x in faces_of(prisms))
     outside = np.einsum("pi,kfi->pkf", points, normal) - offset  # (p, prisms, 12)
@@ -78,18 +78,18 @@ def test_prisms_are_convex_and_fill_the_wall(run: PipeRun, facets: int) -> None:
     assert np.sum(volume) == pytest.approx(expected)
 
 
-def _sides(prisms: Array) -> tuple[Array, Array]:
+def _sides(prisms: Floats) -> tuple[Floats, Floats]:
     a, b, c = np.moveaxis(prisms[..., PRISM_FACES, :], -2, 0)
     return b - a, c - a
 
 
-def to_polygon(run: PipeRun, facets: int, around: Array) -> Array:
+def to_polygon(run: PipeRun, facets: int, around: Floats) -> Floats:
     """Distance from the axis to the polygon around the bore [m]."""
     side = 2 * math.pi / facets
     return np.asarray(run.radius / np.cos((around + side / 2) % side - side / 2))
 
 
-def points_at(run: PipeRun, distance: Array, around: Array, share: Array) -> Array:
+def points_at(run: PipeRun, distance: Floats, around: Floats, share: Floats) -> Floats:
     """Points at distances from the axis, in every leg, somewhere between its mitres: (legs points, 3)."""
     lines = run.legs.lines(distance, around)
     return np.asarray((lines[:, :-1] + share[:, None, None] * np.diff(lines, axis=1)).reshape(-1, 3))

@@ -10,7 +10,8 @@ import trimesh
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from pipenav.pipes.corner import Array, Pipe
+from pipenav.arrays import Floats
+from pipenav.pipes.corner import Pipe
 from pipenav.pipes.corner_solids import EDGE_TOLERANCE, Box, Mesh, boards_mesh, tube_mesh, wall_boxes
 
 diameters = st.floats(40, 300)
@@ -71,12 +72,12 @@ def test_boxes_cover_every_wall_face(pipe: Pipe) -> None:
     assert covered[(length > 4 * EDGE_TOLERANCE)[:, 0]].all()
 
 
-def to_box(box: Box, points: Array) -> Array:
+def to_box(box: Box, points: Floats) -> Floats:
     c, s = math.cos(box.yaw), math.sin(box.yaw)
     return (points - [box.x, box.y]) @ np.array([[c, -s], [s, c]])
 
 
-def inside_box(box: Box, shrink: float) -> Array:
+def inside_box(box: Box, shrink: float) -> Floats:
     c, s = math.cos(box.yaw), math.sin(box.yaw)
     share = np.linspace(-0.5, 0.5, 5)
     grid = np.stack(np.meshgrid(share * (box.length - 2 * shrink), share * (box.thickness - 2 * shrink)), axis=-1)

@@ -7,7 +7,8 @@ import sys
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
+
+from pipenav.arrays import Floats
 
 pytest.importorskip("pybullet", reason="PyBullet has no wheel for this Python")
 
@@ -22,8 +23,6 @@ from pipenav.robots.robot import RobotSpec, load_robot
 from pipenav.tasks.reach import episode
 from pipenav.tasks.reach.config import TaskConfig
 
-Array = NDArray[np.float64]
-
 ROBOT = load_robot("basic")
 
 
@@ -33,7 +32,7 @@ def alone(robot: RobotSpec, pipe: Pipe, base: float) -> PybulletBackend:
     return backend
 
 
-def crowd(n: int, processes: int = 1, seed: int = 1) -> tuple[PybulletBackend, list[Pipe], Array]:
+def crowd(n: int, processes: int = 1, seed: int = 1) -> tuple[PybulletBackend, list[Pipe], Floats]:
     """n robots at random starts in random pipes; also the pipes and the robots' bases."""
     rng = np.random.default_rng(seed)
     turns = [("left", "right")[i % 2] for i in range(n)]

@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from pipenav.backends.safety import Bounds, Deadlines, Repeats, Stopped, limited, require_finite
 
-Array = NDArray[np.float64]
 counts = st.integers(0, 1023)
 hostile = st.one_of(st.floats(allow_nan=False, allow_infinity=False), counts.map(float))
 

@@ -8,8 +8,8 @@ from contextlib import closing, contextmanager
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.backends.registry import open_backend, open_space
 from pipenav.backends.spatial import SpaceBackend
 from pipenav.errors import PipenavError
@@ -21,8 +21,6 @@ from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import GRAVITY, sample
 from pipenav.tasks.traverse.progress import waypoints
 
-Array = NDArray[np.float64]
-
 ROBOT = load_robot("pirate")
 RUN = PipeRun.of(90, [(90, "left", 0), (75, "right", 90)], [1200, 900, 800])
 ONE = np.arange(1)
@@ -33,7 +31,7 @@ def world(n: int = 1, gravity: float = GRAVITY, **options: float) -> SpaceBacken
 
 
 @contextmanager
-def placed(run: PipeRun, plane: float = 0.0, gravity: float = GRAVITY) -> Iterator[tuple[SpaceBackend, Array, float]]:
+def placed(run: PipeRun, plane: float = 0.0, gravity: float = GRAVITY) -> Iterator[tuple[SpaceBackend, Floats, float]]:
     """A robot in its plane at the start of a run; the backend, its configuration and its base."""
     task = TraverseConfig(kind="traverse", start_spread=(1.0, 1.0), start_gap=(0.4, 0.5))
     episode = sample(ROBOT, task, [run], np.random.default_rng(3))

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from pipenav.backends.backend import Backend
 from pipenav.backends.messages import Command, Reading, Truth
@@ -32,8 +31,6 @@ from pipenav.tasks.traverse.outcome import Facts, Judge, reward
 from pipenav.tasks.traverse.progress import Ways, waypoints
 from pipenav.testing import KinematicBackend
 from pipenav.testing.kinematic import KinematicOptions
-
-Array = NDArray[np.float64]
 
 ROBOT = load_robot("pirate")
 CONFIG = TraverseConfig(kind="traverse")

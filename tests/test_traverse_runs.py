@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Backend, BackendOptions
 from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.backends.registry import open_backend
@@ -32,8 +32,6 @@ from pipenav.tasks.traverse.batch import TraverseBatch
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import TraverseEpisodes, parse_planar, sample, with_room
 from pipenav.tasks.traverse.progress import Ways, waypoints
-
-Array = NDArray[np.float64]
 
 ROBOT = load_robot("pirate")
 CONFIG = TraverseConfig(kind="traverse", set_points="held", start_press=0.1)
@@ -130,11 +128,11 @@ class Ghost(Backend):
 
     Options = BackendOptions
 
-    def __init__(self, pipes: Sequence[AnyPipe], q: Array, ranges: Array) -> None:
+    def __init__(self, pipes: Sequence[AnyPipe], q: Floats, ranges: Floats) -> None:
         self.pipes, self.tail, self.q, self.ranges = pipes, np.full(len(pipes), -1.0), q, ranges
         self.asked: list[Command] = []
 
-    def reset(self, robots: NDArray[np.intp], pipes: Sequence[AnyPipe], q: Array, base: Array) -> Reading:  # noqa: ARG002
+    def reset(self, robots: Ints, pipes: Sequence[AnyPipe], q: Floats, base: Floats) -> Reading:  # noqa: ARG002
         return self.read()
 
     def step(self, command: Command) -> None:

@@ -6,24 +6,17 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import NamedTuple, Protocol, runtime_checkable
 
-import numpy as np
-from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict
-
+from pipenav.arrays import Floats, Ints, Table
 from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.pipes.queries import AnyPipe
 from pipenav.robots.robot import RobotSpec
-
-Array = NDArray[np.float64]
 
 CONTROL_PERIOD = 0.1
 """One control step [s] (thesis 4.4.2: t_s = 0.1 s)."""
 
 
-class BackendOptions(BaseModel):
+class BackendOptions(Table):
     """Base of a backend's own settings: frozen, strict, unknown keys refused."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
 
 class Backend(ABC):
@@ -42,7 +35,7 @@ class Backend(ABC):
     def __init__(self, robot: RobotSpec, n: int, options: BackendOptions, wall_segments: int = 4) -> None: ...
 
     @abstractmethod
-    def reset(self, robots: NDArray[np.intp], pipes: Sequence[AnyPipe], q: Array, base: Array) -> Reading:
+    def reset(self, robots: Ints, pipes: Sequence[AnyPipe], q: Floats, base: Floats) -> Reading:
         """Put some robots at rest into pipes; the others are untouched. What the k robots' sensors give there.
 
         Args:
@@ -81,12 +74,12 @@ class Variation(NamedTuple):
         gain: on the drive that each on-board controller asks for at an error, (k, drives).
     """
 
-    friction: Array
-    mass: Array
-    strength: Array
-    gain: Array
+    friction: Floats
+    mass: Floats
+    strength: Floats
+    gain: Floats
 
-    def part(self, rows: NDArray[np.intp]) -> Variation:
+    def part(self, rows: Ints) -> Variation:
         """That of some of the robots, by their rows."""
         return Variation(*(column[rows] for column in self))
 
@@ -95,7 +88,7 @@ class Variation(NamedTuple):
 class Variable(Protocol):
     """What a simulator may offer besides, for randomised training and `pipenav eval --disturb`."""
 
-    def vary(self, robots: NDArray[np.intp], variation: Variation) -> None:
+    def vary(self, robots: Ints, variation: Variation) -> None:
         """Make some robots differ from their description until they are varied again; the others are untouched.
 
         To be called right before a reset of the same robots.
@@ -111,7 +104,7 @@ class Variable(Protocol):
 class Inclinable(Protocol):
     """What a simulator may offer besides, for pipes that are not level."""
 
-    def incline(self, robots: NDArray[np.intp], gravity: Array) -> None:
+    def incline(self, robots: Ints, gravity: Floats) -> None:
         """Let gravity act along the plane of some robots' pipes until they are inclined again; it does not at first.
 
         To be called right before a reset of the same robots, after `Variable.vary` where that is called too.

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from pipenav.arrays import Floats
 
 FORCE_WINDOW = 0.01
 """Contact forces are means over this time, one window after the other [s].
@@ -24,12 +23,12 @@ class Windows:
         member = window == np.arange(self.count)[:, None]  # (windows, substeps)
         self._weights = member / member.sum(axis=1, keepdims=True)
 
-    def means(self, records: Array) -> Array:
+    def means(self, records: Floats) -> Floats:
         """Mean over each window of values recorded in each physics step, (n, substeps, m) -> (n, windows, m)."""
         return np.asarray(self._weights @ records)
 
 
-def strongest(forces: Array) -> Array:
+def strongest(forces: Floats) -> Floats:
     """The largest of each link's forces, in any number of axes, (n, windows, links, axes) -> (n, links, axes) [N]."""
     peak = (forces**2).sum(axis=-1).argmax(axis=1)  # (n, links)
     robots, links = np.ogrid[: peak.shape[0], : peak.shape[1]]

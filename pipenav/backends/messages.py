@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import Literal, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
+from pipenav.arrays import Floats, Ints
 
-Array = NDArray[np.float64]
 Control = Literal["torque", "position"]
 
 
@@ -24,24 +22,24 @@ class Reading(NamedTuple):
             the wheels', (n, drives); None where it is not measured.
     """
 
-    q: Array
-    qd: Array
-    ranges: Array
-    time: Array
-    wheel_speeds: Array | None = None
-    loads: Array | None = None
+    q: Floats
+    qd: Floats
+    ranges: Floats
+    time: Floats
+    wheel_speeds: Floats | None = None
+    loads: Floats | None = None
 
-    def part(self, robots: NDArray[np.intp]) -> Reading:
+    def part(self, robots: Ints) -> Reading:
         """The readings of some robots, k of them."""
         return Reading(**{name: column[robots] for name, column in self.measured().items()})
 
-    def put(self, robots: NDArray[np.intp], part: Reading) -> None:
+    def put(self, robots: Ints, part: Reading) -> None:
         """Overwrite the rows of some robots, k of them, by `part`."""
         for name, rows in part.measured().items():
             if (column := getattr(self, name)) is not None:
                 column[robots] = rows
 
-    def measured(self) -> dict[str, Array]:
+    def measured(self) -> dict[str, Floats]:
         """All that is measured, by name."""
         return {name: column for name, column in self._asdict().items() if column is not None}
 
@@ -61,11 +59,11 @@ class Truth(NamedTuple):
             (n, links, 2) [N].
     """
 
-    tip: Array
-    contact_force: Array
-    penetration: Array
-    contact_share: Array
-    link_forces: Array
+    tip: Floats
+    contact_force: Floats
+    penetration: Floats
+    contact_share: Floats
+    link_forces: Floats
 
 
 class Command(NamedTuple):
@@ -78,4 +76,4 @@ class Command(NamedTuple):
     """
 
     control: Control
-    values: Array
+    values: Floats

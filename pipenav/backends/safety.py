@@ -9,11 +9,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from pipenav.arrays import Flags, Floats
 from pipenav.errors import PipenavError
-
-Array = NDArray[np.float64]
 
 DEADLINE = 1.0
 """Control periods in which a tick must have done its work; a longer one is counted as missed."""
@@ -43,10 +42,10 @@ class Bounds(NamedTuple):
         slack: how much farther than `step` from where the joint is.
     """
 
-    lower: Array
-    upper: Array
-    step: Array
-    slack: Array
+    lower: Floats
+    upper: Floats
+    step: Floats
+    slack: Floats
 
 
 class Limited(NamedTuple):
@@ -59,12 +58,12 @@ class Limited(NamedTuple):
             limits, than a step. Then nothing is sent, for any joint.
     """
 
-    goal: Array
-    clamped: NDArray[np.bool_]
-    empty: NDArray[np.bool_]
+    goal: Floats
+    clamped: Flags
+    empty: Flags
 
 
-def require_finite(values: ArrayLike, what: str) -> Array:
+def require_finite(values: ArrayLike, what: str) -> Floats:
     """The values as an array of numbers.
 
     Raises:
@@ -81,7 +80,7 @@ def require_finite(values: ArrayLike, what: str) -> Array:
     return array
 
 
-def limited(goal: Array, present: Array, last: Array, bounds: Bounds) -> Limited:
+def limited(goal: Floats, present: Floats, last: Floats, bounds: Bounds) -> Limited:
     """The goal within the joint limits, a step from the last goal, and a step and the slack from where the joint is.
 
     Args:

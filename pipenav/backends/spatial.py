@@ -10,15 +10,11 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import NamedTuple, Protocol, runtime_checkable
 
-import numpy as np
-from numpy.typing import NDArray
-
+from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import BackendOptions
 from pipenav.backends.messages import Reading
 from pipenav.pipes.route import PipeRun
 from pipenav.robots.robot import RobotSpec
-
-Array = NDArray[np.float64]
 
 HALVES = 2
 """The rear half, then the front half."""
@@ -38,9 +34,9 @@ class SpaceReading(NamedTuple):
     """
 
     body: Reading
-    roll: Array
-    down: Array
-    turned: Array
+    roll: Floats
+    down: Floats
+    turned: Floats
 
     def row(self, i: int) -> SpaceReading:
         """That of one robot: its arrays without their first axis."""
@@ -60,21 +56,19 @@ class SpaceTruth(NamedTuple):
         link_forces: net force of the pipe on each link when that was largest, (n, links, 3) [N].
     """
 
-    points: Array
-    normals: Array
-    contact_force: Array
-    penetration: Array
-    contact_share: Array
-    link_forces: Array
+    points: Floats
+    normals: Floats
+    contact_force: Floats
+    penetration: Floats
+    contact_share: Floats
+    link_forces: Floats
 
 
 class SpaceBackend(ABC):
     """n robots of one kind, each in a run of its own, stepped together."""
 
     @abstractmethod
-    def reset(
-        self, robots: NDArray[np.intp], runs: Sequence[PipeRun], q: Array, base: Array, plane: Array
-    ) -> SpaceReading:
+    def reset(self, robots: Ints, runs: Sequence[PipeRun], q: Floats, base: Floats, plane: Floats) -> SpaceReading:
         """Put some robots at rest into runs; the others are untouched. What the k robots' sensors give there.
 
         Args:
@@ -86,7 +80,7 @@ class SpaceBackend(ABC):
         """
 
     @abstractmethod
-    def step(self, set_points: Array, roll: Array) -> None:
+    def step(self, set_points: Floats, roll: Floats) -> None:
         """Advance every robot by one control period.
 
         Args:

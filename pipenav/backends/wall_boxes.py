@@ -7,13 +7,11 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import Pipe
 from pipenav.pipes.route import PipeRun
-
-Array = NDArray[np.float64]
 
 WALL_HALF_HEIGHT = 0.05
 """Half height of a wall box [m]: taller than any robot, so that contacts are those of the plane."""
@@ -41,10 +39,10 @@ class WallBoxes(NamedTuple):
         segments: their faces, a pipe's last one repeated in the slots that are left over, (k, slots, 2, 2) [m].
     """
 
-    position: Array
-    quaternion: Array
-    half_size: Array
-    segments: Array
+    position: Floats
+    quaternion: Floats
+    half_size: Floats
+    segments: Floats
 
 
 class Edge(NamedTuple):
@@ -58,7 +56,7 @@ SHARP = Edge()
 """Boxes that meet at the edge itself."""
 
 
-def wall_boxes(pipes: Sequence[Pipe | PipeRun], slots: int, base: Array, edge: Edge = SHARP) -> WallBoxes:
+def wall_boxes(pipes: Sequence[Pipe | PipeRun], slots: int, base: Floats, edge: Edge = SHARP) -> WallBoxes:
     """The wall segments of each robot's pipe as boxes behind their faces; slots that are left over are parked far away.
 
     The robot never moves its mount: the walls come to it, so `base` (k,), where the robot's frame starts on the first
@@ -75,7 +73,7 @@ def wall_boxes(pipes: Sequence[Pipe | PipeRun], slots: int, base: Array, edge: E
 
 
 @lru_cache(maxsize=4096)  # every pipe of the largest shipped training set
-def _boxes(pipe: Pipe | PipeRun, slots: int, edge: Edge) -> Array:
+def _boxes(pipe: Pipe | PipeRun, slots: int, edge: Edge) -> Floats:
     """The boxes of one pipe in its own frame, one row each: position, quaternion, half size, both ends of the face.
 
     Where the free space is convex (the outer wall's vertices) a box runs on past the vertex by its thickness, so that

@@ -7,8 +7,8 @@ from contextlib import closing
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Backend
 from pipenav.backends.messages import Command, Control
 from pipenav.backends.registry import open_backend
@@ -19,8 +19,6 @@ from pipenav.tasks.outcome import Verdict
 from pipenav.tasks.reach import action, episode
 from pipenav.tasks.reach.batch import CornerBatch
 from pipenav.tasks.reach.config import TaskConfig
-
-Array = NDArray[np.float64]
 
 FREE_STEPS = 6
 """Control steps of a free motion; the drive is on for the first two."""
@@ -43,11 +41,11 @@ CORNERS = [
 class Sides(NamedTuple):
     """The same in the reference (first) and in the other simulator (second)."""
 
-    reference: Array
-    other: Array
+    reference: Floats
+    other: Floats
 
     @property
-    def difference(self) -> Array:
+    def difference(self) -> Floats:
         return np.abs(self.other - self.reference)
 
 
@@ -104,8 +102,8 @@ class _Passages(NamedTuple):
     """Passages that a script made in the reference: set-points (corners, steps, joints), the last ones repeated; the
     number of steps of each, (corners,); where they started."""
 
-    goals: Array
-    steps: NDArray[np.intp]
+    goals: Floats
+    steps: Ints
     start: episode.Episodes
 
 
@@ -117,7 +115,7 @@ def _record(robot: RobotSpec, name: str, options: Mapping[str, Any]) -> _Passage
     batch = CornerBatch(robot, controller.task, backend, n, lambda _: start)
     with closing(batch):
         observation = batch.reset()
-        goals: list[Array] = []
+        goals: list[Floats] = []
         ended = np.zeros(n, int)
         while not ended.all():
             result = batch.step(controller.act(observation, batch))
@@ -128,7 +126,7 @@ def _record(robot: RobotSpec, name: str, options: Mapping[str, Any]) -> _Passage
     return _Passages(np.stack(goals, axis=1), ended, start)
 
 
-def _play(robot: RobotSpec, name: str, options: Mapping[str, Any], passages: _Passages) -> tuple[Array, ...]:
+def _play(robot: RobotSpec, name: str, options: Mapping[str, Any], passages: _Passages) -> tuple[Floats, ...]:
     """The fields of `Agreement` for one simulator."""
     joints = len(robot.joints)
     pulse = np.zeros((FREE_STEPS, joints, joints))
@@ -146,7 +144,7 @@ def _play(robot: RobotSpec, name: str, options: Mapping[str, Any], passages: _Pa
     return driven, stepped, ranges, tips, pressed, force
 
 
-def _run(backend: Backend, robot: RobotSpec, control: Control, values: Array) -> Array:
+def _run(backend: Backend, robot: RobotSpec, control: Control, values: Floats) -> Floats:
     """Joint positions in free space under commands (steps, n, joints): (n, steps, joints)."""
     n = values.shape[1]
     wide = Pipe.of(300, 180)
@@ -154,12 +152,12 @@ def _run(backend: Backend, robot: RobotSpec, control: Control, values: Array) ->
     return np.stack([_stepped(backend, control, now) for now in values], axis=1)
 
 
-def _stepped(backend: Backend, control: Control, values: Array) -> Array:
+def _stepped(backend: Backend, control: Control, values: Floats) -> Floats:
     backend.step(Command(control, values))
     return backend.read().q
 
 
-def _press(backend: Backend, robot: RobotSpec, goals: Array) -> tuple[Array, Array]:
+def _press(backend: Backend, robot: RobotSpec, goals: Floats) -> tuple[Floats, Floats]:
     """Each joint presses on a wall: a slide head-on on the far wall of a right angle, a hinge sideways."""
     n = goals.shape[1]
     pipes = [Pipe.of(120, 180 if hinge else 90) for hinge in robot.hinges]
@@ -174,7 +172,7 @@ def _press(backend: Backend, robot: RobotSpec, goals: Array) -> tuple[Array, Arr
     return np.stack(q, axis=1), np.stack(force, axis=1)
 
 
-def _follow(backend: Backend, passages: _Passages) -> tuple[Array, Array]:
+def _follow(backend: Backend, passages: _Passages) -> tuple[Floats, Floats]:
     """Tips on the recorded passages, and the laser's readings in their poses."""
     start, robots = passages.start, np.arange(len(CORNERS))
     ranges = []
@@ -221,6 +219,6 @@ def checks(robot: RobotSpec, agreement: Agreement) -> list[Check]:
     return [check._replace(found=float(check.found)) for check in lines]
 
 
-def passage_difference(agreement: Agreement) -> Array:
+def passage_difference(agreement: Agreement) -> Floats:
     """Distance between the two tips on the passages, (corners, steps) [m]; NaN after a passage's end."""
     return np.asarray(np.linalg.norm(agreement.tips.other - agreement.tips.reference, axis=-1))

@@ -8,8 +8,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.backends.messages import Command, Reading
 from pipenav.locating.locator import LocateConfig, MapLocator
 from pipenav.motions.follower import Follower
@@ -20,8 +20,6 @@ from pipenav.tasks.reach import action as actions
 from pipenav.tasks.reach import episode, observation
 from pipenav.tasks.reach.observation import Snapshot
 from pipenav.tasks.registry import reaching
-
-Array = NDArray[np.float64]
 
 LOCATE_TICKS = 300
 """Ticks in which a target must be found: time to go to the corner and back several times."""
@@ -45,8 +43,8 @@ class Decision(NamedTuple):
 
     stage: str
     command: Command | None
-    observation: Array | None = None
-    action: Array | None = None
+    observation: Floats | None = None
+    action: Floats | None = None
 
 
 class Locate:
@@ -59,7 +57,7 @@ class Locate:
     def __init__(self, robot: RobotSpec, config: LocateConfig, side: float) -> None:
         self._locator, self._side = MapLocator(robot, config, 1), np.array([side])
         self._ticks = 0
-        self.target: Array | None = None
+        self.target: Floats | None = None
 
     def decide(self, reading: Reading) -> Decision | str:
         """A command, or the outcome: `located` or `not-located`."""
@@ -78,7 +76,7 @@ class Locate:
 class Reach:
     """The policy drives the tip to the target, given in the robot's own frame."""
 
-    def __init__(self, policy: Policy, side: float, goal: Array) -> None:
+    def __init__(self, policy: Policy, side: float, goal: Floats) -> None:
         self._policy, self._side = policy, np.array([side])
         self._goal = (goal * np.array([1.0, side]))[None]  # canonical
         self._robot, self._task = policy.header.robot, reaching(policy.header.task, "a run on an arm")
@@ -109,7 +107,7 @@ class Back:
     """The recorded path backwards (thesis 3.5: the same joint positions, reversed in time), see `Follower`; where it is
     caught, the slide pushes a little before it pulls again."""
 
-    def __init__(self, robot: RobotSpec, path: list[Array], period: float) -> None:
+    def __init__(self, robot: RobotSpec, path: list[Floats], period: float) -> None:
         self._follower = Follower(robot, 1, period)
         self._follower.start(np.arange(1), [np.array(path[::-1])])
         self._home = HOME_TOLERANCE * robot.speed_limits * period
@@ -138,7 +136,7 @@ class Run:
     """
 
     def __init__(
-        self, policy: Policy, side: float, period: float, goal: Array | None, locate: LocateConfig, retreat: bool
+        self, policy: Policy, side: float, period: float, goal: Floats | None, locate: LocateConfig, retreat: bool
     ) -> None:
         """
         Args:
@@ -151,7 +149,7 @@ class Run:
         """
         self._policy, self._side, self._period = policy, side, period
         self._robot, self._retreat = policy.header.robot, retreat
-        self._path: list[Array] = []
+        self._path: list[Floats] = []
         self.target, self.outcome, self._failure = goal, "", ""
         self._stage: Locate | Reach | Back | None = Locate(self._robot, locate, side)
         if goal is not None:

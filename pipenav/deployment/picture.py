@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.drawing.corner import draw_walls
 from pipenav.drawing.scene import BEAM, FORCE, LINK, LINK_EDGE, TARGET
 from pipenav.drawing.style import GRID, INK, MUTED, png
@@ -20,7 +20,6 @@ from pipenav.units import m_to_mm
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = NDArray[np.float64]
 
 STAGE_COLOURS = {"locate": INK, "reach": LINK, "back": FORCE}
 POSES = 5
@@ -72,7 +71,7 @@ def run_picture(
 
 
 def _draw_scans(
-    axes: Axes, robot: RobotSpec, ticks: Sequence[dict[str, Any]], pose: kinematics.ChainPose, offset: Array
+    axes: Axes, robot: RobotSpec, ticks: Sequence[dict[str, Any]], pose: kinematics.ChainPose, offset: Floats
 ) -> None:
     """Where the beams ended: the walls as the robot saw them. Beams at either end of the range saw none."""
     ranges = np.array([tick["ranges"] for tick in ticks])
@@ -83,7 +82,7 @@ def _draw_scans(
 
 
 def _draw_way(
-    axes: Axes, robot: RobotSpec, ticks: Sequence[dict[str, Any]], pose: kinematics.ChainPose, offset: Array
+    axes: Axes, robot: RobotSpec, ticks: Sequence[dict[str, Any]], pose: kinematics.ChainPose, offset: Floats
 ) -> None:
     stages = np.array([tick["stage"] for tick in ticks])
     reach = np.flatnonzero(stages == "reach")
@@ -101,7 +100,7 @@ def _draw_way(
             axes.plot(*tips.T, color=colour, linewidth=1.5, marker=".", markersize=4, label=f"tip: {stage}", zorder=6)
 
 
-def _draw_target(axes: Axes, ticks: Sequence[dict[str, Any]], offset: Array) -> None:
+def _draw_target(axes: Axes, ticks: Sequence[dict[str, Any]], offset: Floats) -> None:
     target = next((tick["target"] for tick in reversed(ticks) if tick.get("target")), None)
     if target is not None:
         x, y = m_to_mm(1.0) * (np.array(target) + offset)

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.messages import Reading
 from pipenav.backends.real_robot import Machine
@@ -32,8 +32,6 @@ from pipenav.robots import kinematics
 from pipenav.robots.robot import RobotSpec, load_robot
 from pipenav.storage.atomic_files import atomic_write, prepare_folder
 from pipenav.tasks.registry import reaching
-
-Array = NDArray[np.float64]
 
 TELEMETRY, PICTURE = "telemetry.jsonl", "run.png"
 PASSED = "passed"
@@ -57,7 +55,7 @@ class Plan(NamedTuple):
 
     policy: Policy
     turn: Turn
-    goal: Array | None
+    goal: Floats | None
     retreat: bool
     folder: Path
     stop_file: Path
@@ -137,7 +135,7 @@ def _require_drivable(policy: Policy) -> None:
         )
 
 
-def run_settings(turn: Turn, goal: Array | None, retreat: bool) -> dict[str, Any]:
+def run_settings(turn: Turn, goal: Floats | None, retreat: bool) -> dict[str, Any]:
     """What a telemetry's header says of a run, and `run_of` makes it from.
 
     Args:

@@ -7,14 +7,12 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
 from pipenav.pipes.corner import Pipe
 from pipenav.policies.policy import Policy
 from pipenav.tasks.outcome import Verdict
-
-Array = NDArray[np.float64]
 
 
 class Place(NamedTuple):
@@ -31,7 +29,7 @@ NEXT = {"locate": "reach", "reach": "back"}
 """What follows a stage that succeeded."""
 
 
-def place_of(pipe: Pipe, target: Array, depth: float) -> Place:
+def place_of(pipe: Pipe, target: Floats, depth: float) -> Place:
     """Where an arm stands in a known pipe, from the target that it located.
 
     Args:
@@ -72,7 +70,7 @@ def _goal(ticks: Sequence[dict[str, Any]], place: Place) -> tuple[float, float] 
     return goal if place.pipe.contains(np.array(goal)) else None
 
 
-def _filled(ticks: Sequence[dict[str, Any]]) -> tuple[list[str], Array]:
+def _filled(ticks: Sequence[dict[str, Any]]) -> tuple[list[str], Floats]:
     """Stage and pose of every tick; a tick without a whole reading is like the one before."""
     names: list[str] = []
     rows: list[Any] = []

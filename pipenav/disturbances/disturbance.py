@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, TypeVar
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, Field, ValidationError
 
+from pipenav.arrays import Table
 from pipenav.errors import ConfigError, PipenavError, UnknownName
 from pipenav.storage import shipped
 from pipenav.storage.atomic_files import read_toml
@@ -32,13 +33,11 @@ Shares = Annotated[tuple[_Share, _Share], AfterValidator(_ordered), Field(strict
 Steps = Annotated[tuple[_Steps, _Steps], AfterValidator(_ordered), Field(strict=False)]
 
 
-class Disturbance(BaseModel):
+class Disturbance(Table):
     """Ranges `[smallest, largest]` from which every robot draws evenly at the start of every episode.
 
     The defaults disturb nothing. Joint positions stay true: an encoder does not fail as a scanner does.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
     friction: Factors = Field((1.0, 1.0), description="factor on the friction coefficient")
     mass: Factors = Field((1.0, 1.0), description="factor on mass and inertia, one for each link")

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Backend, BackendOptions, Inclinable, Variable, Variation
 from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.disturbances.disturbance import MAX_LATENCY, Disturbance
@@ -18,8 +18,6 @@ from pipenav.errors import PipenavError
 from pipenav.pipes.queries import AnyPipe, interior_angles, turn_sides
 from pipenav.robots import laser
 from pipenav.robots.robot import RobotSpec
-
-Array = NDArray[np.float64]
 
 
 def disturbed(backend: Backend, robot: RobotSpec, n: int, disturbance: Disturbance, seed: int) -> Backend:
@@ -59,7 +57,7 @@ class DisturbedBackend(Backend):
         self._noise, self._dropouts, self._missing = np.zeros(n), np.zeros(n), np.zeros((n, beams), bool)
         self._ranges = np.zeros((n, beams))
 
-    def reset(self, robots: NDArray[np.intp], pipes: Sequence[AnyPipe], q: Array, base: Array) -> Reading:
+    def reset(self, robots: Ints, pipes: Sequence[AnyPipe], q: Floats, base: Floats) -> Reading:
         d, spans = self._disturbance, []
         for row, i in enumerate(robots):
             rng = self._generators[i] = _generator(self._seed, pipes[row], q[row], base[row])
@@ -74,7 +72,7 @@ class DisturbedBackend(Backend):
         self._ranges[robots] = self._seen(robots, reading.ranges)
         return reading._replace(ranges=self._ranges[robots])
 
-    def incline(self, robots: NDArray[np.intp], gravity: Array) -> None:
+    def incline(self, robots: Ints, gravity: Floats) -> None:
         """See `pipenav.backends.backend.Inclinable`.
 
         Raises:
@@ -97,7 +95,7 @@ class DisturbedBackend(Backend):
     def read(self) -> Reading:
         return self._inner.read()._replace(ranges=self._ranges.copy())
 
-    def _seen(self, robots: NDArray[np.intp], ranges: Array) -> Array:
+    def _seen(self, robots: Ints, ranges: Floats) -> Floats:
         """What is left of true readings (k, beams) of some robots: noise, then missing beams, then dropouts."""
         sensor = self._robot.laser
         drawn = [
@@ -116,7 +114,7 @@ class DisturbedBackend(Backend):
         self._inner.close()
 
 
-def _generator(seed: int, pipe: AnyPipe, q: Array, base: float) -> np.random.Generator:
+def _generator(seed: int, pipe: AnyPipe, q: Floats, base: float) -> np.random.Generator:
     """The generator of one episode."""
     corners = np.stack([interior_angles(pipe), turn_sides(pipe)], axis=1)
     start = np.array([pipe.diameter, *corners.ravel(), base, *q], float)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pipenav.arrays import Floats
 from pipenav.drawing.dimensions import (
     CENTRE,
     DIMENSION,
@@ -28,7 +29,7 @@ from pipenav.drawing.dimensions import (
     save_figure,
     write_title,
 )
-from pipenav.pipes.corner import Array, Pipe
+from pipenav.pipes.corner import Pipe
 from pipenav.pipes.route import PipeRun
 from pipenav.units import m_to_mm, rad_to_deg
 
@@ -70,7 +71,7 @@ def draw_walls(axes: Axes, pipe: Pipe | PipeRun) -> None:
         axes.fill(*outline.T, facecolor=WALL, edgecolor=WALL, linewidth=0.8, zorder=3, label=label)
 
 
-def _sides(pipe: Pipe | PipeRun) -> list[tuple[Array, Array]]:
+def _sides(pipe: Pipe | PipeRun) -> list[tuple[Floats, Floats]]:
     """Each wall's face towards the free space, and its back, points (k, 2) [m]."""
     outside = pipe.radius + pipe.wall
     if isinstance(pipe, PipeRun):

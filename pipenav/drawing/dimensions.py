@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from pipenav.arrays import Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 
 WALL = "#4a5560"
 FREE = "#eaf0f6"
@@ -37,19 +37,19 @@ class Drafting:
         side: -1 where all that is given lies mirrored about the x axis.
     """
 
-    def __init__(self, axes: Axes, outline: Array, side: float = 1.0) -> None:
+    def __init__(self, axes: Axes, outline: Floats, side: float = 1.0) -> None:
         self.axes, self.side = axes, side
         self.unit = float(np.ptp(outline, axis=0).max()) / 75
         self.drawn = [outline]
 
-    def frame(self) -> tuple[Array, Array]:
+    def frame(self) -> tuple[Floats, Floats]:
         """The corners of all that was drawn, with a margin [mm]."""
         points = np.concatenate(self.drawn)
         return points.min(axis=0) - 4 * self.unit, points.max(axis=0) + 4 * self.unit
 
-    def place(self, points: Any) -> Array:
+    def place(self, points: Any) -> Floats:
         """Points as given, where they come to stand."""
-        placed: Array = np.asarray(points, float) * np.array([1.0, self.side])
+        placed: Floats = np.asarray(points, float) * np.array([1.0, self.side])
         self.drawn.append(np.atleast_2d(placed))
         return placed
 
@@ -64,7 +64,7 @@ class Drafting:
         head, tail = tuple(self.place(end)), tuple(self.place(start))
         self.axes.annotate("", head, tail, arrowprops={**arrow, "shrinkA": 0, "shrinkB": 0}, zorder=5)
 
-    def callout(self, tip: Array, foot: Array, text: str) -> None:
+    def callout(self, tip: Floats, foot: Floats, text: str) -> None:
         """An arrow to `tip`, with text at its foot, on the side that leads away from the tip."""
         self.arrow(foot, tip, DIMENSION, 0.9)
         away, up = (foot - tip) * [1.0, self.side] / float(np.linalg.norm(foot - tip))
@@ -82,7 +82,7 @@ class Drafting:
         self.axes.text(x, y, text, color=DIMENSION, fontsize=10, ha=ha, va=va, bbox=frame, rotation=tilt, zorder=7)
 
 
-def frame_axes(axes: Axes, low: Array, high: Array) -> float:
+def frame_axes(axes: Axes, low: Floats, high: Floats) -> float:
     """Limits, grid and ticks of a drawing in millimetres; returns its height where it is `WIDTH_IN` wide [in]."""
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel="x [mm]", ylabel="y [mm]")
     axes.grid(color="#e3e7eb", linewidth=0.6)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pipenav.pipes.corner import Array
+from pipenav.arrays import Floats
 from pipenav.pipes.route import PipeRun
 from pipenav.units import m_to_mm
 
@@ -40,9 +40,9 @@ class View(NamedTuple):
         right, up: unit vectors of the picture, (3,).
     """
 
-    to_viewer: Array
-    right: Array
-    up: Array
+    to_viewer: Floats
+    right: Floats
+    up: Floats
 
     @classmethod
     def towards(cls, azimuth: float) -> View:
@@ -69,12 +69,12 @@ class View(NamedTuple):
         apart = [np.linalg.norm(points[i][:, None] - points[j], axis=-1).min() for i, j in pairs]
         return int(np.sum(np.array(apart) < 2 * (run.radius + run.wall)))
 
-    def flat(self, points: Array) -> Array:
+    def flat(self, points: Floats) -> Floats:
         """Points (..., 3) in the picture, (..., 2)."""
         return np.stack([points @ self.right, points @ self.up], axis=-1)
 
 
-def draw_tube(axes: Axes, run: PipeRun, view: View) -> Array:
+def draw_tube(axes: Axes, run: PipeRun, view: View) -> Floats:
     """Draw the tube and its shadow, in millimetres of the picture; returns all their points, (k, 2) [mm]."""
     from matplotlib.collections import PolyCollection
 
@@ -96,7 +96,7 @@ def draw_tube(axes: Axes, run: PipeRun, view: View) -> Array:
     return np.concatenate([shadow, tube]).reshape(-1, 2)
 
 
-def wall_quads(run: PipeRun) -> Array:
+def wall_quads(run: PipeRun) -> Floats:
     """The outer surface in small pieces, corners in order, counter-clockwise seen from outside, (q, 4, 3) [m]."""
     lines = run.legs.lines(run.radius + run.wall, np.arange(AROUND) * 2 * math.pi / AROUND)  # (AROUND, p, 3)
     pieces = []

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pipenav.arrays import Floats
 from pipenav.drawing.corner import draw_walls
 from pipenav.drawing.dimensions import (
     CENTRE,
@@ -29,7 +30,6 @@ from pipenav.drawing.dimensions import (
     write_title,
 )
 from pipenav.drawing.projection import View, draw_tube
-from pipenav.pipes.corner import Array
 from pipenav.pipes.route import Corner, PipeRun
 from pipenav.units import m_to_mm, rad_to_deg
 
@@ -119,7 +119,7 @@ def _in_space(run: PipeRun, axes: Axes) -> float:
 class _Sketch(Drafting):
     """Dimensions along the centre line as it lies in the picture, (corners + 2, 2) [mm]."""
 
-    def __init__(self, run: PipeRun, axes: Axes, line: Array) -> None:
+    def __init__(self, run: PipeRun, axes: Axes, line: Floats) -> None:
         self.run, self.centre = run, line
         self.outside = m_to_mm(run.radius + run.wall)
         super().__init__(axes, np.concatenate([line - self.outside, line + self.outside]))
@@ -173,12 +173,12 @@ class _Sketch(Drafting):
             self.arrow(origin, tip, INK, 1.0)
             self.text(tip + 1.8 * self.unit * view.flat(axis), name)
 
-    def _beside(self, middle: Array, along: Array) -> Array:
+    def _beside(self, middle: Floats, along: Floats) -> Floats:
         """A place beside a leg's middle, on the side with more room."""
         across = (self.outside + 2 * self.unit) * np.array([-along[1], along[0]])
         return max((middle + across, middle - across), key=lambda place: min(self._clearance(place), 3 * self.unit))
 
-    def _clearance(self, place: Array) -> float:
+    def _clearance(self, place: Floats) -> float:
         """Distance of a place to the nearest pipe in the picture [mm]."""
         share = np.clip(((place - self.centre[:-1]) * self.along).sum(axis=1), 0.0, self.seen)
         return (

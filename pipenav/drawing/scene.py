@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.drawing.corner import draw_walls
 from pipenav.drawing.dimensions import INK
 from pipenav.pipes.queries import AnyPipe
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
-Array = NDArray[np.float64]
 
 # Okabe and Ito's colours, which people with any kind of colour vision tell apart; shapes differ as well.
 LINK = "#0072b2"
@@ -54,10 +54,10 @@ class Scene(NamedTuple):
     pipe: AnyPipe
     robot: RobotSpec
     base: float
-    q: Array
-    ranges: Array
-    goal: Array | None = None
-    link_forces: Array | None = None
+    q: Floats
+    ranges: Floats
+    goal: Floats | None = None
+    link_forces: Floats | None = None
 
 
 def draw_scene(axes: Axes, scene: Scene) -> None:
@@ -80,7 +80,7 @@ def draw_scene(axes: Axes, scene: Scene) -> None:
                 _draw_force(axes, contact_point(link, scene.pipe), force)
 
 
-def _draw_beams(axes: Axes, scene: Scene, tip: Array, heading: float) -> None:
+def _draw_beams(axes: Axes, scene: Scene, tip: Floats, heading: float) -> None:
     """Beams as thin lines as long as they read; a dot where one meets a wall within the laser's range."""
     beams = heading + scene.robot.laser.angles
     ends = tip + scene.ranges[:, None] * np.stack([np.cos(beams), np.sin(beams)], axis=1)
@@ -91,7 +91,7 @@ def _draw_beams(axes: Axes, scene: Scene, tip: Array, heading: float) -> None:
     axes.plot(*met.T, ".", color=BEAM, markersize=4.5, zorder=4)
 
 
-def contact_point(polygons: list[Array], pipe: AnyPipe) -> Array:
+def contact_point(polygons: list[Floats], pipe: AnyPipe) -> Floats:
     """The point of a link that is nearest to a wall, (2,) [m]: a corner of the link, or where a wall's edge is.
 
     Args:
@@ -106,7 +106,7 @@ def contact_point(polygons: list[Array], pipe: AnyPipe) -> Array:
     return np.asarray(points[distances.argmin()])
 
 
-def _distance(points: Array, segments: Array) -> Array:
+def _distance(points: Floats, segments: Floats) -> Floats:
     """From points (p, 2) to the nearest of segments (s, 2, 2): (p,)."""
     start, way = segments[:, 0], segments[:, 1] - segments[:, 0]
     share = ((points[:, None] - start) * way).sum(axis=2) / (way**2).sum(axis=1)
@@ -114,7 +114,7 @@ def _distance(points: Array, segments: Array) -> Array:
     return np.asarray(np.linalg.norm(points[:, None] - nearest, axis=2).min(axis=1))
 
 
-def _draw_force(axes: Axes, point: Array, force: Array) -> None:
+def _draw_force(axes: Axes, point: Floats, force: Floats) -> None:
     """An arrow from the contact along the force on the link, with a white rim, as it mostly lies on the link."""
     from matplotlib.patches import FancyArrowPatch
     from matplotlib.patheffects import Normal, Stroke

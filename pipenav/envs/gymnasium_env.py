@@ -14,6 +14,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
+from pipenav.arrays import Ints
 from pipenav.drawing.scene import Scene, scene_pixels
 from pipenav.errors import ConfigError, PipenavError
 from pipenav.pipes.corner_sets import parse_pipes
@@ -62,7 +63,7 @@ class Corners:
         opened = open_backend(backend, self._robot, n, dict(options or {}), slots)
         self.batch = CornerBatch(self._robot, self._config, opened, n, self._draw)
 
-    def _draw(self, robots: NDArray[np.intp]) -> Episodes:
+    def _draw(self, robots: Ints) -> Episodes:
         for i in robots:
             draw = random_episodes(self._robot, self._config, self._sets, self.generators[i])
             self.episodes[int(i)] = draw(np.array([i]))
@@ -90,7 +91,7 @@ def action_space(batch: TaskBatch) -> spaces.Space[Float32s]:
     return cast("spaces.Space[Float32s]", spaces.Box(-1.0, 1.0, (batch.action_size,), np.float32))
 
 
-def step_info(result: StepResult, robots: NDArray[np.intp] | slice = slice(None)) -> dict[str, NDArray[Any]]:
+def step_info(result: StepResult, robots: Ints | slice = slice(None)) -> dict[str, NDArray[Any]]:
     """What `info` says after a step, one array for each key, (k,) for k robots; of all by default."""
     verdict = result.verdict[robots]
     return {

@@ -9,6 +9,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from pipenav.arrays import Flags, Floats, Ints
 from pipenav.backends.backend import Backend
 from pipenav.backends.registry import open_backend
 from pipenav.evaluation.stage import Stage, StageStep
@@ -21,7 +22,6 @@ from pipenav.tasks.registry import AnyTask, kind_of
 from pipenav.tasks.traverse.episode import TraverseEpisodes
 from pipenav.units import m_to_mm, rad_to_deg
 
-Array = NDArray[np.float64]
 Episode = TypeVar("Episode")
 """What a stage's episode starts from: a task's episodes of k = 1, or a motion to replay."""
 
@@ -48,14 +48,14 @@ class EpisodeResults(NamedTuple):
     """
 
     verdict: NDArray[np.int8]
-    steps: NDArray[np.intp]
-    clearance: Array
-    penetration: Array
-    force: Array
-    contact_share: Array
-    q: Array
+    steps: Ints
+    clearance: Floats
+    penetration: Floats
+    force: Floats
+    contact_share: Floats
+    q: Floats
 
-    def put(self, jobs: NDArray[np.intp], part: EpisodeResults) -> None:
+    def put(self, jobs: Ints, part: EpisodeResults) -> None:
         """Overwrite those of some episodes, k of them, by `part`."""
         for column, rows in zip(self, part, strict=True):
             np.asarray(column)[jobs] = rows
@@ -67,7 +67,7 @@ class EpisodeResults(NamedTuple):
         verdict, steps, q = np.zeros(total, np.int8), np.zeros(total, np.intp), np.zeros((total, robot.coordinates))
         return cls(verdict, steps, clearance, penetration, force, contact_share, q)
 
-    def select(self, which: NDArray[np.bool_]) -> EpisodeResults:
+    def select(self, which: Flags) -> EpisodeResults:
         """Those of the episodes that are marked, (k,)."""
         return EpisodeResults(*(column[which] for column in self))  # type: ignore[arg-type]  # every column alike
 
@@ -86,7 +86,7 @@ class EpisodeQueue(Generic[Episode]):
         self._next = 0
         self.running = np.full(n, -1)
 
-    def take(self, robots: NDArray[np.intp]) -> list[Episode]:
+    def take(self, robots: Ints) -> list[Episode]:
         """The next episode of each of these robots."""
         started = []
         for robot in robots:
@@ -194,7 +194,7 @@ class _Peaks:
         self.force = np.maximum(self.force, step.truth.contact_force)
         self.contact_steps = self.contact_steps + step.truth.contact_share
 
-    def forget(self, robots: NDArray[np.intp]) -> None:
+    def forget(self, robots: Ints) -> None:
         self.clearance[robots], self.penetration[robots] = np.inf, 0.0
         self.force[robots], self.contact_steps[robots] = 0.0, 0.0
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Backend
 from pipenav.backends.messages import Command, Reading
 from pipenav.evaluation.stage import Stage, StageStep
@@ -15,8 +15,6 @@ from pipenav.tasks.outcome import Verdict
 from pipenav.tasks.reach.batch import EpisodeSource
 from pipenav.tasks.reach.config import TaskConfig
 from pipenav.tasks.reach.episode import at_limit
-
-Array = NDArray[np.float64]
 
 
 class LocateStage(Stage):
@@ -63,10 +61,10 @@ class LocateStage(Stage):
         self.reading = Reading(q, qd, np.zeros((n, robot.laser.beams)), np.zeros(n))
 
     @property
-    def steps(self) -> NDArray[np.intp]:
+    def steps(self) -> Ints:
         return self._steps
 
-    def start(self, robots: NDArray[np.intp]) -> None:
+    def start(self, robots: Ints) -> None:
         episodes = self._source(robots)
         reading = self._backend.reset(robots, episodes.pipes, episodes.q, episodes.base)
         for i, pipe in zip(robots, episodes.pipes, strict=True):
@@ -96,12 +94,12 @@ class LocateStage(Stage):
     def close(self) -> None:
         self._backend.close()
 
-    def _well_placed(self, robot: int, target: Array) -> bool:
+    def _well_placed(self, robot: int, target: Floats) -> bool:
         pipe = self._pipes[robot]
         return pipe is not None and inside_second_leg(pipe, target + np.array([self._base[robot], 0.0]))
 
 
-def inside_second_leg(pipe: Pipe, point: Array) -> bool:
+def inside_second_leg(pipe: Pipe, point: Floats) -> bool:
     """Whether a point (2,) of the pipe's frame lies inside the pipe and past the end of the inner wall's bend."""
     along = float(pipe.along_second_leg(point)[0])
     return along > pipe.inner_edge and bool(pipe.contains(point))

@@ -12,8 +12,8 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Flags, Floats, Ints
 from pipenav.backends.backend import Backend
 from pipenav.disturbances.disturbance import UNDISTURBED, Disturbance
 from pipenav.disturbances.disturbed_backend import disturbed
@@ -32,8 +32,7 @@ from pipenav.tasks.outcome import Verdict
 from pipenav.tasks.reach.episode import Episodes
 from pipenav.tasks.registry import AnyTask, kind_of, reaching
 
-Array = NDArray[np.float64]
-Jobs = NDArray[np.intp]
+Jobs = Ints
 Progress = Callable[[str, int, int, int], None]
 """Called with the part that runs, its episodes, how many are done, and how many of those succeeded."""
 
@@ -50,11 +49,11 @@ class Part(NamedTuple):
 
     jobs: Jobs
     results: EpisodeResults
-    motions: list[Array]
-    targets: Array
+    motions: list[Floats]
+    targets: Floats
 
     @property
-    def passed(self) -> NDArray[np.bool_]:
+    def passed(self) -> Flags:
         """Which of its episodes succeeded, (k,)."""
         return np.asarray(self.results.verdict == Verdict.REACHED)
 
@@ -68,14 +67,14 @@ class _Recorded(Stage):
         self.robot, self.n = stage.robot, stage.n
         self._stage, self._queue, self._start = stage, queue, start
         self._rows = np.zeros((stage.n, rows, stage.robot.coordinates))
-        self.motions: dict[int, Array] = {}
-        self.targets: dict[int, Array] = {}
+        self.motions: dict[int, Floats] = {}
+        self.targets: dict[int, Floats] = {}
 
     @property
-    def steps(self) -> NDArray[np.intp]:
+    def steps(self) -> Ints:
         return self._stage.steps
 
-    def start(self, robots: NDArray[np.intp]) -> None:
+    def start(self, robots: Ints) -> None:
         self._stage.start(robots)
         for robot in robots:
             self._rows[robot, 0] = self._start(max(int(self._queue.running[robot]), 0)).q[0]

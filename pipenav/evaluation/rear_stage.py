@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Ints
 from pipenav.backends.backend import CONTROL_PERIOD, Backend
 from pipenav.backends.messages import Command
 from pipenav.evaluation.stage import Stage, StageStep
@@ -18,7 +18,7 @@ from pipenav.tasks.outcome import Verdict
 from pipenav.tasks.reach.config import TaskConfig
 from pipenav.tasks.reach.episode import at_limit
 
-MotionSource = Callable[[NDArray[np.intp]], Sequence[Motion]]
+MotionSource = Callable[[Ints], Sequence[Motion]]
 """Given the robots that start anew, their next rear motions."""
 
 
@@ -40,10 +40,10 @@ class RearStage(Stage):
         self._follower, self._q = Follower(robot, n, CONTROL_PERIOD), np.zeros((n, len(robot.joints)))
 
     @property
-    def steps(self) -> NDArray[np.intp]:
+    def steps(self) -> Ints:
         return self._steps.copy()
 
-    def start(self, robots: NDArray[np.intp]) -> None:
+    def start(self, robots: Ints) -> None:
         motions = self._source(robots)
         if not self._motions:
             self._motions = [motions[0]] * self.n

@@ -8,13 +8,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pipenav.arrays import Floats, Ints
 from pipenav.backends.messages import Truth
 from pipenav.backends.spatial import SpaceTruth
 from pipenav.policies.controller import Controller
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.batch import TaskBatch
-
-Array = NDArray[np.float64]
 
 
 class StageStep(NamedTuple):
@@ -28,9 +27,9 @@ class StageStep(NamedTuple):
     """
 
     verdict: NDArray[np.int8]
-    clearance: Array
+    clearance: Floats
     truth: Truth | SpaceTruth
-    q: Array
+    q: Floats
 
 
 class Stage(ABC):
@@ -49,11 +48,11 @@ class Stage(ABC):
 
     @property
     @abstractmethod
-    def steps(self) -> NDArray[np.intp]:
+    def steps(self) -> Ints:
         """Control steps of each robot's episode so far, (n,)."""
 
     @abstractmethod
-    def start(self, robots: NDArray[np.intp]) -> None:
+    def start(self, robots: Ints) -> None:
         """Begin new episodes with some robots (sorted, unique); the others are untouched."""
 
     @abstractmethod
@@ -74,10 +73,10 @@ class TaskStage(Stage):
         self._observation = np.zeros((batch.n, batch.observation_size))
 
     @property
-    def steps(self) -> NDArray[np.intp]:
+    def steps(self) -> Ints:
         return self._batch.steps
 
-    def start(self, robots: NDArray[np.intp]) -> None:
+    def start(self, robots: Ints) -> None:
         self._observation = self._batch.reset(robots)
 
     def step(self) -> StageStep:

@@ -6,8 +6,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, model_validator
+from pydantic import Field, TypeAdapter, ValidationError, model_validator
 
+from pipenav.arrays import Table
 from pipenav.errors import ConfigError, UnknownName
 from pipenav.evaluation.evaluate import StageName
 from pipenav.learning.config import TrainConfig, load_config
@@ -20,11 +21,7 @@ BEST_OF = "best of "
 """An agent named so is the one of that experiment that did best."""
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
-
-
-class Agent(_Table):
+class Agent(Table):
     """A training recipe: a preset with settings laid over it."""
 
     preset: str
@@ -35,7 +32,7 @@ class Agent(_Table):
         return load_config(self.preset, options={**self.settings, "seed": seed, "steps": steps})
 
 
-class Row(_Table):
+class Row(Table):
     """One line of an experiment's table: an agent in a stage, or a stage that needs none.
 
     `table` and `label` name the thesis's row that it stands beside, if the thesis has one.
@@ -64,7 +61,7 @@ class Row(_Table):
         return self
 
 
-class Experiment(_Table):
+class Experiment(Table):
     """One experiment of the thesis.
 
     Attributes:

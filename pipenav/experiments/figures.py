@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.drawing.style import INK, MARKERS, heading, plain
 from pipenav.errors import FileProblem
 from pipenav.evaluation.results import Evaluation, PipeRecord
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 
 ITERATION = 800
 """Control steps of one of the thesis's training iterations (4.4.1)."""
@@ -56,7 +55,7 @@ def training_figure(plan: Plan, results: Sequence[Result], title: str) -> Figure
     return figure
 
 
-def _curves(plan: Plan, agent: str) -> tuple[Array, Array, Array]:
+def _curves(plan: Plan, agent: str) -> tuple[Floats, Floats, Floats]:
     """Iterations (k,), success and clearance [m], both (seeds, k); NaN where an iteration saw no episode end."""
     columns = [_columns(plan, agent, seed) for seed in plan.seeds]
     count = max(int(max(c["steps"], default=0.0)) // ITERATION for c in columns)
@@ -136,7 +135,7 @@ def _counts(record: PipeRecord, phase: Phase) -> tuple[int, int]:
     return record.rear_successes or 0, record.rear_attempts or 0
 
 
-def _band(axes: Axes, x: Array, values: Array, colour: str, label: str, marker: str = "") -> None:
+def _band(axes: Axes, x: Floats, values: Floats, colour: str, label: str, marker: str = "") -> None:
     """The mean over the rows of values (seeds, k) with their range; columns without a value are left out."""
     seen = np.isfinite(values).any(axis=0)
     if not seen.any():

@@ -13,8 +13,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field, ValidationError
 
+from pipenav.arrays import Table
 from pipenav.errors import ConfigError, FileProblem, PipenavError
 from pipenav.evaluation.results import Evaluation, read_evaluation
 from pipenav.experiments.definition import BEST_OF, Row, agents_of, load_agents, load_experiment
@@ -39,10 +40,8 @@ STEPS_PER_EPISODE = 15
 """What an evaluation's episode counts as in the estimate of the time left: the mean of a good agent's."""
 
 
-class Settings(BaseModel):
+class Settings(Table):
     """What decides the results in a folder; a later run must have the same."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     steps: int | None = Field(None, ge=1, description="control steps of each training; None: as the preset says")
     episodes: int = Field(25, ge=1, description="per pipe, agent and seed")

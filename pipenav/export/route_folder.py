@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
+from pipenav.arrays import Floats
 from pipenav.errors import ConfigError
 from pipenav.export.corner_folder import write_stl
 from pipenav.export.scene_xml import COLOUR, Shape, add, mjcf, sdf, text, urdf, write_xml
-from pipenav.pipes.corner import Array
 from pipenav.pipes.json_keys import run_fields
 from pipenav.pipes.route import PipeRun
 from pipenav.pipes.route_solids import PRISM_FACES, run_boards_mesh, run_tube_mesh, wall_prisms
@@ -119,7 +119,7 @@ def read_run_folder(path: Path) -> PipeRun:
     return run
 
 
-def _mjcf(run: PipeRun, name: str, prisms: Array) -> ET.Element:
+def _mjcf(run: PipeRun, name: str, prisms: Floats) -> ET.Element:
     """A static MuJoCo model: one convex mesh per prism, and a camera that sees the whole run from above."""
     low, high = run.centre_line.min(axis=0), run.centre_line.max(axis=0)
     x, y, _ = (low + high) / 2
@@ -132,7 +132,7 @@ def _mjcf(run: PipeRun, name: str, prisms: Array) -> ET.Element:
     return root
 
 
-def _obj(prisms: Array) -> str:
+def _obj(prisms: Floats) -> str:
     """Every prism as an object of its own, by which loaders know that each is convex."""
     lines = []
     for leg, side in np.ndindex(*prisms.shape[:2]):

@@ -7,9 +7,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
+from pipenav.arrays import Table
 from pipenav.disturbances.disturbance import UNDISTURBED, Disturbance
 from pipenav.errors import ConfigError, PipenavError, UnknownName
 from pipenav.storage import shipped
@@ -20,21 +21,17 @@ from pipenav.tasks.registry import AnyTask
 DEFAULT_PRESET = "arm"
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
-
-
 _Widths = tuple[Annotated[int, Field(ge=1, le=4096)], ...]
 
 
-class NetworkConfig(_Table):
+class NetworkConfig(Table):
     """Fully connected tanh networks, widths from input to output."""
 
     policy: _Widths = Field((64, 64), strict=False, description="hidden layers of the policy")
     value: _Widths = Field((64, 64), strict=False, description="hidden layers of the value function")
 
 
-class LearnerConfig(_Table):
+class LearnerConfig(Table):
     """PPO (clip) with generalised advantage estimation."""
 
     robots: int = Field(192, ge=1, le=4096, description="robots that are stepped together")
@@ -62,14 +59,14 @@ class LearnerConfig(_Table):
         return self
 
 
-class CheckConfig(_Table):
+class CheckConfig(Table):
     """Checks during training: the noise-free policy on some episodes; the best one becomes best.zip."""
 
     every: int = Field(60_000, ge=1, description="control steps between two checks")
     episodes: int = Field(200, ge=1, description="episodes of a check, spread evenly over the training pipes")
 
 
-class TrainConfig(_Table):
+class TrainConfig(Table):
     """Everything that decides what a training run computes."""
 
     description: str = Field(description="one line for `pipenav presets`")

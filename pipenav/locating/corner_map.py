@@ -18,10 +18,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pipenav.arrays import Flags, Floats, Ints
 from pipenav.robots.parts import Laser
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+Flags = Flags
 
 SCANS = 32
 """Scans kept of each robot; later ones overwrite the oldest."""
@@ -68,22 +68,22 @@ class Corner(NamedTuple):
         agreement: their share of all beams that ended past the first leg's walls, (n,).
     """
 
-    radius: Array
-    edge: Array
-    heading: Array
-    target: Array
-    spread: Array
-    votes: Array
-    agreement: Array
+    radius: Floats
+    edge: Floats
+    heading: Floats
+    target: Floats
+    spread: Floats
+    votes: Floats
+    agreement: Floats
 
 
 class _Rays(NamedTuple):
     """All beams so far: tip (k, m, 2) [m], direction (k, m, 2), end (k, m, 2) [m], whether it met a wall within the
     laser's range, and whether it read the laser's minimum, (k, m)."""
 
-    tip: Array
-    direction: Array
-    end: Array
+    tip: Floats
+    direction: Floats
+    end: Floats
     met: Flags
     near: Flags
 
@@ -103,12 +103,12 @@ class CornerMap:
         points, flags = np.full((3, n, SCANS, laser.beams, 2), np.nan), np.zeros((2, n, SCANS, laser.beams), bool)
         self._kept = _Rays(*points, *flags)  # (n, SCANS, beams) instead of (k, m)
 
-    def forget(self, robots: NDArray[np.intp]) -> None:
+    def forget(self, robots: Ints) -> None:
         """Begin anew with some robots."""
         self._scans[robots] = 0
         self._kept.end[robots], self._kept.met[robots], self._kept.near[robots] = np.nan, False, False
 
-    def add(self, robots: NDArray[np.intp], tip: Array, beams: Array, ranges: Array) -> None:
+    def add(self, robots: Ints, tip: Floats, beams: Floats, ranges: Floats) -> None:
         """Take in one scan of some robots.
 
         Args:
@@ -127,7 +127,7 @@ class CornerMap:
         kept.near[robots, slot] = near
         self._scans[robots] += 1
 
-    def corner(self, robots: NDArray[np.intp], depth: float) -> Corner:
+    def corner(self, robots: Ints, depth: float) -> Corner:
         """The corners that fit best.
 
         Args:
@@ -137,7 +137,7 @@ class CornerMap:
         parts = [self._corner(robots[i : i + CHUNK], depth) for i in range(0, len(robots), CHUNK)]
         return Corner(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
-    def _corner(self, robots: NDArray[np.intp], depth: float) -> Corner:
+    def _corner(self, robots: Ints, depth: float) -> Corner:
         rays = self._rays(robots)
         radius = RADII[self._radius_votes(rays, RADII[None]).argmax(axis=1)]
         radii = radius[:, None] + NEAR_RADII
@@ -148,14 +148,14 @@ class CornerMap:
         votes = agree - against + first_leg[..., None, None]
         return _best(radii, edges, votes, agree, share, depth)
 
-    def _rays(self, robots: NDArray[np.intp]) -> _Rays:
+    def _rays(self, robots: Ints) -> _Rays:
         used = int(min(SCANS, self._scans[robots].max(initial=1)))
         m = used * self._laser.beams
         tip, direction, end = (kept[robots, :used].reshape(len(robots), m, 2) for kept in self._kept[:3])
         met, near = (kept[robots, :used].reshape(len(robots), m) for kept in self._kept[3:])
         return _Rays(tip, direction, end, met, near)
 
-    def _radius_votes(self, rays: _Rays, radii: Array) -> Array:
+    def _radius_votes(self, rays: _Rays, radii: Floats) -> Floats:
         """For radii (k, r) or (1, r): how many beams end at the outer wall, y = -r, less those beyond it, (k, r)."""
         below = -rays.end[..., 1]
         below = _packed(below, rays.met & (below > radii.min() - 2 * self._tolerance))
@@ -165,7 +165,7 @@ class CornerMap:
         votes -= beyond
         return np.asarray(votes.sum(axis=1))
 
-    def _edge(self, rays: _Rays, radii: Array) -> tuple[Array, Array]:
+    def _edge(self, rays: _Rays, radii: Floats) -> tuple[Floats, Floats]:
         """The stretch of the line y = radius in which the inner wall ends: fewest beams contradict it.
 
         Args:
@@ -196,9 +196,7 @@ class CornerMap:
         high = np.where(last < all_walls[..., 0] + frees.sum(axis=-1), _pick(x, last), np.nan)
         return np.where(first > 0, _pick(x, first - 1), high - HIDDEN), high
 
-    def _second_leg(
-        self, rays: _Rays, radii: Array, high: Array, edges: Array
-    ) -> tuple[Array, NDArray[np.intp], Array]:
+    def _second_leg(self, rays: _Rays, radii: Floats, high: Floats, edges: Floats) -> tuple[Floats, Ints, Floats]:
         """The vote on the second leg's outer wall.
 
         Args:
@@ -223,7 +221,7 @@ class CornerMap:
             agree[i], against[i] = self._wall_votes(across, beams[:, seen], wall[i])
         return agree, against, agree / np.maximum(ahead.sum(axis=-1), 1)[..., None, None]
 
-    def _wall_votes(self, across: Array, asked: Flags, wall: Array) -> tuple[Array, NDArray[np.intp]]:
+    def _wall_votes(self, across: Floats, asked: Flags, wall: Floats) -> tuple[Floats, Ints]:
         """How many beams end at walls, and how many beyond them.
 
         Most beams are far from most walls: they are counted together, and only the others one by one, in their order.
@@ -247,12 +245,12 @@ class CornerMap:
         # What is beyond one place is beyond the nearer ones too.
         before = np.bincount((off > 1.0).sum(axis=0) + cell * (places + 1), minlength=radii * headings * (places + 1))
         beyond = before.reshape(radii, headings, -1)[..., :0:-1].cumsum(axis=2)[..., ::-1].swapaxes(1, 2)
-        votes: Array = np.stack([np.bincount(cell, one, radii * headings) for one in _kernel(off)])
+        votes: Floats = np.stack([np.bincount(cell, one, radii * headings) for one in _kernel(off)])
         far = (said & past).sum(axis=1, dtype=np.int32)[:, None]
         return votes.reshape(places, radii, headings).swapaxes(0, 1), beyond + far
 
 
-def _best(radii: Array, edges: Array, votes: Array, agree: Array, share: Array, depth: float) -> Corner:
+def _best(radii: Floats, edges: Floats, votes: Floats, agree: Floats, share: Floats, depth: float) -> Corner:
     """The corner with the most votes, averaged with those that lose to it by less than `TIE`.
 
     Args:
@@ -289,20 +287,20 @@ def _best(radii: Array, edges: Array, votes: Array, agree: Array, share: Array, 
     )
 
 
-def _target(radius: Array, edge: Array, heading: Array, depth: float) -> Array:
+def _target(radius: Floats, edge: Floats, heading: Floats, depth: float) -> Floats:
     """The point on the second leg's axis at `depth` past the inner edge, (..., 2)."""
     sin, cos = np.sin(heading), np.cos(heading)
     return np.stack([edge + depth * cos + radius * sin, radius + depth * sin - radius * cos], axis=-1)
 
 
-def _kernel(distance: Array) -> Array:
+def _kernel(distance: Floats) -> Floats:
     """A vote of 1 for a distance of 0, none from a distance of 1 on; takes its argument's memory, which is large."""
     np.multiply(distance, distance, out=distance)
     np.subtract(1.0, distance, out=distance)
     return np.maximum(distance, 0.0, out=distance)
 
 
-def _packed(values: Array, kept: Flags) -> Array:
+def _packed(values: Floats, kept: Flags) -> Floats:
     """The kept ones of each row of values (k, m), in their order, then -inf, (k, most that a row keeps).
 
     Most beams say nothing about most questions, and a vote of 0 less changes no bit of a sum.
@@ -312,13 +310,13 @@ def _packed(values: Array, kept: Flags) -> Array:
     return np.where(np.arange(first.shape[1]) < count[:, None], _ordered(values, first), -np.inf)
 
 
-def _ordered(values: NDArray[Any], order: NDArray[np.intp]) -> NDArray[Any]:
+def _ordered(values: NDArray[Any], order: Ints) -> NDArray[Any]:
     """numpy.take_along_axis along the last axis, without what costs it more time than a few hundred values do."""
     rows = values.reshape(-1, values.shape[-1])
     return rows[np.arange(len(rows))[:, None], order.reshape(len(rows), -1)].reshape(order.shape)
 
 
-def _pick(values: Array, index: NDArray[np.intp]) -> Array:
+def _pick(values: Floats, index: Ints) -> Floats:
     """values[..., index] for an index (...) along the last axis, clipped to what exists, (...)."""
     rows = values.reshape(-1, values.shape[-1])
     clipped = np.minimum(np.maximum(index, 0), rows.shape[1] - 1).ravel()

@@ -16,17 +16,16 @@ import math
 from typing import Literal, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from pipenav.arrays import Flags, Floats, Ints, Table
 from pipenav.backends.messages import Reading
 from pipenav.errors import PipenavError
 from pipenav.locating.corner_map import CornerMap
 from pipenav.robots import kinematics
 from pipenav.robots.robot import RobotSpec
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+Flags = Flags
 Variant = Literal["map", "thesis"]
 
 HOME = 0.002
@@ -36,10 +35,8 @@ STOPPED = 0.001
 """An advance below this [m] shows nothing new."""
 
 
-class LocateConfig(BaseModel):
+class LocateConfig(Table):
     """Settings of approach I; the thesis's numbers are those of its eq 5.2."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     omega0: float = Field(0.15, gt=0, description="turn of the head per control step [rad] (eq 3.18; thesis variant)")
     v0: float = Field(0.02, gt=0, description="advance of the slide per control step [m] (eq 3.18)")
@@ -82,16 +79,16 @@ class Decision(NamedTuple):
         beam: the beam on or nearest to which the target lies, from right to left from 0, (k,); -1 before.
     """
 
-    goal: Array
+    goal: Floats
     done: Flags
-    target: Array
-    beam: NDArray[np.intp]
+    target: Floats
+    beam: Ints
 
 
 class Locator(Protocol):
     """A behaviour of n robots that finds targets from what their sensors give."""
 
-    def start(self, robots: NDArray[np.intp], reading: Reading, side: Array) -> None:
+    def start(self, robots: Ints, reading: Reading, side: Floats) -> None:
         """Begin anew with k robots.
 
         Args:
@@ -114,7 +111,7 @@ class PrintedLocator:
         self._advance, self._side = np.full(n, config.v0), np.ones(n)
         self._start = np.zeros((n, len(robot.joints)))
 
-    def start(self, robots: NDArray[np.intp], reading: Reading, side: Array) -> None:
+    def start(self, robots: Ints, reading: Reading, side: Floats) -> None:
         self._advance[robots], self._side[robots], self._start[robots] = self._config.v0, side, reading.q
 
     def act(self, reading: Reading) -> Decision:
@@ -148,7 +145,7 @@ class MapLocator:
         self._wall = np.full((n, robot.laser.beams), -np.inf)
         self._target, self._beam = np.full((n, 2), np.nan), np.full(n, -1)
 
-    def start(self, robots: NDArray[np.intp], reading: Reading, side: Array) -> None:
+    def start(self, robots: Ints, reading: Reading, side: Floats) -> None:
         self._map.forget(robots)
         self._advance[robots], self._side[robots], self._home[robots] = self._config.v0, side, reading.q[:, 0]
         self._agreed[robots], self._back[robots], self._wall[robots] = 0, False, -np.inf
@@ -167,7 +164,7 @@ class MapLocator:
         goal[:, 0] = np.where(self._back, np.maximum(reading.q[:, 0] - config.v0, self._home), ahead)
         return Decision(goal, found & at_home, self._target.copy(), self._beam.copy())
 
-    def _without_dropouts(self, reading: Reading) -> Array:
+    def _without_dropouts(self, reading: Reading) -> Floats:
         """Readings in which the laser's minimum is what the same beam read before, less the way since, (n, beams).
 
         A scanner that faces open space may give its minimum (thesis 5.4.2), which must not stop the robot; a wall that
@@ -178,7 +175,7 @@ class MapLocator:
         self._wall = np.where(read, slide + reading.ranges, self._wall)
         return np.where(read, reading.ranges, np.maximum(self._wall - slide, self._robot.laser.range_min))
 
-    def _look(self, robots: NDArray[np.intp], reading: Reading) -> None:
+    def _look(self, robots: Ints, reading: Reading) -> None:
         """Take in a scan of robots that have no target yet, and see whether the corner is known."""
         robot, config, side = self._robot, self._config, self._side[robots]
         pose = kinematics.forward(robot, reading.q)
@@ -223,7 +220,7 @@ def robot_for(robot: RobotSpec, variant: Variant) -> RobotSpec:
     return robot.model_copy(update={"laser": robot.laser.model_copy(update={"fan": "printed"})})
 
 
-def advance(robot: RobotSpec, config: LocateConfig, before: Array, ranges: Array) -> Array:
+def advance(robot: RobotSpec, config: LocateConfig, before: Floats, ranges: Floats) -> Floats:
     """Eq 3.18: how far the slide moves in this step, (n,) [m].
 
     A reading at the laser's minimum may be any distance below it, so it never counts as free.
@@ -239,7 +236,7 @@ def advance(robot: RobotSpec, config: LocateConfig, before: Array, ranges: Array
     return np.where(clear, config.v0, before / config.slowdown)
 
 
-def point_on_beam(robot: RobotSpec, q: Array, beam: NDArray[np.intp], distance: float) -> Array:
+def point_on_beam(robot: RobotSpec, q: Floats, beam: Ints, distance: float) -> Floats:
     """Eq 3.17 with eq 3.16's angles, in the robot's own frame: (n, 2) [m].
 
     The thesis counts a beam's angle beta from the head's right, the laser's `angles` from straight ahead.

@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Flags, Floats, Ints
 from pipenav.robots.robot import RobotSpec
-
-Array = NDArray[np.float64]
 
 FOLLOWING = 2.0
 """How near to a pose every joint must be before the next one is given, as a share of its fastest motion in a tick. Two:
@@ -43,22 +41,22 @@ class Follower:
 
     def __init__(self, robot: RobotSpec, n: int, period: float) -> None:
         self._near = FOLLOWING * robot.speed_limits * period
-        self._paths: list[Array] = [np.zeros((1, len(robot.joints)))] * n
+        self._paths: list[Floats] = [np.zeros((1, len(robot.joints)))] * n
         self.rows, self._last = np.zeros(n, np.intp), np.zeros(n, np.intp)
         self._waited, self._times = np.zeros(n, np.intp), np.zeros(n, np.intp)
         self.caught = np.zeros(n, bool)
 
     @property
-    def patience(self) -> NDArray[np.intp]:
+    def patience(self) -> Ints:
         """Ticks that each arm may take for its path, (n,)."""
         return PATIENCE * self._last + SLACK
 
     @property
-    def at_last(self) -> NDArray[np.bool_]:
+    def at_last(self) -> Flags:
         """Which arms were given their path's last pose, (n,)."""
         return np.asarray(self.rows == self._last)
 
-    def start(self, robots: NDArray[np.intp], paths: Sequence[Array]) -> None:
+    def start(self, robots: Ints, paths: Sequence[Floats]) -> None:
         """Put some robots at their paths' first poses.
 
         Args:
@@ -69,11 +67,11 @@ class Follower:
             self._paths[robot], self._last[robot] = path, len(path) - 1
         self.rows[robots], self._waited[robots], self._times[robots] = 0, 0, 0
 
-    def away(self, q: Array) -> Array:
+    def away(self, q: Floats) -> Floats:
         """How far the arms are from the poses that they were given last, (n, joints) [rad or m]."""
         return np.abs(q - self._goal())
 
-    def act(self, q: Array) -> Array:
+    def act(self, q: Floats) -> Floats:
         """Set-points of the next tick, (n, joints) [rad or m].
 
         Args:
@@ -88,5 +86,5 @@ class Follower:
         self.rows = np.clip(rows, 0, self._last)
         return self._goal()
 
-    def _goal(self) -> Array:
+    def _goal(self) -> Floats:
         return np.array([path[row] for path, row in zip(self._paths, self.rows.tolist(), strict=True)])

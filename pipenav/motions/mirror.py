@@ -13,8 +13,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Flags, Floats
 from pipenav.errors import PipenavError
 from pipenav.motions.trajectory import Motion, Trajectory, TrajectoryHeader
 from pipenav.pipes.corner import Pipe
@@ -22,8 +22,6 @@ from pipenav.robots import kinematics
 from pipenav.robots.outline import foremost
 from pipenav.robots.robot import RobotSpec
 from pipenav.units import rad_to_deg
-
-Array = NDArray[np.float64]
 
 STRAIGHT = 0.1
 """Largest hinge angle of a straight start [rad]: twice what the task starts with, and far from any corner's bend."""
@@ -165,13 +163,13 @@ def hand_over(robot: RobotSpec, front: Motion) -> HandOver:
     return HandOver(distance, float(along), abs(math.remainder(turn, 2 * math.pi)), float(joint.max(initial=0.0)))
 
 
-def _middle(robot: RobotSpec, base: float, q: Array) -> Array:
+def _middle(robot: RobotSpec, base: float, q: Floats) -> Floats:
     """Place and heading of the first link's rear end in its pipe's frame, (3,) [m, m, rad]."""
     pose = kinematics.forward(robot, q[None])
     return np.array([base + pose.joints[0, 0, 0], pose.joints[0, 0, 1], pose.headings[0, 0]])
 
 
-def is_out(robot: RobotSpec, pipe: Pipe, base: float, q: Array) -> NDArray[np.bool_]:
+def is_out(robot: RobotSpec, pipe: Pipe, base: float, q: Floats) -> Flags:
     """Whether the whole arm lies in the first leg, before the inner wall begins to turn, (n,).
 
     Args:

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, NoReturn
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import (
     AfterValidator,
     BaseModel,
@@ -26,6 +25,7 @@ from pydantic import (
     ValidationError,
 )
 
+from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.errors import FileProblem, PipenavError
 from pipenav.pipes.corner import Pipe
@@ -35,8 +35,6 @@ from pipenav.pipes.route import PipeRun
 from pipenav.robots.robot import RobotSpec, load_robot
 from pipenav.storage.atomic_files import atomic_write
 from pipenav.tasks.outcome import Verdict
-
-Array = NDArray[np.float64]
 
 PREFIX = "# pipenav-trajectory "
 TIME, FORCE = "t_s", "contact_force_n"
@@ -69,7 +67,7 @@ class Motion(NamedTuple):
 
     pipe: Pipe
     base: float
-    q: Array
+    q: Floats
 
 
 def _known_verdict(outcome: str | None) -> str | None:
@@ -153,9 +151,9 @@ class Trajectory:
 
     header: TrajectoryHeader
     robot: RobotSpec
-    q: Array
-    contact_force: Array | None = None
-    link_forces: Array | None = None
+    q: Floats
+    contact_force: Floats | None = None
+    link_forces: Floats | None = None
 
     @property
     def motion(self) -> Motion:
@@ -163,7 +161,7 @@ class Trajectory:
         return Motion(single_corner(self.header.pipe), self.header.base_m, self.q)
 
     @property
-    def time(self) -> Array:
+    def time(self) -> Floats:
         """Time of each row [s], (rows,)."""
         return np.round(np.arange(len(self.q)) * CONTROL_PERIOD, 6)
 
@@ -266,7 +264,7 @@ def _header(path: Path, text: str) -> TrajectoryHeader:
     return header
 
 
-def _table(path: Path, lines: list[str], robot: RobotSpec) -> dict[str, Array]:
+def _table(path: Path, lines: list[str], robot: RobotSpec) -> dict[str, Floats]:
     """The columns by name. Line numbers in messages are those of the file, whose first line is the header's."""
     names = lines[0].split(",") if lines else []
     required, forces = [TIME, *coordinate_columns(robot)], link_force_columns(robot)
@@ -304,7 +302,7 @@ def _number(cell: str) -> float:
         return math.nan
 
 
-def _check_rows(path: Path, robot: RobotSpec, table: dict[str, Array], q: Array) -> None:
+def _check_rows(path: Path, robot: RobotSpec, table: dict[str, Floats], q: Floats) -> None:
     def refuse(row: int, problem: str) -> NoReturn:
         raise TrajectoryFileError(path, f"line {row + 3}, {problem}")
 

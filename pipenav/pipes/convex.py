@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from pipenav.arrays import Floats
 
 ROUNDS = 1000
 """Rounds until two bodies count as too near: only those whose distance is the asked one to a hair need so many."""
 
 
-def apart(a: Array, b: Array, distance: float) -> bool:
+def apart(a: Floats, b: Floats, distance: float) -> bool:
     """Whether the convex hulls of points (n, 3) and (m, 3) are farther apart than a distance above 0 [m].
 
     Gilbert's method: `between` is the shortest known vector from one hull to the other. The hulls are as far apart as

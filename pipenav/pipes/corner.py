@@ -18,13 +18,12 @@ from functools import lru_cache
 from typing import Literal, NamedTuple, Self, cast
 
 import numpy as np
-from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, model_validator
+from pydantic import model_validator
 
+from pipenav.arrays import Flags, Floats, Table
 from pipenav.errors import OutOfRange, PipenavError
 from pipenav.units import deg_to_rad, m_to_mm, mm_to_m, rad_to_deg
 
-Array = NDArray[np.float64]
 Turn = Literal["left", "right"]
 
 DIAMETER_RANGE_MM = (40.0, 300.0)
@@ -49,11 +48,11 @@ SHARP = 1e-6
 class Lines(NamedTuple):
     """The two walls as polylines, points in order along the pipe [m], each (k, 2)."""
 
-    inner: Array
-    outer: Array
+    inner: Floats
+    outer: Floats
 
 
-class Pipe(BaseModel):
+class Pipe(Table):
     """One corner. All lengths in metres, angles in radians; `Pipe.of` takes millimetres and degrees.
 
     Attributes:
@@ -64,8 +63,6 @@ class Pipe(BaseModel):
         leg: length of each leg along its centre line, from the corner [m].
         wall: wall thickness [m].
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     diameter: float
     angle: float
@@ -124,7 +121,7 @@ class Pipe(BaseModel):
         return self.side * (math.pi - self.angle)
 
     @property
-    def second_leg(self) -> Array:
+    def second_leg(self) -> Floats:
         """Unit vector along the second leg, away from the corner, (2,)."""
         return np.array([math.cos(self.heading_change), math.sin(self.heading_change)])
 
@@ -158,7 +155,7 @@ class Pipe(BaseModel):
         fillet = _fillet(offset, self.bend_radius)
         return (offset + fillet) / math.sin(self.angle / 2) - fillet
 
-    def line(self, offset: float, arc_segments: int | None = None) -> Array:
+    def line(self, offset: float, arc_segments: int | None = None) -> Floats:
         """The line at lateral `offset` [m] (positive: inside of the turn), points (k, 2) from start to end.
 
         Args:
@@ -189,17 +186,17 @@ class Pipe(BaseModel):
         return _walls(self)
 
     @property
-    def segments(self) -> Array:
+    def segments(self) -> Floats:
         """Wall segments `[[x1, y1], [x2, y2]]`, free space on the left of each: (s, 2, 2) [m], read-only."""
         return _segments(self)
 
     @property
-    def edges(self) -> NDArray[np.bool_]:
+    def edges(self) -> Flags:
         """Which ends of the segments lie at an inner edge, (s, 2); an open end counts as its segment's other end."""
         inner = np.arange(len(self.segments)) >= len(self.walls.outer) - 1
         return np.stack([inner, inner], axis=1)
 
-    def contains(self, points: Array) -> NDArray[np.bool_]:
+    def contains(self, points: Floats) -> Flags:
         """Whether points (..., 2) lie inside the pipe (not in or beyond a wall, nor beyond an open end): (...)."""
         outline = np.concatenate([self.walls.outer, self.walls.inner[::-1]])
         x, y = np.moveaxis(np.asarray(points, float), -1, 0)
@@ -211,12 +208,12 @@ class Pipe(BaseModel):
                 inside ^= crosses & (x < x1 + (y - y1) * (x2 - x1) / (y2 - y1))
         return inside
 
-    def along_second_leg(self, points: Array) -> Array:
+    def along_second_leg(self, points: Floats) -> Floats:
         """Points (..., 2) of the pipe's frame as (distance past the corner, offset to the left) of the second leg."""
         u = self.second_leg
         return np.stack([points @ u, points @ np.array([-u[1], u[0]])], axis=-1)
 
-    def centre_line_distance(self, points: Array) -> Array:
+    def centre_line_distance(self, points: Floats) -> Floats:
         """Distance travelled along the mitred centre line, 0 at the corner, for points (..., 2): (...) [m].
 
         A point counts to the leg on its side of the corner's bisector.
@@ -237,7 +234,7 @@ def _walls(pipe: Pipe) -> Lines:
 
 
 @lru_cache(maxsize=4096)
-def _segments(pipe: Pipe) -> Array:
+def _segments(pipe: Pipe) -> Floats:
     # A left turn's outer wall has the pipe on its left as it runs forwards, its inner wall as it runs backwards.
     walls = [pipe.walls.outer, pipe.walls.inner[::-1]]
     stacked = np.concatenate([np.stack([line[:-1], line[1:]], axis=1) for line in walls])

@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipenav.pipes.corner import ARC_TOLERANCE, Array, Pipe
+from pipenav.arrays import Floats
+from pipenav.pipes.corner import ARC_TOLERANCE, Pipe
 from pipenav.units import m_to_mm
 
 MESH_GRID_MM = 1e-3
@@ -34,7 +35,7 @@ Faces = NDArray[np.int64]
 class Mesh(NamedTuple):
     """A closed surface in MILLIMETRES: vertices (v, 3) and triangles (f, 3), counter-clockwise seen from outside."""
 
-    vertices: Array
+    vertices: Floats
     faces: Faces
 
 
@@ -77,7 +78,7 @@ def tube_mesh(pipe: Pipe) -> Mesh:
     return tube_between(inner, outer, mirrored=pipe.turn == "right")
 
 
-def boards_between(boards: list[tuple[Array, Array]], half_height: float, mirrored: bool = False) -> Mesh:
+def boards_between(boards: list[tuple[Floats, Floats]], half_height: float, mirrored: bool = False) -> Mesh:
     """Boards that stand on the plane's lower side, half above and half below it.
 
     Args:
@@ -86,7 +87,7 @@ def boards_between(boards: list[tuple[Array, Array]], half_height: float, mirror
         mirrored: whether right and left are exchanged.
     """
     caps = np.array([[0, 1, 2], [0, 2, 3]])
-    points: list[Array] = []
+    points: list[Floats] = []
     triangles: list[Faces] = []
     for near, far in boards:
         # Around a board's section: near side below, near above, far above, far below.
@@ -98,7 +99,7 @@ def boards_between(boards: list[tuple[Array, Array]], half_height: float, mirror
     return _mesh(np.concatenate(points), np.concatenate(triangles), mirrored)
 
 
-def tube_between(inner: Array, outer: Array, mirrored: bool = False) -> Mesh:
+def tube_between(inner: Floats, outer: Floats, mirrored: bool = False) -> Mesh:
     """The tube between two surfaces, with both ends open.
 
     Args:
@@ -110,13 +111,13 @@ def tube_between(inner: Array, outer: Array, mirrored: bool = False) -> Mesh:
     return _mesh(grid.reshape(-1, 3), _grid_faces(len(grid), len(inner), closed=True), mirrored)
 
 
-def round_angles(radius: float) -> Array:
+def round_angles(radius: float) -> Floats:
     """Where lines stand for a circle of a radius [m], within half the tolerance of arcs, (lines,) [rad]."""
     count = 4 * math.ceil(math.pi / 4 / math.acos(1 - ARC_TOLERANCE / 2 / radius))
     return np.asarray(np.arange(count) * (2 * math.pi / count))
 
 
-def at_height(line: Array, z: float) -> Array:
+def at_height(line: Floats, z: float) -> Floats:
     """Points (k, 2) of the plane at a height, (k, 3)."""
     return np.column_stack([line, np.full(len(line), z)])
 
@@ -146,7 +147,7 @@ def _grid_faces(rows: int, columns: int, closed: bool) -> Faces:
     return np.concatenate([np.stack(corners, axis=-1).reshape(-1, 3) for corners in ((a, b, c), (a, c, d))])
 
 
-def _mesh(points: Array, triangles: Faces, mirrored: bool) -> Mesh:
+def _mesh(points: Floats, triangles: Faces, mirrored: bool) -> Mesh:
     """The mesh of points (p, 3) [m]; points that coincide, as along an arc without radius, become one."""
     rounded = np.round(m_to_mm(1.0) * points / MESH_GRID_MM) * MESH_GRID_MM
     vertices, index = np.unique(rounded.astype(np.float32) + 0.0, axis=0, return_inverse=True)
@@ -155,7 +156,7 @@ def _mesh(points: Array, triangles: Faces, mirrored: bool) -> Mesh:
     return Mesh(vertices.astype(float), faces[:, ::-1] if mirrored else faces)
 
 
-def _outer_boxes(chain: Array, wall: float) -> list[Box]:
+def _outer_boxes(chain: Floats, wall: float) -> list[Box]:
     """Boxes behind a chain of segments (s, 2, 2) that bends towards free space, lengthened to close the outside."""
     along, length = _directions(chain)
     cosine = np.sum(along[:-1] * along[1:], axis=1)
@@ -165,7 +166,7 @@ def _outer_boxes(chain: Array, wall: float) -> list[Box]:
     return [_box(f"outer_{i}", chain[i, 0], along[i], stair) for i, stair in enumerate(stairs)]
 
 
-def _inner_boxes(chain: Array, wall: float) -> list[Box]:
+def _inner_boxes(chain: Floats, wall: float) -> list[Box]:
     """Boxes behind a chain of segments (s, 2, 2) that bends away from free space.
 
     A box as thick as the wall would come out on the other side of a sharp edge. So where the material thins out, a
@@ -179,7 +180,9 @@ def _inner_boxes(chain: Array, wall: float) -> list[Box]:
     return boxes
 
 
-def _stairs(start: Array, direction: Array, length: float, points: Array, along: Array, wall: float) -> Iterator[Stair]:
+def _stairs(
+    start: Floats, direction: Floats, length: float, points: Floats, along: Floats, wall: float
+) -> Iterator[Stair]:
     """The stairs on one face, thickest first.
 
     The material is convex: all that lies to the right of the lines through `points` (s, 2) along `along` (s, 2).
@@ -206,19 +209,19 @@ def _stairs(start: Array, direction: Array, length: float, points: Array, along:
             return
 
 
-def _directions(chain: Array) -> tuple[Array, Array]:
+def _directions(chain: Floats) -> tuple[Floats, Floats]:
     """Unit vectors (s, 2) and lengths (s,) of segments (s, 2, 2)."""
     step = chain[:, 1] - chain[:, 0]
     length = np.linalg.norm(step, axis=1)
     return step / length[:, None], length
 
 
-def _right(direction: Array) -> Array:
+def _right(direction: Floats) -> Floats:
     """The right-hand normals of unit vectors (..., 2): for a wall segment, into the material."""
     return np.stack([direction[..., 1], -direction[..., 0]], axis=-1)
 
 
-def _box(name: str, start: Array, direction: Array, stair: Stair) -> Box:
+def _box(name: str, start: Floats, direction: Floats, stair: Stair) -> Box:
     x, y = start + direction * (stair.low + stair.high) / 2 + _right(direction) * stair.thickness / 2
     yaw = math.atan2(direction[1], direction[0])
     return Box(name, float(x), float(y), yaw, float(stair.high - stair.low), stair.thickness)

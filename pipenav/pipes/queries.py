@@ -3,27 +3,26 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import Pipe
 from pipenav.pipes.route import PipeRun
 
-Array = NDArray[np.float64]
 AnyPipe = Pipe | PipeRun
 
 
-def turn_sides(pipe: AnyPipe) -> Array:
+def turn_sides(pipe: AnyPipe) -> Floats:
     """+1 for each corner that turns left, -1 for each that turns right, (corners,); a run lies in the plane."""
     return np.array([pipe.side]) if isinstance(pipe, Pipe) else np.where(np.cos(pipe.legs.inside) > 0, 1.0, -1.0)
 
 
-def interior_angles(pipe: AnyPipe) -> Array:
+def interior_angles(pipe: AnyPipe) -> Floats:
     """Of each corner, (corners,) [rad]."""
     return np.array([pipe.angle] if isinstance(pipe, Pipe) else [corner.angle for corner in pipe.corners])
 
 
-def inner_edges(pipe: AnyPipe) -> Array:
+def inner_edges(pipe: AnyPipe) -> Floats:
     """How far before and after each corner, along either leg, the inner wall's bend ends, (corners,) [m]."""
     return np.array([pipe.inner_edge]) if isinstance(pipe, Pipe) else pipe.radius * pipe.legs.reach
 

@@ -15,9 +15,9 @@ from functools import lru_cache
 from typing import NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
+from pipenav.arrays import Flags, Floats, Ints, Table
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import (
     ANGLE_RANGE_DEG,
@@ -25,7 +25,6 @@ from pipenav.pipes.corner import (
     DIAMETER_RANGE_MM,
     LEG_MAX_MM,
     WALL_RANGE_MM,
-    Array,
     Pipe,
     Turn,
     check_range,
@@ -55,7 +54,7 @@ class CrossesItself(PipenavError):
         )
 
 
-class Corner(BaseModel):
+class Corner(Table):
     """One corner of a run.
 
     Attributes:
@@ -63,8 +62,6 @@ class Corner(BaseModel):
         turn: the side that the pipe turns to, in the corner's own plane.
         roll: how far its plane is turned from the plane of the corner before, about the direction of travel [rad].
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     angle: float
     turn: Turn = "left"
@@ -79,18 +76,18 @@ class Frames(NamedTuple):
         rotation: the frames' axes as columns, (legs, 3, 3).
     """
 
-    origin: Array
-    rotation: Array
+    origin: Floats
+    rotation: Floats
 
 
 class Sides(NamedTuple):
     """The two walls of a planar run as polylines, points in order along the run [m], each (corners + 2, 2)."""
 
-    left: Array
-    right: Array
+    left: Floats
+    right: Floats
 
 
-class PipeRun(BaseModel):
+class PipeRun(Table):
     """Corners in a row. All lengths in metres, angles in radians; `PipeRun.of` takes millimetres and degrees.
 
     Attributes:
@@ -102,8 +99,6 @@ class PipeRun(BaseModel):
 
     Two runs are equal where their numbers are: a left turn and a right one rolled by pi differ.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     diameter: float
     corners: tuple[Corner, ...] = Field(min_length=1, max_length=MAX_CORNERS)
@@ -203,12 +198,12 @@ class PipeRun(BaseModel):
         return _frames(self)
 
     @property
-    def places(self) -> Array:
+    def places(self) -> Floats:
         """Where along the centre line open ends and corners are, (corners + 2,) [m]; 0 is the first corner."""
         return np.concatenate([[-self.straights[0], 0.0], np.cumsum(self.straights[1:])])
 
     @property
-    def centre_line(self) -> Array:
+    def centre_line(self) -> Floats:
         """The open ends and between them the corners, (corners + 2, 3) [m]; z is 0 in a planar run."""
         return np.asarray(self.legs.lines(0.0, np.zeros(1))[0])
 
@@ -222,7 +217,7 @@ class PipeRun(BaseModel):
         return _walls(self)
 
     @property
-    def segments(self) -> Array:
+    def segments(self) -> Floats:
         """Wall segments `[[x1, y1], [x2, y2]]` of a planar run, free space on the left of each, read-only.
 
         The right wall along the run, then the left wall back: (2 corners + 2, 2, 2) [m].
@@ -233,7 +228,7 @@ class PipeRun(BaseModel):
         return _segments(self)
 
     @property
-    def edges(self) -> NDArray[np.bool_]:
+    def edges(self) -> Flags:
         """Which ends of the segments lie at an inner edge, (s, 2); an open end counts as its segment's other end."""
         to_left = np.cos(self.legs.inside) * self.legs.reach  # of a planar run; positive where it turns to the left
         inner = np.stack([to_left < -FLAT, to_left > FLAT])  # (2, corners): at the right wall, at the left wall
@@ -241,14 +236,14 @@ class PipeRun(BaseModel):
         right, left = np.stack([inner[:, :-1], inner[:, 1:]], axis=2)  # (legs, 2) each
         return np.concatenate([right, left[::-1, ::-1]])
 
-    def leg_of(self, points: Array) -> NDArray[np.intp]:
+    def leg_of(self, points: Floats) -> Ints:
         """The leg that each point (..., 3), or (..., 2) of the x-y plane, belongs to: (...), counted from 0.
 
         See `Legs.place`; in a mitre it is the leg before.
         """
         return self.legs.place(_in_space(points), self.radius).leg
 
-    def along(self, points: Array) -> Array:
+    def along(self, points: Floats) -> Floats:
         """Distance along the centre line, 0 at the first corner, of points (..., 3), or (..., 2) of the plane: (...).
 
         In metres. A point counts to its leg, there to the nearest place of the centre line, which goes on past the open
@@ -260,13 +255,13 @@ class PipeRun(BaseModel):
         high = np.append(self.straights[:-1], np.inf)
         return np.asarray(self.places[leg] + np.clip(local[..., 0], low[leg], high[leg]))
 
-    def to_leg(self, points: Array, leg: NDArray[np.intp]) -> Array:
+    def to_leg(self, points: Floats, leg: Ints) -> Floats:
         """Points (..., 3), or (..., 2) of the x-y plane, in the frames of the legs (...): (..., 3) [m]."""
         origin, rotation = self.frames
         from_start = _in_space(points) - origin[leg]
         return np.asarray((from_start[..., None, :] @ rotation[leg])[..., 0, :])
 
-    def contains(self, points: Array) -> NDArray[np.bool_]:
+    def contains(self, points: Floats) -> Flags:
         """Whether points (..., 3), or (..., 2) of the x-y plane, are in the round bore, not past an open end: (...)."""
         _, local, beyond = self.legs.place(_in_space(points), self.radius)
         return np.asarray((beyond == 0) & (np.hypot(local[..., 1], local[..., 2]) <= self.radius))
@@ -294,12 +289,12 @@ def _walls(run: PipeRun) -> Sides:
 
 
 @lru_cache(maxsize=4096)
-def _segments(run: PipeRun) -> Array:
+def _segments(run: PipeRun) -> Floats:
     walls = [run.walls.right, run.walls.left[::-1]]
     return frozen(np.concatenate([np.stack([line[:-1], line[1:]], axis=1) for line in walls]))
 
 
-def _in_space(points: Array) -> Array:
+def _in_space(points: Floats) -> Floats:
     """Points (..., 2) of the x-y plane as points (..., 3)."""
     points = np.asarray(points, float)
     if points.shape[-1] == 3:
@@ -307,7 +302,7 @@ def _in_space(points: Array) -> Array:
     return np.concatenate([points, np.zeros((*points.shape[:-1], 1))], axis=-1)
 
 
-def _inside(corners: Sequence[Corner]) -> Array:
+def _inside(corners: Sequence[Corner]) -> Floats:
     """Where the inside of each turn is, as an angle from left to up of the legs without twist, (corners,) [rad]."""
     right = np.array([corner.turn == "right" for corner in corners])
     return np.cumsum([corner.roll for corner in corners]) + math.pi * right

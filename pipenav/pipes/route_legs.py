@@ -11,11 +11,9 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats, Ints
 from pipenav.pipes.convex import apart
-
-Array = NDArray[np.float64]
 
 SPACING = 0.02
 """Least distance between the outsides of two legs [m]: the thickness of what simulators put behind a wall."""
@@ -37,9 +35,9 @@ class Place(NamedTuple):
         beyond: how far past its leg's open end it lies, 0 for most points, (...) [m].
     """
 
-    leg: NDArray[np.intp]
-    local: Array
-    beyond: Array
+    leg: Ints
+    local: Floats
+    beyond: Floats
 
 
 class Legs(NamedTuple):
@@ -54,14 +52,14 @@ class Legs(NamedTuple):
         mitre: unit normals of the mitres, forwards, (corners, 3).
     """
 
-    length: Array
-    start: Array
-    axes: Array
-    inside: Array
-    reach: Array
-    mitre: Array
+    length: Floats
+    start: Floats
+    axes: Floats
+    inside: Floats
+    reach: Floats
+    mitre: Floats
 
-    def lines(self, distance: float | Array, around: Array) -> Array:
+    def lines(self, distance: float | Floats, around: Floats) -> Floats:
         """Lines with a point at each open end and in each mitre, (m, legs + 1, 3) [m].
 
         Args:
@@ -76,7 +74,7 @@ class Legs(NamedTuple):
         end = self.start[-1] + self.length[-1] * along[-1]
         return np.concatenate([self.start[0] + sideways[:, :1], mitred, end + sideways[:, -1:]], axis=1)
 
-    def place(self, points: Array, radius: float) -> Place:
+    def place(self, points: Floats, radius: float) -> Place:
         """The leg of points (..., 3) [m].
 
         That is the leg in whose bore a point lies, and of a point in none the nearest of those between whose mitres it
@@ -115,7 +113,7 @@ class Legs(NamedTuple):
         return None
 
 
-def make_legs(angles: Array, inside: Array, straights: Array) -> Legs:
+def make_legs(angles: Floats, inside: Floats, straights: Floats) -> Legs:
     """The legs of a run, the first one along x, the second one from the origin.
 
     Args:
@@ -135,17 +133,17 @@ def make_legs(angles: Array, inside: Array, straights: Array) -> Legs:
     return Legs(*map(frozen, (straights, start, stacked, inside, 1 / np.tan(angles / 2), mitre)))
 
 
-def frozen(array: Array) -> Array:
+def frozen(array: Floats) -> Floats:
     array.setflags(write=False)
     return array
 
 
-def about_x(angle: float) -> Array:
+def about_x(angle: float) -> Floats:
     """Rotation about x, (3, 3)."""
     c, s = math.cos(angle), math.sin(angle)
     return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
 
 
-def _about_z(angle: float) -> Array:
+def _about_z(angle: float) -> Floats:
     c, s = math.cos(angle), math.sin(angle)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

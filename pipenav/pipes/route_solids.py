@@ -11,8 +11,8 @@ import math
 
 import numpy as np
 
+from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
-from pipenav.pipes.corner import Array
 from pipenav.pipes.corner_solids import Faces, Mesh, boards_between, round_angles, tube_between
 from pipenav.pipes.route import PipeRun
 from pipenav.units import m_to_mm
@@ -28,7 +28,7 @@ PRISM_FACES: Faces = np.array(
 """Triangles of a prism of `wall_prisms`, counter-clockwise seen from outside, (12, 3)."""
 
 
-def wall_prisms(run: PipeRun, facets: int = FACETS, thickness: float | None = None) -> Array:
+def wall_prisms(run: PipeRun, facets: int = FACETS, thickness: float | None = None) -> Floats:
     """The wall as convex prisms, (legs, facets, 8, 3) [m] in the run's frame.
 
     Each lies behind one side of the polygon, from mitre to mitre or to an open end. Its corners: on the bore and

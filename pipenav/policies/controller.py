@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.errors import UnknownName
 from pipenav.policies.baselines.centreline import CentrelineController
 from pipenav.policies.baselines.sequence import SequenceController
@@ -14,8 +14,6 @@ from pipenav.policies.policy import Policy, load_policy, resolve_policy
 from pipenav.robots.robot import RobotSpec, load_robot
 from pipenav.tasks.batch import TaskBatch
 from pipenav.tasks.registry import AnyTask, default_task
-
-Array = NDArray[np.float64]
 
 BASELINE = "baseline:"
 
@@ -37,7 +35,7 @@ class Controller(Protocol):
     @property
     def task(self) -> AnyTask: ...
 
-    def act(self, observation: Array, batch: TaskBatch) -> Array:
+    def act(self, observation: Floats, batch: TaskBatch) -> Floats:
         """Canonical actions in [-1, 1], (n, action_size).
 
         Args:
@@ -54,7 +52,7 @@ class PolicyController:
         self.policy = policy
         self.robot, self.task = policy.header.robot, policy.header.task
 
-    def act(self, observation: Array, batch: TaskBatch) -> Array:  # noqa: ARG002  # the seam's signature
+    def act(self, observation: Floats, batch: TaskBatch) -> Floats:  # noqa: ARG002  # the seam's signature
         return self.policy.act(observation).astype(float)
 
 
@@ -65,7 +63,7 @@ class RandomController:
         self.robot, self.task = robot, task or default_task(robot)
         self._rng = np.random.default_rng(seed)
 
-    def act(self, observation: Array, batch: TaskBatch) -> Array:  # noqa: ARG002  # the seam's signature
+    def act(self, observation: Floats, batch: TaskBatch) -> Floats:  # noqa: ARG002  # the seam's signature
         return self._rng.uniform(-1.0, 1.0, (len(observation), len(self.robot.drives)))
 
 

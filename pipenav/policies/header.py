@@ -9,9 +9,10 @@ from collections.abc import Sequence
 from importlib import metadata
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 import pipenav
+from pipenav.arrays import Table
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.registry import AnyTask, kind_of
@@ -24,11 +25,7 @@ PROSE = re.compile(r"(^|\.)(description|(\w+_)?source)$")
 RECORDED_PACKAGES = ("mujoco", "numpy", "pybullet", "safetensors", "stable-baselines3", "torch")
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
-
-
-class ObservationPart(_Table):
+class ObservationPart(Table):
     """One named stretch of the observation vector."""
 
     name: str
@@ -36,7 +33,7 @@ class ObservationPart(_Table):
     size: int = Field(ge=1)
 
 
-class ActionPart(_Table):
+class ActionPart(Table):
     """What one action value does; a full action is 1."""
 
     joint: str = Field(description="name of the joint, or of a wheel")
@@ -46,7 +43,7 @@ class ActionPart(_Table):
     )
 
 
-class PolicyHeader(_Table):
+class PolicyHeader(Table):
     """All that is to know about a policy but its weights; the content of `pipenav.json`."""
 
     format: Literal["pipenav-policy"] = "pipenav-policy"

@@ -29,7 +29,6 @@ from pipenav.units import m_to_mm
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]
 
 SUFFIXES = (".png", ".gif", ".mp4")

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.drawing.dimensions import INK
 from pipenav.drawing.scene import Scene, draw_scene, legend_handles
 from pipenav.recording.film import box_of
 from pipenav.recording.record import Located
 from pipenav.robots import kinematics
 from pipenav.units import m_to_mm
-
-Array = NDArray[np.float64]
 
 SEEN = "#7f8c99"
 """Colour of what earlier scans met."""
@@ -45,7 +43,7 @@ def locate_figure(located: Located) -> Figure:
     return figure
 
 
-def _met(located: Located, row: int) -> Array:
+def _met(located: Located, row: int) -> Floats:
     """Where the beams of the scans before a row have met a wall, in the pipe's frame, (points, 2) [m]."""
     trajectory, ranges = located.trajectory, located.ranges[:row]
     lidar = trajectory.robot.laser

@@ -8,8 +8,8 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.backends.backend import Backend
 from pipenav.backends.registry import open_backend
 from pipenav.evaluation.episode_runner import random_start
@@ -28,7 +28,6 @@ from pipenav.tasks.reach.config import TaskConfig
 from pipenav.tasks.reach.episode import Episodes
 from pipenav.tasks.registry import kind_of
 
-Array = NDArray[np.float64]
 Watch = Callable[[Backend], None]
 """Called with the backend at the start and after every control step, for whoever looks on."""
 
@@ -52,7 +51,7 @@ class Located(NamedTuple):
     """
 
     trajectory: Trajectory
-    ranges: Array
+    ranges: Floats
     found: int | None
     beam: int | None
 
@@ -71,7 +70,7 @@ class Tracking(NamedTuple):
     slide: float
 
 
-def record(stage: Stage, backend: Backend, header: TrajectoryHeader, start: Array, watch: Watch | None) -> Trajectory:
+def record(stage: Stage, backend: Backend, header: TrajectoryHeader, start: Floats, watch: Watch | None) -> Trajectory:
     """Run one episode of a stage that was made for one robot.
 
     Args:

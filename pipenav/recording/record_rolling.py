@@ -6,8 +6,8 @@ from contextlib import closing
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.registry import open_space
 from pipenav.errors import PipenavError
@@ -21,8 +21,6 @@ from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.outcome import Verdict
 from pipenav.tasks.rolling.batch import SpaceBatch
 from pipenav.tasks.traverse.config import TraverseConfig
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -46,13 +44,13 @@ class SpaceRecording:
     controller: str
     backend: str
     outcome: str
-    points: Array
-    normals: Array
-    contact_force: Array
+    points: Floats
+    normals: Floats
+    contact_force: Floats
     doing: tuple[str, ...]
 
     @property
-    def time(self) -> Array:
+    def time(self) -> Floats:
         """Of each row [s], (rows,)."""
         return np.round(np.arange(len(self.points)) * CONTROL_PERIOD, 6)
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.drawing.dimensions import INK
 from pipenav.drawing.projection import View, wall_quads
 from pipenav.drawing.scene import FORCE
@@ -25,7 +26,6 @@ from pipenav.units import m_to_mm
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]
 
 SUFFIXES = (".png", ".gif", ".mp4")
@@ -66,7 +66,7 @@ def draw_in_space(path: Path, recording: SpaceRecording, progress: Progress) -> 
     write_frames(path, frames, {len(rows) - 1})
 
 
-def faces(robot: RobotSpec, points: Array, normals: Array) -> tuple[Array, list[Array], Array]:
+def faces(robot: RobotSpec, points: Floats, normals: Floats) -> tuple[Floats, list[Floats], Floats]:
     """What is seen of a robot: faces of links, wheels, and the colour of each face.
 
     Args:
@@ -121,7 +121,7 @@ def _strip(recording: SpaceRecording, view: View, told: Progress) -> Any:
     return figure
 
 
-def _frames(recording: SpaceRecording, view: View, rows: Array, told: Progress) -> Iterator[NDArray[np.uint8]]:
+def _frames(recording: SpaceRecording, view: View, rows: Floats, told: Progress) -> Iterator[NDArray[np.uint8]]:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -135,7 +135,7 @@ def _frames(recording: SpaceRecording, view: View, rows: Array, told: Progress) 
         told(number + 1, len(rows))
 
 
-def _overview(axes: Axes, recording: SpaceRecording, view: View, row: int, marked: Array) -> None:
+def _overview(axes: Axes, recording: SpaceRecording, view: View, row: int, marked: Floats) -> None:
     """The whole run and the way of the robot's middle so far, with the moments of the close-ups."""
     _pipe(axes, recording, view)
     middle = recording.points.mean(axis=1)
@@ -180,7 +180,7 @@ def _close_up(axes: Axes, recording: SpaceRecording, view: View, row: int) -> No
     axes.set_title(f"{recording.time[row]:.1f} s   {recording.doing[row]}", loc="left", fontsize=9, color=INK)
 
 
-def _pipe(axes: Axes, recording: SpaceRecording, view: View, around: Array | None = None) -> None:
+def _pipe(axes: Axes, recording: SpaceRecording, view: View, around: Floats | None = None) -> None:
     """The far half of the wall, seen from inside, near a point or all of it."""
     from matplotlib.collections import PolyCollection
 

@@ -5,11 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.robots.robot import BASE, RobotSpec
-
-Array = NDArray[np.float64]
 
 
 class ChainPose(NamedTuple):
@@ -21,12 +19,12 @@ class ChainPose(NamedTuple):
         headings: direction of each link, (n, links) [rad].
     """
 
-    joints: Array
-    tip: Array
-    headings: Array
+    joints: Floats
+    tip: Floats
+    headings: Floats
 
 
-def forward(robot: RobotSpec, configuration: Array) -> ChainPose:
+def forward(robot: RobotSpec, configuration: Floats) -> ChainPose:
     """Pose of every link.
 
     Args:
@@ -47,7 +45,7 @@ def forward(robot: RobotSpec, configuration: Array) -> ChainPose:
     return ChainPose(points[:, 0::2].transpose(2, 1, 0), points[:, -1].T, headings.T)
 
 
-def configuration(robot: RobotSpec, q: Array, tip: Array) -> Array:
+def configuration(robot: RobotSpec, q: Floats, tip: Floats) -> Floats:
     """Configurations from joint positions and, of a free robot, the pose of its tip: (n, coordinates).
 
     Args:

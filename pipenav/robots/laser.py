@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.robots.parts import Laser
 
-Array = NDArray[np.float64]
 
-
-def cast(origins: Array, headings: Array, segments: Array) -> Array:
+def cast(origins: Floats, headings: Floats, segments: Floats) -> Floats:
     """True distance along each ray to the nearest wall; inf where it meets none.
 
     Solves `origin + t u = a + s (b - a)` by cross products; a hit has t >= 0 and 0 <= s <= 1.
@@ -36,7 +34,7 @@ def cast(origins: Array, headings: Array, segments: Array) -> Array:
     return np.ascontiguousarray(np.where(hit, t, np.inf).min(axis=0).T)
 
 
-def measure(laser: Laser, distances: Array) -> Array:
+def measure(laser: Laser, distances: Floats) -> Floats:
     """What the sensor returns for true distances: rounded to its resolution, clipped to its range. Any shape [m]."""
     reachable = np.asarray(distances).clip(laser.range_min, laser.range_max)
     return np.asarray((np.rint(reachable / laser.resolution) * laser.resolution).clip(laser.range_min, laser.range_max))

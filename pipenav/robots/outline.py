@@ -5,19 +5,17 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.robots import kinematics
 from pipenav.robots.parts import BoxPart, DiscPart
 from pipenav.robots.robot import RobotSpec
-
-Array = NDArray[np.float64]
 
 DISC_POINTS = 48
 """Points that stand for a disc: chords between them stay within 0.04 mm of a disc of 36 mm."""
 
 
-def link_outlines(robot: RobotSpec, q: Array) -> list[list[Array]]:
+def link_outlines(robot: RobotSpec, q: Floats) -> list[list[Floats]]:
     """For every link the convex polygons of its parts and its wheel, each (n, points, 2) [m] in the robot's frame.
 
     Args:
@@ -37,7 +35,7 @@ def link_outlines(robot: RobotSpec, q: Array) -> list[list[Array]]:
     return outlines
 
 
-def _part_outline(part: BoxPart | DiscPart) -> Array:
+def _part_outline(part: BoxPart | DiscPart) -> Floats:
     """A part's corners in its link's frame, x and y, (2, points) [m], counter-clockwise."""
     if isinstance(part, BoxPart):
         corners = np.array([[-1, 1, 1, -1], [-1, -1, 1, 1]]) / 2 * [[part.length], [part.width]]
@@ -47,7 +45,7 @@ def _part_outline(part: BoxPart | DiscPart) -> Array:
     return np.asarray(corners + np.array([[part.x], [part.y]]))
 
 
-def foremost(robot: RobotSpec, q: Array) -> Array:
+def foremost(robot: RobotSpec, q: Floats) -> Floats:
     """The largest x of any point of the robot, in its own frame, (n,) [m]."""
     polygons = [polygon for link in link_outlines(robot, q) for polygon in link]
     return np.asarray(np.max([polygon[..., 0].max(axis=1) for polygon in polygons], axis=0))

@@ -3,28 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from functools import cached_property
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from numpy.typing import ArrayLike
+from pydantic import Field, model_validator
 
-Array = NDArray[np.float64]
-
-
-class Table(BaseModel):
-    """Frozen and strict; unknown keys are refused."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
-
-    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """A copy that computes its own cached properties."""
-        copied = super().model_copy(update=update, deep=deep)
-        for name in copied.__dict__.keys() - type(self).model_fields.keys():
-            del copied.__dict__[name]
-        return copied
+from pipenav.arrays import Floats, Table
 
 
 class Actuator(Table):
@@ -202,7 +188,7 @@ class Laser(Table):
     resolution: float = Field(gt=0, description="readings are multiples of this [m]")
 
     @cached_property
-    def angles(self) -> Array:
+    def angles(self) -> Floats:
         """Angle of each beam from the tip link's axis, from right to left [rad], (beams,).
 
         Eq 3.16 puts beam 1 on the fan's right edge and the last one a sector short of the left edge; `centred` turns
@@ -214,7 +200,7 @@ class Laser(Table):
         return constant(first + sector * np.arange(self.beams, dtype=float))
 
 
-def constant(values: ArrayLike) -> Array:
+def constant(values: ArrayLike) -> Floats:
     """An array that cannot be written to."""
     array = np.array(values, float)
     array.flags.writeable = False

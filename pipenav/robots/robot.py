@@ -8,15 +8,12 @@ from pathlib import Path
 from typing import Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, Field, ValidationError, model_validator
 
+from pipenav.arrays import Flags, Floats, Table
 from pipenav.errors import ConfigError, FileProblem, UnknownName
-from pipenav.robots.parts import Actuator, Joint, Laser, Link, Roll, Table, Wheel, constant
+from pipenav.robots.parts import Actuator, Joint, Laser, Link, Roll, Wheel, constant
 from pipenav.storage import shipped
-
-Array = NDArray[np.float64]
-
 
 BASE = ("x", "y", "heading")
 """Coordinates of a robot without a mount before its joints': pose of its first link's rear end [m, m, rad]."""
@@ -107,52 +104,52 @@ class RobotSpec(Table):
         return max([link.width for link in self.links] + [wheel.diameter for wheel in self.wheels])
 
     @cached_property
-    def hinges(self) -> NDArray[np.bool_]:
+    def hinges(self) -> Flags:
         """Which joints are hinges, (joints,)."""
         return np.array([joint.type == "hinge" for joint in self.joints])
 
     @cached_property
-    def link_turns(self) -> NDArray[np.bool_]:
+    def link_turns(self) -> Flags:
         """Which links are turned by their joint or, the first one of a free robot, by themselves, (links,)."""
         return np.array([link.joint is None or link.joint.type == "hinge" for link in self.links])
 
     @cached_property
-    def lengths(self) -> Array:
+    def lengths(self) -> Floats:
         """Of the links, (links,) [m]."""
         return constant([link.length for link in self.links])
 
     @cached_property
-    def lower(self) -> Array:
+    def lower(self) -> Floats:
         """Joint limits, (joints,)."""
         return constant([joint.lower for joint in self.joints])
 
     @cached_property
-    def upper(self) -> Array:
+    def upper(self) -> Floats:
         """Joint limits, (joints,)."""
         return constant([joint.upper for joint in self.joints])
 
     @cached_property
-    def speed_limits(self) -> Array:
+    def speed_limits(self) -> Floats:
         """No-load speed of each joint, (joints,) [rad/s or m/s]."""
         return constant([actuator.speed_limit for actuator in self.joint_actuators])
 
     @cached_property
-    def effort_limits(self) -> Array:
+    def effort_limits(self) -> Floats:
         """Stall effort of all that is driven, (drives,) [N m or N]."""
         return constant([actuator.effort_limit for actuator in self.drives])
 
     @cached_property
-    def mirror_signs(self) -> Array:
+    def mirror_signs(self) -> Floats:
         """What a reflection about the first leg's axis does to joint positions: +1 slide, -1 hinge, (joints,)."""
         return constant(np.where(self.hinges, -1.0, 1.0))
 
     @cached_property
-    def mirror_coordinates(self) -> Array:
+    def mirror_coordinates(self) -> Floats:
         """What it does to configurations, (coordinates,)."""
         return constant([*([1.0, -1.0, -1.0] if self.free else []), *self.mirror_signs])
 
     @cached_property
-    def mirror_drives(self) -> Array:
+    def mirror_drives(self) -> Floats:
         """What it does to commands: as to the joints; a wheel's rolling side is the other one, -1, (drives,)."""
         return constant([*self.mirror_signs, *[-1.0] * len(self.wheels)])
 

@@ -8,12 +8,11 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from pipenav.arrays import Flags, Floats, Ints
 from pipenav.backends.messages import Truth
 from pipenav.backends.spatial import SpaceTruth
 from pipenav.pipes.queries import AnyPipe
 from pipenav.robots.robot import RobotSpec
-
-Array = NDArray[np.float64]
 
 
 class StepResult(NamedTuple):
@@ -28,19 +27,19 @@ class StepResult(NamedTuple):
         cut_off: whether the episode ended for want of time alone, so that it might have gone on, (n,).
     """
 
-    observation: Array
-    reward: Array
+    observation: Floats
+    reward: Floats
     verdict: NDArray[np.int8]
-    clearance: Array
+    clearance: Floats
     truth: Truth | SpaceTruth
-    cut_off: NDArray[np.bool_]
+    cut_off: Flags
 
 
 class Sized:
     """How long observations and actions of one robot are: the same question to the batch of every task."""
 
     robot: RobotSpec
-    _scale: Array
+    _scale: Floats
 
     @property
     def observation_size(self) -> int:
@@ -56,7 +55,7 @@ class TaskBatch(Protocol):
 
     robot: RobotSpec
     n: int
-    steps: NDArray[np.intp]
+    steps: Ints
 
     @property
     def pipes(self) -> Sequence[AnyPipe | None]:
@@ -70,11 +69,11 @@ class TaskBatch(Protocol):
     def action_size(self) -> int: ...
 
     @property
-    def q(self) -> Array:
+    def q(self) -> Floats:
         """Configurations in the robot's own frame, (n, coordinates)."""
         ...
 
-    def reset(self, robots: NDArray[np.intp] | None = None) -> Array:
+    def reset(self, robots: Ints | None = None) -> Floats:
         """Start new episodes for some robots (sorted, unique), or all; observations of all robots, (n, size)."""
         ...
 
@@ -82,7 +81,7 @@ class TaskBatch(Protocol):
         """Make the next episodes start at random ages, so that their time-outs do not all fall into one step."""
         ...
 
-    def step(self, action: Array) -> StepResult:
+    def step(self, action: Floats) -> StepResult:
         """One control step of every robot under canonical actions in [-1, 1], (n, action_size)."""
         ...
 

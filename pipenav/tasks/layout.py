@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from pipenav.arrays import Floats
 
 
 class Part(NamedTuple):
@@ -15,4 +12,4 @@ class Part(NamedTuple):
 
     name: str
     unit: str
-    scale: Array
+    scale: Floats

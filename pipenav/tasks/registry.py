@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Discriminator, Tag
 
+from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner_sets import parse_pipes
 from pipenav.pipes.queries import AnyPipe
@@ -24,8 +24,6 @@ from pipenav.tasks.traverse import episode as traverse_episode
 from pipenav.tasks.traverse import observation as traverse_observation
 from pipenav.tasks.traverse.batch import TraverseBatch
 from pipenav.tasks.traverse.config import TraverseConfig
-
-Array = NDArray[np.float64]
 
 
 def _tag(given: Any) -> str:
@@ -58,7 +56,7 @@ class Kind(NamedTuple):
     parse_tried: Callable[[Sequence[str]], Sequence[AnyPipe]]
     check_robot: Callable[[RobotSpec], None]
     layout: Callable[..., list[Part]]
-    action_scale: Callable[..., Array]
+    action_scale: Callable[..., Floats]
     sample: Callable[..., Any]
     batch: Callable[..., TaskBatch]
 
@@ -108,6 +106,6 @@ def reaching(task: TaskConfig | TraverseConfig, who: str) -> TaskConfig:
     raise PipenavError(f"{who} is for a policy that reaches a target around a corner, not for the task {task.kind!r}.")
 
 
-def scale_of(robot: RobotSpec, task: TaskConfig | TraverseConfig) -> Array:
+def scale_of(robot: RobotSpec, task: TaskConfig | TraverseConfig) -> Floats:
     """What each value of the observation is divided by, (size,)."""
     return np.concatenate([part.scale for part in kind_of(task).layout(robot, task)])

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Ints
 from pipenav.pipes.queries import AnyPipe
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.reach import episode
@@ -20,7 +20,7 @@ def random_episodes(
     rng: np.random.Generator,
     stock: int = 1,
     sample: Callable[..., Any] = episode.sample,
-) -> Callable[[NDArray[np.intp]], Any]:
+) -> Callable[[Ints], Any]:
     """Episodes with random starts and targets in random pipes: first a set is drawn, each alike, then a pipe of it.
 
     They are drawn at least `stock` at a time and then dealt out, since hundreds cost hardly more to draw than one;
@@ -43,7 +43,7 @@ def random_episodes(
 
     held, dealt = draw(0), 0
 
-    def source(robots: NDArray[np.intp]) -> Any:
+    def source(robots: Ints) -> Any:
         nonlocal held, dealt
         if dealt + len(robots) > len(held.pipes):
             held, dealt = draw(max(len(robots), stock)), 0

@@ -8,15 +8,13 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Backend
 from pipenav.backends.messages import Command, Control
 from pipenav.backends.registry import check_options, open_backend
 from pipenav.pipes.corner import Pipe
 from pipenav.robots.robot import RobotSpec, load_robot
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -55,10 +53,10 @@ class Bench:
 class Start(NamedTuple):
     """Arguments of `Backend.reset`."""
 
-    robots: NDArray[np.intp]
+    robots: Ints
     pipes: list[Pipe]
-    q: Array
-    base: Array
+    q: Floats
+    base: Floats
 
 
 def starts(bench: Bench, seed: int = 0) -> Start:

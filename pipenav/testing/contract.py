@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD, Backend
 from pipenav.backends.messages import Command
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import Pipe
 from pipenav.robots import kinematics, laser
 from pipenav.testing.bench import Bench, starts
-
-Array = NDArray[np.float64]
 
 LIMIT_SLACK = 0.02
 """Share of a joint's travel by which a backend may overstep its limits: those of simulators are soft."""
@@ -298,13 +296,13 @@ CONTRACT: list[Callable[[Bench], None]] = [
 """Every law; each check raises AssertionError when a backend breaks it."""
 
 
-def _state(subject: Backend) -> dict[str, Array]:
+def _state(subject: Backend) -> dict[str, Floats]:
     """All that a backend tells, by the names of its fields."""
     truth = subject.truth()
     return {**subject.read().measured(), **(truth._asdict() if truth else {})}
 
 
-def _same(one: dict[str, Array], other: dict[str, Array], who: str) -> None:
+def _same(one: dict[str, Floats], other: dict[str, Floats], who: str) -> None:
     for name, values in one.items():
         np.testing.assert_array_equal(values, other[name], err_msg=f"{name} differs between {who}")
 

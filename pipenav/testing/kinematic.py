@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from pipenav.arrays import Floats, Ints
 from pipenav.backends import backend
 from pipenav.backends.backend import CONTROL_PERIOD, Backend
 from pipenav.backends.messages import Command, Reading, Truth
@@ -15,8 +15,6 @@ from pipenav.errors import PipenavError
 from pipenav.pipes.queries import AnyPipe
 from pipenav.robots import kinematics, laser
 from pipenav.robots.robot import RobotSpec
-
-Array = NDArray[np.float64]
 
 
 class KinematicOptions(backend.BackendOptions):
@@ -39,7 +37,7 @@ class KinematicBackend(Backend):
         self._time, self._base = np.zeros(n), np.zeros(n)
         self._segments = np.full((n, wall_segments, 2, 2), np.inf)
 
-    def reset(self, robots: NDArray[np.intp], pipes: Sequence[AnyPipe], q: Array, base: Array) -> Reading:
+    def reset(self, robots: Ints, pipes: Sequence[AnyPipe], q: Floats, base: Floats) -> Reading:
         slots = self._segments.shape[1]
         for i, pipe in zip(robots, pipes, strict=True):
             count = len(pipe.segments)
@@ -72,6 +70,6 @@ class KinematicBackend(Backend):
     def close(self) -> None:
         """There is nothing to release."""
 
-    def _tip(self) -> Array:
+    def _tip(self) -> Floats:
         pose = kinematics.forward(self._robot, self._q)
         return np.concatenate([pose.tip + np.stack([self._base, 0 * self._base], 1), pose.headings[:, -1:]], axis=1)

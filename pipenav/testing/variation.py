@@ -8,14 +8,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Backend, Variable, Variation
 from pipenav.backends.messages import Command
 from pipenav.pipes.corner import Pipe
 from pipenav.testing.bench import Bench, starts
-
-Array = NDArray[np.float64]
 
 WEAKER = 0.8
 """A factor that nobody could miss."""
@@ -140,10 +138,10 @@ def factors(bench: Bench, **given: float) -> Variation:
     return Variation(**{name: np.full(shape, given.get(name, 1.0)) for name, shape in shapes.items()})
 
 
-def _driven(bench: Bench, subject: Backend) -> list[Array]:
+def _driven(bench: Bench, subject: Backend) -> list[Floats]:
     """All that a backend tells while it is driven in both ways from the start."""
     subject.reset(*starts(bench))
-    told: list[Array] = []
+    told: list[Floats] = []
     for command in [*bench.commands(8), *bench.commands(4, "position")]:
         subject.step(command)
         truth = subject.truth()
@@ -151,6 +149,6 @@ def _driven(bench: Bench, subject: Backend) -> list[Array]:
     return told
 
 
-def _require_same(one: list[Array], other: list[Array], robots: NDArray[np.intp]) -> None:
+def _require_same(one: list[Floats], other: list[Floats], robots: Ints) -> None:
     for a, b in zip(one, other, strict=True):
         np.testing.assert_array_equal(a[robots], b[robots], err_msg="robots that were not varied")

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
+from pipenav.arrays import Floats, Table
 from pipenav.errors import ConfigError, FileProblem
 from pipenav.robots.robot import RobotSpec
 from pipenav.units import deg_to_rad, m_to_mm, mm_to_m, rad_to_deg
@@ -24,11 +24,7 @@ PINION_TRAVEL = TRAVEL - 2 * STOP_MARGIN * COUNT
 cannot count turns: it has no reading in 60 of 360 deg."""
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
-
-
-class _Servo(_Table):
+class _Servo(Table):
     joint: str = Field(description="the joint's name in robot.toml")
     id: int = Field(ge=0, le=252, description="the servo's ID")
     sign: Literal[1, -1] = Field(description="1: the joint's positive direction is the servo's counter-clockwise")
@@ -126,7 +122,7 @@ class PinionServo(_Servo):
 Servo = Annotated[HingeServo | PinionServo, Field(discriminator="drive")]
 
 
-class ScannerConfig(_Table):
+class ScannerConfig(Table):
     """The range scanner at the tip."""
 
     driver: Literal["scip2", "realsense"]
@@ -136,14 +132,14 @@ class ScannerConfig(_Table):
     upside_down: bool = Field(False, description="whether its beams run from left to right")
 
 
-class FrontSensorConfig(_Table):
+class FrontSensorConfig(Table):
     """The front distance sensor on its Arduino."""
 
     port: str
     offset_mm: float = Field(0.0, ge=-200, le=200, description="how far the sensor stands behind the tip")
 
 
-class ArmConfig(_Table):
+class ArmConfig(Table):
     """See the module; `docs/hardware.md` explains each key."""
 
     schema_version: Literal[1]
@@ -167,7 +163,7 @@ class ArmConfig(_Table):
         return tuple(servo.id for servo in self.servos)
 
     @property
-    def count_limits(self) -> NDArray[np.float64]:
+    def count_limits(self) -> Floats:
         """Smallest and largest goal of every servo, (servos, 2)."""
         return np.array([servo.count_limits for servo in self.servos], float)
 

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import CONTROL_PERIOD, BackendOptions
 from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.backends.real_robot import Calibrator, Emulated, Finding, Machine, Recoder, Sent
@@ -34,8 +34,6 @@ from pipenav_hardware.scip2 import open_scanner
 from pipenav_hardware.servos import Servos, Told
 from pipenav_hardware.trips import SensorRules, ServoRules
 from pipenav_hardware.watchdog import Watchdog
-
-Array = NDArray[np.float64]
 
 START_TOLERANCE = 0.02
 """Farthest that a joint may be from where `reset` is told that it is [rad or m]: nothing moves on a reset."""
@@ -91,7 +89,7 @@ class HardwareBackend(Machine):
         """Median answer time of the servo bus [s]."""
         return self._servos.latency
 
-    def reset(self, robots: NDArray[np.intp], pipes: Sequence[AnyPipe], q: Array, base: Array) -> Reading:  # noqa: ARG002
+    def reset(self, robots: Ints, pipes: Sequence[AnyPipe], q: Floats, base: Floats) -> Reading:  # noqa: ARG002
         """Switch torque on where the arm is.
 
         Raises:
@@ -329,7 +327,7 @@ class HardwareBackend(Machine):
             self._watchdog.beat()
 
 
-def _beam_filter(robot: RobotSpec, angles: Array, range_min: float, range_max: float) -> BeamFilter:
+def _beam_filter(robot: RobotSpec, angles: Floats, range_min: float, range_max: float) -> BeamFilter:
     return BeamFilter(robot.laser, angles, range_min, range_max)
 
 

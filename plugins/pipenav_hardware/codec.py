@@ -9,8 +9,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.backends import safety
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.messages import Command, Reading
@@ -19,8 +19,6 @@ from pipenav.robots.robot import RobotSpec
 from pipenav_hardware.arm_config import ArmConfig
 from pipenav_hardware.ranging import BeamFilter, RangeScan
 from pipenav_hardware.table import COUNT, COUNTS, SPEED_UNIT, State, decode_state
-
-Array = NDArray[np.float64]
 
 STEP_SLACK = 2
 """Counts by which a goal may be farther than one step from where the servo says it is: its resolution and its play."""
@@ -59,7 +57,7 @@ class Encoded(NamedTuple):
 
     goals: dict[int, tuple[int, int]]
     clamped: tuple[bool, ...]
-    positions: Array
+    positions: Floats
 
 
 class Codec:
@@ -75,15 +73,15 @@ class Codec:
         limits = arm.count_limits
         self.bounds = Bounds(limits[:, 0], limits[:, 1], step, np.full(len(step), float(STEP_SLACK)))
         self.states: list[State | None] = [None] * len(arm.servos)
-        self.last: Array | None = None
-        self._ranges: Array | None = None
+        self.last: Floats | None = None
+        self._ranges: Floats | None = None
         self._implausible = [Repeats(1) for _ in arm.servos]
         self._age = np.zeros(len(arm.servos))  # ticks since each servo's position was last taken over
         self._stuck = Repeats(1)
         self.problem = ""
 
     @property
-    def present(self) -> Array:
+    def present(self) -> Floats:
         """Position counts, (joints,)."""
         return np.array([state.position for state in self.states if state is not None], float)
 
@@ -157,7 +155,7 @@ class Codec:
         goals = {servo: (int(goal), speed) for servo, goal, speed in pairs}
         return Encoded(goals, tuple(map(bool, result.clamped)), self._positions(result.goal))
 
-    def _positions(self, counts: Array) -> Array:
+    def _positions(self, counts: Floats) -> Floats:
         return np.array([servo.to_position(count) for servo, count in zip(self._arm.servos, counts, strict=True)])
 
     def _known(self, i: int) -> int | None:

@@ -14,16 +14,14 @@ from typing import NamedTuple
 
 import numpy as np
 import serial
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.errors import PipenavError
 from pipenav.robots import laser
 from pipenav.robots.parts import Laser
 from pipenav_hardware.arm_config import ScannerConfig
 from pipenav_hardware.ports import port_problem
-
-Array = NDArray[np.float64]
 
 
 class SensorLost(PipenavError):
@@ -56,7 +54,7 @@ class RangeSensor(ABC):
         rejected: scans that came damaged.
     """
 
-    angles: Array
+    angles: Floats
     range_min: float
     range_max: float
     rejected: int
@@ -104,7 +102,7 @@ def late_for_scan(due: float, newest: RangeScan | None) -> float:
     return min(max(late, -MOST_SHIFT), MOST_SHIFT)
 
 
-def mounted(angles: Array, config: ScannerConfig) -> Array:
+def mounted(angles: Floats, config: ScannerConfig) -> Floats:
     """The sensor's own angles as seen from the tip link's axis. Points keep their order; see `BeamFilter`."""
     turned = -angles if config.upside_down else angles
     return np.asarray(turned + math.radians(config.mounting_deg))
@@ -176,7 +174,7 @@ class BeamFilter:
     open pipe by that), so a smallest range that comes from nowhere is not believed for a while.
     """
 
-    def __init__(self, fan: Laser, angles: Array, range_min: float, range_max: float) -> None:
+    def __init__(self, fan: Laser, angles: Floats, range_min: float, range_max: float) -> None:
         self._laser, self._range_min, self._range_max = fan, range_min, range_max
         near = np.abs(angles[None, :] - fan.angles[:, None]) <= NEIGHBOURHOOD  # (beams, points)
         if not near.any(axis=1).all():
@@ -190,7 +188,7 @@ class BeamFilter:
         self._doubted = np.zeros(len(self._windows), int)
         self.all_invalid = False
 
-    def beams(self, scan: RangeScan, front: float | None) -> Array:
+    def beams(self, scan: RangeScan, front: float | None) -> Floats:
         """The robot's beams, (beams,) [m].
 
         Args:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-from numpy.typing import NDArray
-
+from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.safety import Repeats, Stopped
 from pipenav_hardware.arm_config import ArmConfig
@@ -96,7 +94,7 @@ class ServoRules:
                 what = " and ".join(text for _, text, _ in reasons)
                 raise Stopped(cause, f"servo {servo.id} ({servo.joint}) {what}", remedy)
 
-    def check(self, states: Sequence[State | None], goals: NDArray[np.float64] | None) -> None:
+    def check(self, states: Sequence[State | None], goals: Floats | None) -> None:
         """Judge what the servos say of themselves.
 
         Args:

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 import mujoco
 import mujoco.batch
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from pipenav.arrays import Floats, Ints
 from pipenav.backends import backend
 from pipenav.backends.contact_force import Windows, strongest
 from pipenav.backends.messages import Command, Control, Reading, Truth
@@ -22,8 +22,6 @@ from pipenav.robots.robot import BASE, RobotSpec
 from pipenav_mujoco.model import Contact, build_spec
 from pipenav_mujoco.space import MujocoSpace, SpaceSettings
 from pipenav_mujoco.viewer import MujocoViewer
-
-Array = NDArray[np.float64]
 
 
 class MujocoOptions(backend.BackendOptions):
@@ -94,7 +92,7 @@ class MujocoBackend(backend.Backend):
         self._masses = np.tile(model.body_mass, (n, 1))
         self._windows = Windows(self._substeps, model.opt.timestep)
 
-    def reset(self, robots: NDArray[np.intp], pipes: Sequence[AnyPipe], q: Array, base: Array) -> Reading:
+    def reset(self, robots: Ints, pipes: Sequence[AnyPipe], q: Floats, base: Floats) -> Reading:
         walls = wall_boxes(pipes, self._slots, base)
         self._wall_position[robots], self._wall_quaternion[robots] = walls.position, walls.quaternion
         self._wall_half_size[robots], self._segments[robots] = walls.half_size, walls.segments
@@ -127,7 +125,7 @@ class MujocoBackend(backend.Backend):
         self._link_forces = np.zeros_like(self._link_forces)
         self._link_forces[touching] = -strongest(forces)  # the sensors give what the link does to the wall
 
-    def _set_gains(self, robots: slice | NDArray[np.intp]) -> None:
+    def _set_gains(self, robots: slice | Ints) -> None:
         """Make the actuators servos or plain drives; both share the motor's torque-speed line."""
         servo = self._control == "position"
         joints = len(self._joints)
@@ -135,13 +133,13 @@ class MujocoBackend(backend.Backend):
         feedback = -self._stiffness[robots] if servo else np.zeros_like(self._stiffness[robots])
         self._bias[robots, :joints, 1], self._bias[robots, joints:, 2] = feedback[:, :joints], feedback[:, joints:]
 
-    def incline(self, robots: NDArray[np.intp], gravity: Array) -> None:
+    def incline(self, robots: Ints, gravity: Floats) -> None:
         """See `pipenav.backends.backend.Inclinable`."""
         pull = self._batch.bind("xfrc_applied")  # (n, bodies, 6): forces at the centres of mass, then torques
         moving = np.flatnonzero(self._model.body_mocapid < 0)
         pull[np.ix_(robots, moving, np.arange(2))] = self._masses[np.ix_(robots, moving)][..., None] * gravity[:, None]
 
-    def vary(self, robots: NDArray[np.intp], variation: backend.Variation) -> None:
+    def vary(self, robots: Ints, variation: backend.Variation) -> None:
         """See `pipenav.backends.backend.Variable`. Fields become the robots' own when this is first called."""
         batch, model = self._batch, self._model
         links = [model.body(link.name).id for link in self._robot.links]
@@ -157,7 +155,7 @@ class MujocoBackend(backend.Backend):
         batch.expand("actuator_forcerange")[robots] = np.stack([-self._effort[robots], self._effort[robots]], axis=-1)
         self._set_gains(robots)
 
-    def _derive_constants(self, robots: NDArray[np.intp]) -> None:
+    def _derive_constants(self, robots: Ints) -> None:
         """What MuJoCo computes from masses. Bounding volumes must stay those of the longest walls: a reset changes
         walls without computing them anew."""
         walls = self._wall_half_size[robots]
@@ -168,7 +166,7 @@ class MujocoBackend(backend.Backend):
     def read(self) -> Reading:
         return self._reading(np.arange(len(self._time)))
 
-    def _reading(self, robots: NDArray[np.intp]) -> Reading:
+    def _reading(self, robots: Ints) -> Reading:
         wheels = self._speeds[np.ix_(robots, self._wheels)] if self._robot.wheels else None
         q, qd = self._state[np.ix_(robots, self._joints)], self._speeds[np.ix_(robots, self._joints)]
         return Reading(q, qd, self._ranges[robots], self._time[robots].copy(), wheels, self._loads[robots])
@@ -179,7 +177,7 @@ class MujocoBackend(backend.Backend):
             self._pose = kinematics.forward(self._robot, self._state[:, self._configured])
         return self._pose
 
-    def _scan(self, pose: kinematics.ChainPose, segments: Array) -> Array:
+    def _scan(self, pose: kinematics.ChainPose, segments: Floats) -> Floats:
         beams = pose.headings[:, -1:] + self._robot.laser.angles
         return laser.measure(self._robot.laser, laser.cast(pose.tip, beams, segments))
 

@@ -6,14 +6,11 @@ from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from pipenav.backends.wall_boxes import OUTER_THICKNESS, PARKED, WALL_HALF_HEIGHT, wall_boxes
 from pipenav.pipes.corner import Pipe
 from pipenav.robots.parts import Actuator, BoxPart, Joint, Link, Wheel
 from pipenav.robots.robot import BASE, RobotSpec
-
-Array = NDArray[np.float64]
 
 ROBOT, WALL = 1, 2
 """Collision groups: links meet walls only, never each other."""

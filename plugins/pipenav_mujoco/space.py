@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.contact_force import Windows, strongest
 from pipenav.backends.messages import Reading
@@ -22,8 +22,6 @@ from pipenav.robots import laser
 from pipenav.robots.robot import BASE, RobotSpec
 from pipenav_mujoco.model import Contact
 from pipenav_mujoco.space_model import FRONT, WALL_GROUP, space_spec
-
-Array = NDArray[np.float64]
 
 SEEN = np.array([group == WALL_GROUP for group in range(mujoco.mjNGROUP)], np.uint8)
 """Geom groups that beams meet."""
@@ -56,16 +54,14 @@ class MujocoSpace(SpaceBackend):
         settings = self._settings
         return space_spec(self._robot, run, settings.timestep, settings.contact, settings.gravity).compile()
 
-    def reset(
-        self, robots: NDArray[np.intp], runs: Sequence[PipeRun], q: Array, base: Array, plane: Array
-    ) -> SpaceReading:
+    def reset(self, robots: Ints, runs: Sequence[PipeRun], q: Floats, base: Floats, plane: Floats) -> SpaceReading:
         for robot, run, *start in zip(robots, runs, q, base, plane, strict=True):
             world = _World(self._robot, self._compiled(run), self._settings, self._windows)
             world.put(*start)
             self._worlds[robot] = world
         return _readings([world for robot in robots if (world := self._worlds[robot])])
 
-    def step(self, set_points: Array, roll: Array) -> None:
+    def step(self, set_points: Floats, roll: Floats) -> None:
         commands = np.concatenate([set_points, roll[:, None]], axis=1)
         list(self._pool.map(lambda world, command: world.step(command), self._placed(), commands))
 
@@ -108,7 +104,7 @@ class _World:
         self._loads = np.zeros(len(robot.drives))
         self._forces, self._depth, self._share = np.zeros((len(links), 3)), 0.0, 0.0
 
-    def put(self, q: Array, base: float, plane: float) -> None:
+    def put(self, q: Floats, base: float, plane: float) -> None:
         """At rest, its frame turned about the first leg's axis."""
         x, y, heading = q[: len(BASE)]
         turn = about_x(plane)
@@ -120,7 +116,7 @@ class _World:
         mujoco.mj_forward(self._model, self._data)
         self._scan()
 
-    def step(self, command: Array) -> None:
+    def step(self, command: Floats) -> None:
         model, data = self._model, self._data
         data.ctrl[:] = command
         for row in self._record:
@@ -151,11 +147,11 @@ class _World:
         distances = np.array(met)
         self._ranges = laser.measure(self._robot.laser, np.where(distances < 0, np.inf, distances))
 
-    def _axes(self) -> Array:
+    def _axes(self) -> Floats:
         """Of the halves of the divided link, (halves, 3, 3)."""
         return np.asarray(self._data.xmat[self._halves].reshape(HALVES, 3, 3))
 
-    def reading(self) -> tuple[Array, ...]:
+    def reading(self) -> tuple[Floats, ...]:
         """One row of a reading's arrays, in order."""
         data, weight = self._data, self._model.opt.gravity
         down = weight / max(np.linalg.norm(weight), 1e-9)

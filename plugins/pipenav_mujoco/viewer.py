@@ -8,12 +8,9 @@ import warnings
 from typing import Any
 
 import mujoco
-import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
-
-Array = NDArray[np.float64]
 
 NO_DISPLAY = "leave out --live to get a picture, which needs no display"
 
@@ -26,7 +23,7 @@ class MujocoViewer:
         states: live views of the batch's state of one robot, by the names that `MjData` gives them.
     """
 
-    def __init__(self, model: Any, states: dict[str, Array]) -> None:
+    def __init__(self, model: Any, states: dict[str, Floats]) -> None:
         _require_display()
         import mujoco.viewer
 

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from pipenav.arrays import Floats, Ints
 from pipenav.backends import backend
 from pipenav.backends.contact_force import Windows, strongest
 from pipenav.backends.messages import Command, Reading, Truth
@@ -18,8 +18,6 @@ from pipenav.robots import kinematics, laser
 from pipenav.robots.robot import RobotSpec
 from pipenav_pybullet.crew import Crew
 from pipenav_pybullet.world import Motion, Setting, shares
-
-Array = NDArray[np.float64]
 
 
 class PybulletOptions(backend.BackendOptions):
@@ -59,7 +57,7 @@ class PybulletBackend(backend.Backend):
         self._depth, self._contact_share = np.zeros(n), np.zeros(n)
         self._link_forces = np.zeros((n, len(robot.links), 2))
 
-    def reset(self, robots: NDArray[np.intp], pipes: Sequence[AnyPipe], q: Array, base: Array) -> Reading:
+    def reset(self, robots: Ints, pipes: Sequence[AnyPipe], q: Floats, base: Floats) -> Reading:
         for pipe in pipes:
             if len(pipe.segments) > self._slots:
                 raise PipenavError(
@@ -78,7 +76,7 @@ class PybulletBackend(backend.Backend):
         self._depth[robots], self._contact_share[robots], self._link_forces[robots] = 0.0, 0.0, 0.0
         return self.read().part(robots)
 
-    def vary(self, robots: NDArray[np.intp], variation: backend.Variation) -> None:
+    def vary(self, robots: Ints, variation: backend.Variation) -> None:
         """See `pipenav.backends.backend.Variable`."""
         bounds = self._crew.bounds
         orders = [

@@ -12,15 +12,13 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Variation
 from pipenav.backends.messages import Control
 from pipenav.pipes.queries import AnyPipe
 from pipenav.robots.robot import RobotSpec
 from pipenav_pybullet.world import WORLD_SIZE, Motion, Setting, World, shares
-
-Array = NDArray[np.float64]
 
 
 class Share:
@@ -30,7 +28,7 @@ class Share:
         self._bounds = [*range(0, count, WORLD_SIZE), count]
         self._worlds = [World(robot, last - first, setting) for first, last in pairwise(self._bounds)]
 
-    def reset(self, robots: NDArray[np.intp], pipes: list[AnyPipe], q: Array, base: Array) -> Array:
+    def reset(self, robots: Ints, pipes: list[AnyPipe], q: Floats, base: Floats) -> Floats:
         """As `World.reset`."""
         distances = []
         for world, first, rows in zip(self._worlds, self._bounds, shares(robots, self._bounds), strict=False):
@@ -39,12 +37,12 @@ class Share:
                 distances.append(world.reset((robots[rows] - first).tolist(), mine, q[rows], base[rows]))
         return np.concatenate(distances)
 
-    def vary(self, robots: NDArray[np.intp], variation: Variation) -> None:
+    def vary(self, robots: Ints, variation: Variation) -> None:
         """As `World.vary`."""
         for world, first, rows in zip(self._worlds, self._bounds, shares(robots, self._bounds), strict=False):
             world.vary((robots[rows] - first).tolist(), variation.part(rows))
 
-    def step(self, control: Control, values: Array) -> Motion:
+    def step(self, control: Control, values: Floats) -> Motion:
         """As `World.step`."""
         parts = zip(self._worlds, pairwise(self._bounds), strict=True)
         motions = [world.step(control, values[first:last]) for world, (first, last) in parts]

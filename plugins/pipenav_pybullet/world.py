@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import CONTROL_PERIOD, Variation
 from pipenav.backends.messages import Control
 from pipenav.backends.wall_boxes import WALL_HALF_HEIGHT, Edge, wall_boxes
@@ -24,7 +24,6 @@ from pipenav_pybullet.urdf import SLIDES, body, discs, robot_urdf
 with silenced_stderr():  # it tells when it was built
     import pybullet
 
-Array = NDArray[np.float64]
 
 BOXES, WALLS, DISCS, FACES = 1, 2, 4, 8
 """Collision groups: boxes meet walls of boxes, discs meet walls of triangles, and links never meet each other.
@@ -79,16 +78,16 @@ class Motion(NamedTuple):
         contact_share: share of the physics steps with contact, (k,).
     """
 
-    configuration: Array
-    speeds: Array
-    loads: Array
-    distances: Array
-    forces: Array
-    depth: Array
-    contact_share: Array
+    configuration: Floats
+    speeds: Floats
+    loads: Floats
+    distances: Floats
+    forces: Floats
+    depth: Floats
+    contact_share: Floats
 
 
-def shares(robots: NDArray[np.intp], bounds: Sequence[int]) -> list[NDArray[np.intp]]:
+def shares(robots: Ints, bounds: Sequence[int]) -> list[Ints]:
     """Which entries of `robots` (k,) lie between each two of the ascending bounds, the upper one excluded."""
     return [np.flatnonzero((robots >= first) & (robots < last)) for first, last in pairwise(bounds)]
 
@@ -198,7 +197,7 @@ class World:
                     changes |= {"mass": itself.mass, "localInertiaDiagonal": [itself.inertia] * 3}
                 pybullet.changeDynamics(self._arms[i], link, physicsClientId=self._client, **changes)
 
-    def reset(self, arms: Sequence[int], pipes: Sequence[AnyPipe], q: Array, base: Array) -> Array:
+    def reset(self, arms: Sequence[int], pipes: Sequence[AnyPipe], q: Floats, base: Floats) -> Floats:
         """As `Backend.reset`; distances along the beams of those robots, (len(arms), beams)."""
         for row, i in enumerate(arms):
             self._surround(i, pipes[row], base[row])
@@ -261,7 +260,7 @@ class World:
         )
         return shape
 
-    def step(self, control: Control, values: Array) -> Motion:
+    def step(self, control: Control, values: Floats) -> Motion:
         """One control period under commands as `Command` has them."""
         forces = np.zeros((self._k, self._substeps, len(self._robot.links), 2))
         depth, touching = np.zeros(self._k), np.zeros((self._k, self._substeps))
@@ -287,7 +286,7 @@ class World:
             touching.mean(axis=1),
         )
 
-    def _controlled(self) -> Array:
+    def _controlled(self) -> Floats:
         """What the on-board controllers keep: positions of joints, speeds of wheels, (k, drives)."""
         joints = len(self._robot.joints)
         return np.concatenate([self._configuration[:, -joints:], self._speeds[:, joints:]], axis=1)
@@ -299,7 +298,7 @@ class World:
             self._configuration[i] = [state[0] for state in states[: len(self._coordinates)]]
             self._speeds[i] = [state[1] for state in states[len(self._coordinates) :]]
 
-    def _collect_contacts(self, forces: Array, depth: Array, touching: Array) -> None:
+    def _collect_contacts(self, forces: Floats, depth: Floats, touching: Floats) -> None:
         """Add the last physics step's contacts: forces (k, links, 2), depth (k,), touching (k,)."""
         for contact in pybullet.getContactPoints(physicsClientId=self._client):
             _, body_a, body_b, link_a, link_b, _, _, normal, distance, push, drag1, way1, drag2, way2 = contact
@@ -313,7 +312,7 @@ class World:
             depth[i] = max(depth[i], -distance)
             touching[i] = 1.0
 
-    def _distances(self, arms: Sequence[int]) -> Array:
+    def _distances(self, arms: Sequence[int]) -> Floats:
         """Distances along the beams of some robots by Bullet's batch ray test; inf beyond the laser's range."""
         laser = self._robot.laser
         pose = kinematics.forward(self._robot, self._configuration[list(arms)])

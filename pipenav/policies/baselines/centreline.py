@@ -12,8 +12,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import Pipe
 from pipenav.policies.baselines.wall_distance import clearance
@@ -23,8 +23,6 @@ from pipenav.tasks.batch import TaskBatch
 from pipenav.tasks.reach import action
 from pipenav.tasks.reach.batch import CornerBatch
 from pipenav.tasks.reach.config import TaskConfig
-
-Array = NDArray[np.float64]
 
 ENTRY = 0.12
 """How far before the corner the line leaves the first leg's axis [m]: one link of the arm."""
@@ -62,7 +60,7 @@ class Way(NamedTuple):
         score: its smallest clearance [m], less a metre or more where it ends short of the target.
     """
 
-    q: Array
+    q: Floats
     score: float
 
 
@@ -82,9 +80,9 @@ class CentrelineController:
         self.robot = robot
         self.task = task or TaskConfig(control="position")
         self._lines: dict[Pipe, tuple[float, ...]] = {}
-        self._ways: dict[int, tuple[object, Array]] = {}
+        self._ways: dict[int, tuple[object, Floats]] = {}
 
-    def act(self, observation: Array, batch: TaskBatch) -> Array:  # noqa: ARG002  # it knows more than that
+    def act(self, observation: Floats, batch: TaskBatch) -> Floats:  # noqa: ARG002  # it knows more than that
         assert isinstance(batch, CornerBatch)  # its task is no other
         """Canonical actions in [-1, 1], (n, joints)."""
         q, goal, edge = batch.snapshot.q, batch.goal, batch.edge
@@ -95,7 +93,7 @@ class CentrelineController:
                 actions[i] = _towards(self._way(i, pipe, goal[i], edge[i]), q[i], step)
         return actions
 
-    def _way(self, robot: int, pipe: Pipe, goal: Array, edge: Array) -> Array:
+    def _way(self, robot: int, pipe: Pipe, goal: Floats, edge: Floats) -> Floats:
         """The waypoints of one robot's episode, planned when its pipe or its target is new: (k, joints)."""
         key = (pipe, *goal, *edge)
         known = self._ways.get(robot)
@@ -105,7 +103,7 @@ class CentrelineController:
             known = self._ways[robot] = key, self._plan(left, base, goal + np.array([base, 0.0]))
         return known[1]
 
-    def _plan(self, pipe: Pipe, base: float, goal: Array) -> Array:
+    def _plan(self, pipe: Pipe, base: float, goal: Floats) -> Floats:
         if pipe not in self._lines:
             self._lines[pipe] = self._choose_line(pipe)
         way = _follow_line(self.robot, pipe, base, goal, self._lines[pipe])
@@ -125,7 +123,7 @@ class CentrelineController:
         return best
 
 
-def _towards(way: Array, q: Array, step: Array) -> Array:
+def _towards(way: Floats, q: Floats, step: Floats) -> Floats:
     """The action that leads along the waypoints, (joints,): the farthest waypoint within one step, or a part of the way
     to the next one, all joints in proportion."""
     away = np.abs((way - q) / step).max(axis=1)  # (k,)
@@ -136,7 +134,7 @@ def _towards(way: Array, q: Array, step: Array) -> Array:
     return np.asarray((way[target] - q) / step / max(1.0, away[target]))
 
 
-def _follow_line(robot: RobotSpec, pipe: Pipe, base: float, goal: Array, widths: tuple[float, ...]) -> Way:
+def _follow_line(robot: RobotSpec, pipe: Pipe, base: float, goal: Floats, widths: tuple[float, ...]) -> Way:
     """The motion of a chain whose hinges follow the leader along one line, up to where the tip reaches the target.
 
     Args:
@@ -171,7 +169,7 @@ def _follow_line(robot: RobotSpec, pipe: Pipe, base: float, goal: Array, widths:
     return Way(q, room - missing - too_bent)
 
 
-def _line(pipe: Pipe, goal: Array, widths: tuple[float, ...]) -> tuple[Array, int]:
+def _line(pipe: Pipe, goal: Floats, widths: tuple[float, ...]) -> tuple[Floats, int]:
     """The line around a left turn's corner, (p, 2) [m], and the index of the point at the target."""
     before, at, after = pipe.diameter * np.array(widths)
     turn = math.pi - pipe.angle
@@ -192,7 +190,7 @@ def _line(pipe: Pipe, goal: Array, widths: tuple[float, ...]) -> tuple[Array, in
     return np.concatenate([start, entry, corner, leave, past]), 1 + 3 * LINE_POINTS
 
 
-def reach(line: Array, hinge: Array, at: Array, length: float) -> tuple[Array, Array]:
+def reach(line: Floats, hinge: Floats, at: Floats, length: float) -> tuple[Floats, Floats]:
     """Where a link from each hinge (k, 2) meets the line farther on: points (k, 2), places on the line (k,).
 
     A place is an index with a fraction; the link starts at place `at`.
@@ -209,7 +207,7 @@ def reach(line: Array, hinge: Array, at: Array, length: float) -> tuple[Array, A
     return a + t[:, None] * d, i - 1 + t
 
 
-def _improve(robot: RobotSpec, pipe: Pipe, base: float, goal: Array, q: Array) -> Array:
+def _improve(robot: RobotSpec, pipe: Pipe, base: float, goal: Floats, q: Floats) -> Floats:
     """More clearance where it is below `WIDE_ENOUGH`, by small changes of one hinge at a time: (k, joints).
 
     Every other waypoint moves in a round, so that each can count on its neighbours. The first one, where the robot

@@ -14,8 +14,8 @@ import math
 from enum import IntEnum
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import Pipe
 from pipenav.pipes.queries import single_corner
@@ -26,8 +26,6 @@ from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.batch import TaskBatch
 from pipenav.tasks.traverse.batch import TraverseBatch
 from pipenav.tasks.traverse.config import TraverseConfig
-
-Array = NDArray[np.float64]
 
 SPEED = 0.8
 """Rolling speed where the joints need not bend, as a share of the wheels' no-load speed."""
@@ -96,12 +94,12 @@ class _Course:
     def __init__(self) -> None:
         self.phase, self.since, self.start = Phase.CLAMP_REAR, 0, 0.0
         self.ahead: Poses | None = None
-        self.rows: list[Array] = []
+        self.rows: list[Floats] = []
 
     def begin(self, phase: Phase) -> None:
         self.phase, self.since = phase, 0
 
-    def keep(self, along: float, bends: Array) -> None:
+    def keep(self, along: float, bends: Floats) -> None:
         if not self.rows or along >= self.rows[-1][0] + APART:
             self.rows.append(np.array([along, *bends]))
 
@@ -135,7 +133,7 @@ class SequenceController:
         """What each robot is doing."""
         return [course.phase for course in self._courses]
 
-    def act(self, observation: Array, batch: TaskBatch) -> Array:
+    def act(self, observation: Floats, batch: TaskBatch) -> Floats:
         """Canonical actions in [-1, 1], (n, drives).
 
         Raises:
@@ -167,8 +165,8 @@ class SequenceController:
         return self._corners[left]
 
     def _drive(
-        self, course: _Course, pipe: Pipe, observation: Array, bends: Array, points: Array, along: Array
-    ) -> Array:
+        self, course: _Course, pipe: Pipe, observation: Floats, bends: Floats, points: Floats, along: Floats
+    ) -> Floats:
         """One robot's action, (drives,), after it has gone on to its next phase where it is ready to.
 
         Args:
@@ -194,7 +192,7 @@ class SequenceController:
             course.keep(float(along[3]), _pose(corner, bends))
         return np.concatenate([step, speed * _forwards(pipe, bends, points[1:-1])])
 
-    def _go_on(self, course: _Course, corner: Corner, pipe: Pipe, bends: Array, points: Array, along: Array) -> None:
+    def _go_on(self, course: _Course, corner: Corner, pipe: Pipe, bends: Floats, points: Floats, along: Floats) -> None:
         """Begin the next phase where this one is done."""
         phase = course.phase
         if phase in CLAMPING:
@@ -216,7 +214,7 @@ class SequenceController:
             elif course.phase is Phase.FRONT_ON:
                 course.ahead = corner.onto_line(float(along[3]), _pose(corner, bends), float(along[-1]))
 
-    def _set_points(self, course: _Course, corner: Corner, along: Array) -> Array:
+    def _set_points(self, course: _Course, corner: Corner, along: Floats) -> Floats:
         """Joint angles that a robot in this phase shall have in a left turn, (6,) [rad]."""
         steep, phase = corner.steep, course.phase
         clamped = np.array([steep, -2 * steep, steep])
@@ -236,7 +234,7 @@ class SequenceController:
         return np.array([*clamped[:2], steep + middle, *moving])
 
 
-def _forwards(pipe: Pipe, bends: Array, wheels: Array) -> Array:
+def _forwards(pipe: Pipe, bends: Floats, wheels: Floats) -> Floats:
     """Which actions roll the wheels forwards on the wall that each is nearest to, +1 or -1, (wheels,).
 
     An action takes a wheel for standing on the outside of its bend. One that is led past the inner edge is not.
@@ -252,7 +250,7 @@ def _forwards(pipe: Pipe, bends: Array, wheels: Array) -> Array:
     return np.where((offset > 0) == (bends < 0), 1.0, -1.0)
 
 
-def _pose(corner: Corner, bends: Array) -> Array:
+def _pose(corner: Corner, bends: Floats) -> Floats:
     """As `Poses.bends`, (4,), of a robot whose rear half clamps."""
     return np.array([bends[2] - corner.steep, *bends[HINGES]])
 

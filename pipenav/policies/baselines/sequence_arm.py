@@ -7,8 +7,8 @@ lengths that the policy sees are divided by the ratio of the two reaches, and le
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import Pipe
@@ -19,8 +19,6 @@ from pipenav.tasks.reach.observation import Snapshot, observe, scale_of
 from pipenav.tasks.registry import kind_of, reaching
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.observation import action_scale
-
-Array = NDArray[np.float64]
 
 SLOWER = 0.7
 """What the slide's steps are multiplied by, besides: the whole robot's joints are half as fast as the arm's."""
@@ -63,16 +61,16 @@ class FrontArm:
         rim = full[-1] * robot.wheels[DRIVING].radius * CONTROL_PERIOD  # way of a wheel at full speed in a step [m]
         self._step = np.array([SLOWER * self._scale * step[0] / rim, *(step[1:] / full[HINGES])])
 
-    def target(self, pipe: Pipe) -> Array:
+    def target(self, pipe: Pipe) -> Floats:
         """Where the front half's tip shall go: the middle of the arm's target area, in a left turn, (2,) [m]."""
         left = pipe.model_copy(update={"turn": "left"})
         return (pipe.inner_edge + self._scale * sum(self._task.target_depth) / 2) * left.second_leg
 
-    def reached(self, tip: Array, target: Array) -> bool:
+    def reached(self, tip: Floats, target: Floats) -> bool:
         """Whether the tip is as near to the target as the arm's task asks for; both (2,) [m]."""
         return bool(np.hypot(*(tip - target)) <= self._task.reach_tolerance)
 
-    def act(self, observation: Array, points: Array, target: Array, start: float) -> Array:
+    def act(self, observation: Floats, points: Floats, target: Floats, start: float) -> Floats:
         """Actions of the whole robot: the wheels' speed and the front half's joints, (1 + 3,).
 
         Args:

@@ -6,14 +6,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.pipes.corner import BEND_RADIUS_MAX_MM, Pipe
 from pipenav.policies.baselines.centreline import reach
 from pipenav.robots.robot import RobotSpec
 from pipenav.units import mm_to_m
-
-Array = NDArray[np.float64]
 
 PRESS = 0.10
 """How far beyond a clamp's bend the set-point of its middle joint is [rad]: more than half of the joint's effort."""
@@ -34,10 +32,10 @@ class Poses(NamedTuple):
             robot outwards, (k, 4) [rad].
     """
 
-    along: Array
-    bends: Array
+    along: Floats
+    bends: Floats
 
-    def at(self, along: float) -> Array:
+    def at(self, along: float) -> Floats:
         """Angles where the clamped half has come to `along`, (4,); beyond the ends those of the ends."""
         return np.array([np.interp(along, self.along, column) for column in self.bends.T])
 
@@ -56,10 +54,10 @@ class Corner(NamedTuple):
     steep: float
     slant: float
     line: Poses
-    tip: Array
+    tip: Floats
     edge: float
 
-    def onto_line(self, along: float, bends: Array, tip: float) -> Poses:
+    def onto_line(self, along: float, bends: Floats, tip: float) -> Poses:
         """Poses that lead from any one to the line, on which its end is no farther back than it is now.
 
         Args:
@@ -90,7 +88,7 @@ def plan(robot: RobotSpec, pipe: Pipe) -> Corner:
     return Corner(steep, slant, line, tip, pipe.inner_edge)
 
 
-def _follow_line(robot: RobotSpec, pipe: Pipe, room: float) -> tuple[Poses, Array]:
+def _follow_line(robot: RobotSpec, pipe: Pipe, room: float) -> tuple[Poses, Floats]:
     """Poses with the front half's joints and its tip on the line, and where the tip is along the pipe."""
     line = _line(robot, pipe, max(room - SPARE, 0.0))
     along = np.linspace(-pipe.inner_edge - REACH, 0.0, WAY_POINTS)
@@ -108,7 +106,7 @@ def _follow_line(robot: RobotSpec, pipe: Pipe, room: float) -> tuple[Poses, Arra
     return Poses(along[kept], np.stack(bends, axis=1)[kept]), pipe.centre_line_distance(ends[-1])[kept]
 
 
-def _line(robot: RobotSpec, pipe: Pipe, lane: float) -> Array:
+def _line(robot: RobotSpec, pipe: Pipe, lane: float) -> Floats:
     """The line at `lane` from the centre line, on the outer side, (p, 2) [m]."""
     chord = float(robot.lengths[3])
     half_turn = (math.pi - pipe.angle) / 2

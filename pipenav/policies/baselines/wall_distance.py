@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.pipes.corner import Pipe
 from pipenav.robots import kinematics
 from pipenav.robots.kinematics import ChainPose
 from pipenav.robots.parts import BoxPart, DiscPart
 from pipenav.robots.robot import RobotSpec
 
-Array = NDArray[np.float64]
 
-
-def clearance(robot: RobotSpec, pipe: Pipe, q: Array, base: float) -> Array:
+def clearance(robot: RobotSpec, pipe: Pipe, q: Floats, base: float) -> Floats:
     """Smallest signed distance of any link or wheel to any wall, (...) [m]; negative where they overlap.
 
     The outer wall bounds a convex space: every point of a part is on the near side of each of its lines. The inner wall
@@ -37,7 +35,7 @@ def clearance(robot: RobotSpec, pipe: Pipe, q: Array, base: float) -> Array:
     return np.asarray(np.min(distances, axis=0).reshape(q.shape[:-1]))
 
 
-def _place(chain: ChainPose, link: int, part: BoxPart | DiscPart, base: float) -> tuple[Array, Array, Array]:
+def _place(chain: ChainPose, link: int, part: BoxPart | DiscPart, base: float) -> tuple[Floats, Floats, Floats]:
     """Middle of a part in the pipe's frame and unit vectors along and across its link, (p, 2) each."""
     heading = chain.headings[:, link]
     along = np.stack([np.cos(heading), np.sin(heading)], axis=1)
@@ -45,7 +43,7 @@ def _place(chain: ChainPose, link: int, part: BoxPart | DiscPart, base: float) -
     return chain.joints[:, link] + [base, 0.0] + part.x * along + part.y * across, along, across
 
 
-def _box_clearance(pipe: Pipe, middle: Array, along: Array, across: Array, part: BoxPart) -> Array:
+def _box_clearance(pipe: Pipe, middle: Floats, along: Floats, across: Floats, part: BoxPart) -> Floats:
     half = np.array([part.length, part.width]) / 2
     signs = np.array([[-1, -1], [-1, 1], [1, 1], [1, -1]]) * half
     corners = middle[:, None] + signs[:, :1] * along[:, None] + signs[:, 1:] * across[:, None]  # (p, 4, 2)
@@ -60,7 +58,7 @@ def _box_clearance(pipe: Pipe, middle: Array, along: Array, across: Array, part:
     return np.asarray(np.minimum(outer, np.maximum(inner, apart.max(axis=1))))
 
 
-def _disc_clearance(pipe: Pipe, middle: Array, part: DiscPart) -> Array:
+def _disc_clearance(pipe: Pipe, middle: Floats, part: DiscPart) -> Floats:
     lines = _inside(middle, pipe.segments)  # (p, segments)
     count = len(pipe.walls.outer) - 1
     start, end = pipe.segments[count:, 0], pipe.segments[count:, 1]
@@ -72,7 +70,7 @@ def _disc_clearance(pipe: Pipe, middle: Array, part: DiscPart) -> Array:
     return np.asarray(np.minimum(lines[:, :count].min(axis=1), inner) - part.diameter / 2)
 
 
-def _inside(points: Array, segments: Array) -> Array:
+def _inside(points: Floats, segments: Floats) -> Floats:
     """Distance of points (..., 2) to the lines of segments (s, 2, 2), positive on their left: (..., s)."""
     d = segments[:, 1] - segments[:, 0]
     normal = np.stack([-d[:, 1], d[:, 0]], axis=1) / np.linalg.norm(d, axis=1, keepdims=True)

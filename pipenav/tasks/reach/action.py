@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.backends.messages import Command
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.reach.config import TaskConfig
 from pipenav.tasks.reach.observation import joint_signs
 
-Array = NDArray[np.float64]
 
-
-def to_command(robot: RobotSpec, config: TaskConfig, action: Array, q: Array, side: Array) -> Command:
+def to_command(robot: RobotSpec, config: TaskConfig, action: Floats, q: Floats, side: Floats) -> Command:
     """The command for canonical actions.
 
     Args:
@@ -30,11 +28,11 @@ def to_command(robot: RobotSpec, config: TaskConfig, action: Array, q: Array, si
     return Command("position", np.clip(goal, robot.lower, robot.upper))
 
 
-def full_action(robot: RobotSpec, config: TaskConfig) -> Array:
+def full_action(robot: RobotSpec, config: TaskConfig) -> Floats:
     """What a full action is: an effort at standstill, or a set-point step, (joints,)."""
     return robot.effort_limits if config.control == "torque" else position_step(robot, config)
 
 
-def position_step(robot: RobotSpec, config: TaskConfig) -> Array:
+def position_step(robot: RobotSpec, config: TaskConfig) -> Floats:
     """The set-point change of a full action, (joints,) [rad or m]."""
     return config.alpha * np.where(robot.hinges, 1.0, config.slide_unit)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Backend
 from pipenav.backends.messages import Truth
 from pipenav.pipes.corner import Pipe
@@ -18,10 +19,7 @@ from pipenav.tasks.reach import episode, observation, reward
 from pipenav.tasks.reach.config import TaskConfig
 from pipenav.tasks.reach.episode import Episodes
 
-Array = NDArray[np.float64]
-
-
-EpisodeSource = Callable[[NDArray[np.intp]], Episodes]
+EpisodeSource = Callable[[Ints], Episodes]
 """Given the robots that start anew, their next episodes."""
 
 
@@ -53,17 +51,17 @@ class CornerBatch(Sized):
         )
 
     @property
-    def goal(self) -> Array:
+    def goal(self) -> Floats:
         """Targets in the canonical frame, (n, 2) [m]."""
         return self._goal.copy()
 
     @property
-    def edge(self) -> Array:
+    def edge(self) -> Floats:
         """Where the inner wall starts to bend, in the canonical frame, (n, 2) [m]."""
         return self._edge.copy()
 
     @property
-    def q(self) -> Array:
+    def q(self) -> Floats:
         """Joint positions in the robot's own frame, (n, joints)."""
         return self._own_q.copy()
 
@@ -72,7 +70,7 @@ class CornerBatch(Sized):
         """This step's readings in the canonical frame."""
         return self._now
 
-    def reset(self, robots: NDArray[np.intp] | None = None) -> Array:
+    def reset(self, robots: Ints | None = None) -> Floats:
         """Start new episodes for some robots (sorted, unique), or all; observations of all robots, (n, size)."""
         robots = np.arange(self.n) if robots is None else np.asarray(robots, np.intp)
         episodes = self._source(robots)
@@ -96,7 +94,7 @@ class CornerBatch(Sized):
         """Make the next episodes start at random ages, so that their time-outs do not all fall into one step."""
         self._ages = rng.integers(0, self.config.max_steps // 2, self.n)
 
-    def step(self, action: Array) -> StepResult:
+    def step(self, action: Floats) -> StepResult:
         """One control step of every robot.
 
         Args:

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from pipenav.arrays import Table
 from pipenav.backends.messages import Control
 
 TargetReward = Literal["linear", "huber", "log"]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
-
-
-class RewardConfig(_Table):
+class RewardConfig(Table):
     """Weights of the reward's terms: first the thesis's (eq 3.12, 3.15), then ours, which are off by default."""
 
     target: TargetReward = Field("log", description="target term: eq 3.6 linear, 3.7 huber or 3.8 log")
@@ -35,7 +32,7 @@ class RewardConfig(_Table):
     scale: float = Field(1.0, gt=0, description="factor on the sum, for the learner's sake")
 
 
-class TaskConfig(_Table):
+class TaskConfig(Table):
     """The corner task."""
 
     kind: Literal["reach"] = "reach"

@@ -7,16 +7,14 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Flags, Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import Pipe
 from pipenav.pipes.queries import AnyPipe
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.reach.config import TaskConfig
 from pipenav.units import m_to_mm
-
-Array = NDArray[np.float64]
 
 
 class Episodes(NamedTuple):
@@ -32,11 +30,11 @@ class Episodes(NamedTuple):
     """
 
     pipes: tuple[Pipe, ...]
-    q: Array
-    base: Array
-    side: Array
-    goal: Array
-    edge: Array
+    q: Floats
+    base: Floats
+    side: Floats
+    goal: Floats
+    edge: Floats
 
     def part(self, which: slice) -> Episodes:
         """Some of the episodes."""
@@ -98,7 +96,7 @@ def check_fits(robot: RobotSpec, pipes: Sequence[AnyPipe]) -> None:
             )
 
 
-def _room(robot: RobotSpec, bend: Array, radius: Array) -> Array:
+def _room(robot: RobotSpec, bend: Floats, radius: Floats) -> Floats:
     """Factor in [0, 1] on start angles that keeps the robot off the walls, (k,).
 
     Every hinge swings the rest of the robot sideways by at most its angle times the length that follows it.
@@ -109,7 +107,7 @@ def _room(robot: RobotSpec, bend: Array, radius: Array) -> Array:
     return np.asarray(np.clip(free / np.maximum(sideways, 1e-9), 0.0, 1.0))
 
 
-def _second_leg(turn: Array) -> tuple[Array, Array]:
+def _second_leg(turn: Floats) -> tuple[Floats, Floats]:
     """Directions along the second leg and to its left, as a left turn by `turn` (k,), (k, 2) each."""
     along = np.stack([np.cos(turn), np.sin(turn)], axis=1)
     return along, np.stack([-along[:, 1], along[:, 0]], axis=1)
@@ -119,7 +117,7 @@ INSIDE_WALL = np.deg2rad(165.0)
 """A heading from the inner edge that lies in every pipe's wall: that fills pi - angle to pi, with angle >= 30 deg."""
 
 
-def way_to_goal(tip: Array, goal: Array, edge: Array) -> Array:
+def way_to_goal(tip: Floats, goal: Floats, edge: Floats) -> Floats:
     """Length of the way from the tip to the target: straight, or around the inner edge where that is in between.
 
     Seen from the edge, the free space is a wedge; the wall is in between when tip and target lie more than a half turn
@@ -136,7 +134,7 @@ def way_to_goal(tip: Array, goal: Array, edge: Array) -> Array:
     return np.asarray(np.where(goal_turn - tip_turn > np.pi, tip_distance + goal_distance, straight))
 
 
-def at_limit(robot: RobotSpec, config: TaskConfig, q: Array) -> NDArray[np.bool_]:
+def at_limit(robot: RobotSpec, config: TaskConfig, q: Floats) -> Flags:
     """Whether any joint has hit its limit, (n,)."""
     margin = config.limit_margin * (robot.upper - robot.lower)
     return np.asarray(((q <= robot.lower + margin) | (q >= robot.upper - margin)).any(axis=1))

@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats, Ints
 from pipenav.backends.messages import Reading
 from pipenav.robots import kinematics
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.layout import Part
 from pipenav.tasks.reach.config import TaskConfig
-
-Array = NDArray[np.float64]
 
 POSITION_SCALE = 0.5
 """Positions are observed in units of this [m]: about the robot's reach, so that values stay near [-1, 1]."""
@@ -32,23 +30,23 @@ class Snapshot(NamedTuple):
         heading: of the last link, (n,) [rad].
     """
 
-    q: Array
-    qd: Array
-    ranges: Array
-    tip: Array
-    heading: Array
+    q: Floats
+    qd: Floats
+    ranges: Floats
+    tip: Floats
+    heading: Floats
 
-    def part(self, robots: NDArray[np.intp]) -> Snapshot:
+    def part(self, robots: Ints) -> Snapshot:
         """The snapshot of some robots, k of them."""
         return Snapshot(*(column[robots] for column in self))
 
-    def put(self, robots: NDArray[np.intp], part: Snapshot) -> None:
+    def put(self, robots: Ints, part: Snapshot) -> None:
         """Make some robots' rows those of `part`, in place."""
         for column, rows in zip(self, part, strict=True):
             column[robots] = rows
 
 
-def canonical(robot: RobotSpec, reading: Reading, side: Array) -> Snapshot:
+def canonical(robot: RobotSpec, reading: Reading, side: Floats) -> Snapshot:
     """Readings as if every turn were a left turn.
 
     Args:
@@ -63,7 +61,7 @@ def canonical(robot: RobotSpec, reading: Reading, side: Array) -> Snapshot:
     return Snapshot(q, reading.qd * signs, ranges, pose.tip, pose.headings[:, -1])
 
 
-def joint_signs(robot: RobotSpec, side: Array) -> Array:
+def joint_signs(robot: RobotSpec, side: Floats) -> Floats:
     """Factor on joint positions, speeds and actions that turns them into the canonical frame or back, (n, joints)."""
     return np.where(side[:, None] > 0, 1.0, robot.mirror_signs)
 
@@ -89,7 +87,7 @@ def layout(robot: RobotSpec, config: TaskConfig) -> list[Part]:
     return [q, qd, scans, *before, action, tip, goal]
 
 
-def observe(config: TaskConfig, now: Snapshot, before: Snapshot, action_before: Array, goal: Array) -> Array:
+def observe(config: TaskConfig, now: Snapshot, before: Snapshot, action_before: Floats, goal: Floats) -> Floats:
     """Unscaled observation, (n, size): eq 3.1 `[q, qd, p_ee, p_goal, D]`, eq 3.2 with the step before, or
     `relative`, of which `relative-history` also has the scan before and the last action.
 
@@ -115,13 +113,13 @@ def observe(config: TaskConfig, now: Snapshot, before: Snapshot, action_before: 
     )
 
 
-def _in_tip_frame(vector: Array, heading: Array) -> Array:
+def _in_tip_frame(vector: Floats, heading: Floats) -> Floats:
     """World vectors (n, 2) in frames turned by `heading` (n,)."""
     cos, sin = np.cos(heading), np.sin(heading)
     x, y = vector[:, 0], vector[:, 1]
     return np.array([cos * x + sin * y, cos * y - sin * x]).T
 
 
-def scale_of(robot: RobotSpec, config: TaskConfig) -> Array:
+def scale_of(robot: RobotSpec, config: TaskConfig) -> Floats:
     """What each value of the observation is divided by, (size,)."""
     return np.concatenate([part.scale for part in layout(robot, config)])

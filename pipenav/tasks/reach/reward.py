@@ -5,11 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Flags, Floats
 from pipenav.tasks.reach.config import RewardConfig
-
-Array = NDArray[np.float64]
 
 LOG_SLOPE, LOG_OFFSET = 50.0, 0.1
 """alpha [1/m] and c of eq 3.8, from eq 3.9."""
@@ -35,39 +33,39 @@ class StepFacts(NamedTuple):
         failed: whether the step ended at a joint limit or in a wall, (n,).
     """
 
-    error: Array
-    ranges: Array
-    joint_change: Array
-    progress: Array
-    contact_force: Array
-    penetration: Array
-    reached: NDArray[np.bool_]
-    failed: NDArray[np.bool_]
+    error: Floats
+    ranges: Floats
+    joint_change: Floats
+    progress: Floats
+    contact_force: Floats
+    penetration: Floats
+    reached: Flags
+    failed: Flags
 
 
-def target_linear(error: Array) -> Array:
+def target_linear(error: Floats) -> Floats:
     """Eq 3.6."""
     return -error
 
 
-def target_huber(error: Array) -> Array:
+def target_huber(error: Floats) -> Floats:
     """Eq 3.7, as the negative of the Huber loss on both branches (as printed, the outer branch lacks its sign)."""
     inner = -0.5 * error**2
     outer = -(HUBER_DELTA * error - 0.5 * HUBER_DELTA**2)
     return np.asarray(np.where(error <= HUBER_DELTA, inner, outer))
 
 
-def target_log(error: Array) -> Array:
+def target_log(error: Floats) -> Floats:
     """Eq 3.8 with eq 3.9."""
     return np.asarray(-np.log(LOG_SLOPE * error + LOG_OFFSET) + np.log(LOG_OFFSET))
 
 
-def laser(ranges: Array, beta: float, d0: float) -> Array:
+def laser(ranges: Floats, beta: float, d0: float) -> Floats:
     """Eq 3.10, (n, beams) -> (n,)."""
     return np.asarray(-1.0 / (beta * ranges.min(axis=1) + d0))
 
 
-def joint_change(change: Array) -> Array:
+def joint_change(change: Floats) -> Floats:
     """Eq 3.14."""
     return np.asarray(-1.0 / (JOINT_SLOPE * change + JOINT_OFFSET))
 
@@ -75,7 +73,7 @@ def joint_change(change: Array) -> Array:
 TARGET_TERMS = {"linear": target_linear, "huber": target_huber, "log": target_log}
 
 
-def total(config: RewardConfig, facts: StepFacts) -> Array:
+def total(config: RewardConfig, facts: StepFacts) -> Floats:
     """Eq 3.12 (c3 = 0) and eq 3.15, and our own terms where their weights are not zero: (n,)."""
     reward = np.full(len(facts.error), config.step)
     if config.c1:

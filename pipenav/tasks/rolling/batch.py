@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats, Ints
 from pipenav.backends.spatial import SpaceBackend, SpaceReading, SpaceTruth
 from pipenav.pipes.queries import inner_edges
 from pipenav.pipes.route import PipeRun
@@ -24,8 +24,6 @@ from pipenav.tasks.traverse import observation
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import TraverseEpisodes
 from pipenav.tasks.traverse.outcome import Judge, reward
-
-Array = NDArray[np.float64]
 
 LIMIT_FACTOR = 2
 """How many times as long as in the plane an episode may take: straights are longer, and rolling takes 10 to 20 s."""
@@ -44,7 +42,7 @@ class SpaceBatch(Sized):
         config: TraverseConfig,
         backend: SpaceBackend,
         n: int,
-        source: Callable[[NDArray[np.intp]], TraverseEpisodes],
+        source: Callable[[Ints], TraverseEpisodes],
     ) -> None:
         check_robot(robot)
         self.robot, self.config, self.n = robot, config, n
@@ -62,7 +60,7 @@ class SpaceBatch(Sized):
         return [self._runs[i] for i in range(self.n)]
 
     @property
-    def q(self) -> Array:
+    def q(self) -> Floats:
         """Joint positions, after zeros where a configuration in the plane has the base's pose, (n, coordinates)."""
         return np.concatenate([np.zeros((self.n, len(BASE))), self._backend.read().body.q], axis=1)
 
@@ -75,7 +73,7 @@ class SpaceBatch(Sized):
         """Where the robots are; no policy knows it."""
         return self._backend.truth()
 
-    def reset(self, robots: NDArray[np.intp] | None = None) -> Array:
+    def reset(self, robots: Ints | None = None) -> Floats:
         """Start new episodes for some robots (sorted, unique), or all, the first time all of them."""
         robots = np.arange(self.n) if robots is None else np.asarray(robots, np.intp)
         episodes = self._source(robots)
@@ -94,7 +92,7 @@ class SpaceBatch(Sized):
     def stagger(self, rng: np.random.Generator) -> None:
         """Nothing: it is for training, and nobody trains here."""
 
-    def step(self, action: Array) -> StepResult:
+    def step(self, action: Floats) -> StepResult:
         """One control step of every robot.
 
         Args:
@@ -121,15 +119,15 @@ class SpaceBatch(Sized):
         self._backend.close()
 
     @property
-    def _side(self) -> Array:
+    def _side(self) -> Floats:
         return np.array([self._pilots[i].side for i in range(self.n)])
 
-    def _observe(self, reading: SpaceReading) -> Array:
+    def _observe(self, reading: SpaceReading) -> Floats:
         alone = np.zeros((self.n, 2))  # every corner is taken by itself, wherever the ones beside it turn
         down = None if self.config.inclination_deg is None else reading.down[:, FRONT, :2]
         seen = observation.observe(self.robot, reading.body, self._action, self._side, alone, down)
         return np.asarray(seen / self._scale)
 
-    def _along(self) -> Array:
+    def _along(self) -> Floats:
         points = self._backend.truth().points
         return np.array([run.along(place) for run, place in zip(self.pipes, points, strict=True)])

@@ -9,14 +9,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.errors import PipenavError
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.traverse.observation import STRAIGHT
-
-Array = NDArray[np.float64]
 
 HALF = 3
 """Bending joints, and wheels, of either half."""
@@ -64,17 +62,17 @@ def steepness(robot: RobotSpec, radius: float) -> float:
     return math.asin(min(2 * room(robot, radius) / float(robot.lengths[HALF]), 0.999))
 
 
-def nearest(bends: Array) -> float:
+def nearest(bends: Floats) -> float:
     """Which of the two zigzags the joints are nearer to: `third`."""
     return 1.0 if float(bends @ ZIGZAG) >= 0 else -1.0
 
 
-def forwards(bends: Array) -> Array:
+def forwards(bends: Floats) -> Floats:
     """Which way round each wheel rolls forwards, (6,): its bend presses it to the wall on the outside."""
     return -np.clip(bends / STRAIGHT, -1.0, 1.0)
 
 
-def rolled(robot: RobotSpec, bends: Array, wheel_speeds: Array) -> float:
+def rolled(robot: RobotSpec, bends: Floats, wheel_speeds: Floats) -> float:
     """How far the wheels rolled forwards in a control period, their median, as some may slip [m]."""
     return CONTROL_PERIOD * robot.wheels[0].radius * float(np.median(wheel_speeds * forwards(bends)))
 
@@ -88,7 +86,7 @@ class Drive:
     """
 
     def __init__(
-        self, robot: RobotSpec, radius: float, bends: Array, set_points: Array, direction: float = 1.0
+        self, robot: RobotSpec, radius: float, bends: Floats, set_points: Floats, direction: float = 1.0
     ) -> None:
         self._robot, self.third, self.gone = robot, nearest(bends), 0.0
         self._goal = self.third * steepness(robot, radius) * ZIGZAG
@@ -102,7 +100,7 @@ class Drive:
         """Whether its set-points have arrived, and the joints at them."""
         return self._near and bool(np.allclose(self._set_points, self._goal))
 
-    def act(self, bends: Array, wheel_speeds: Array) -> Array:
+    def act(self, bends: Floats, wheel_speeds: Floats) -> Floats:
         """Set-points of joints and wheels for one control period, (12,).
 
         Args:

@@ -10,13 +10,11 @@ from __future__ import annotations
 from enum import IntEnum
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Flags, Floats
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.rolling.clamp import HALF, PRESS, SPEED, forwards, nearest, steepness
-
-Array = NDArray[np.float64]
 
 REAR, FRONT = 0, 1
 
@@ -60,7 +58,7 @@ class Roll:
         down: as `SpaceReading.down`, (halves, 3).
     """
 
-    def __init__(self, robot: RobotSpec, radius: float, turn: float, bends: Array, down: Array) -> None:
+    def __init__(self, robot: RobotSpec, radius: float, turn: float, bends: Floats, down: Floats) -> None:
         self._turn = turn
         self._speed = SPEED * np.append(robot.speed_limits, robot.speed_limits[0]) * CONTROL_PERIOD
         self._steep = steepness(robot, radius)
@@ -77,7 +75,7 @@ class Roll:
     def _second(self) -> int:
         return 1 - self._first
 
-    def act(self, bends: Array, roll: float, wheel_speeds: Array, down: Array) -> tuple[Array, float]:
+    def act(self, bends: Floats, roll: float, wheel_speeds: Floats, down: Floats) -> tuple[Floats, float]:
         """Set-points of joints and wheels, (12,), and of the roll joint [rad], for one control period.
 
         Args:
@@ -97,14 +95,14 @@ class Roll:
         set_points = self._from + share * (self._to - self._from) + self._press
         return np.concatenate([set_points, back]), self._roll_from + share * (self._roll_to - self._roll_from)
 
-    def _arrived(self, bends: Array, roll: float) -> bool:
+    def _arrived(self, bends: Floats, roll: float) -> bool:
         ways = np.append(self._to - self._from, self._roll_to - self._roll_from)
         after = self._since - float(np.abs(ways / self._speed).max())
         away = np.where(self._press == 0, np.abs(self._to - bends), 0.0).max()
         settled = max(away, abs(self._roll_to - roll)) <= SETTLED
         return after >= PATIENCE or (after >= DWELL and bool(settled))
 
-    def _next(self, down: Array) -> None:
+    def _next(self, down: Floats) -> None:
         held = self._holds
         self._from, self._roll_from = self._to, self._roll_to
         self.phase, self._since = Phase(self.phase + 1), 0
@@ -122,12 +120,12 @@ class Roll:
         return self._turn * (1 if self._first == FRONT else -1) * turned
 
     @property
-    def _holds(self) -> NDArray[np.bool_]:
+    def _holds(self) -> Flags:
         """Which halves' wheels keep their places, (halves,)."""
         one = np.arange(2) == (self._second if self.phase < Phase.STRETCH_SECOND else self._first)
         return one if Phase.CLAMP < self.phase < Phase.CLAMP_BOTH else np.ones(2, bool)
 
-    def _pose(self) -> tuple[Array, Array]:
+    def _pose(self) -> tuple[Floats, Floats]:
         """The joints' set-points in this phase, and how much farther those that press are set, (6,) each [rad]."""
         clamp = np.array([-self._steep, 2 * self._steep, -self._steep])  # from the middle outwards, on the left wall
         press, phase = np.array([0.0, PRESS, 0.0]), self.phase
@@ -145,6 +143,6 @@ class Roll:
         return order, np.concatenate([presses[REAR, ::-1], presses[FRONT]])
 
 
-def lower_side(down: Array) -> float:
+def lower_side(down: Floats) -> float:
     """Which side of a half hangs low, +1 the left, -1 the right, 0 neither; of `down` in its frame, (3,)."""
     return float(np.sign(down[1])) if abs(down[1]) > LEVEL else 0.0

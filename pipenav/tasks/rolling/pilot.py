@@ -12,16 +12,14 @@ import math
 from enum import IntEnum
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.backends.spatial import SpaceReading
 from pipenav.pipes.route import PipeRun
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.rolling import senses
 from pipenav.tasks.rolling.clamp import HALF, Drive, steepness
 from pipenav.tasks.rolling.manoeuvre import Phase, Roll
-
-Array = NDArray[np.float64]
 
 BEHIND = 0.85
 """Share of a corner's turn by which the rear half heads another way than before the corner when that is behind."""
@@ -69,7 +67,7 @@ class Pilot:
         set_points: of the joints, (6,) [rad].
     """
 
-    def __init__(self, robot: RobotSpec, run: PipeRun, set_points: Array) -> None:
+    def __init__(self, robot: RobotSpec, run: PipeRun, set_points: Floats) -> None:
         self._robot, self._run = robot, run
         self.mode, self.corner, self.set_points = Mode.CORNER, 0, set_points
         self.plane = run.corners[0].roll
@@ -79,7 +77,7 @@ class Pilot:
         self._seen = 0  # control steps for which it has seen what it waits for
         self._heading = 0.0  # of the divided link, by its gyroscope
         self._before: float | None = None  # that of the rear half before the corner
-        self._past: list[Array] = []  # joints and way gone in the last control steps of this mode
+        self._past: list[Floats] = []  # joints and way gone in the last control steps of this mode
         stretch = 2 * float(robot.lengths[HALF]) * (1 - math.cos(steepness(robot, run.radius)))
         self._leave = float(robot.lengths[0]) + stretch + MARGIN
 
@@ -96,7 +94,7 @@ class Pilot:
         """+1 where the corner turns to the robot's left, -1 to its right."""
         return 1.0 if math.cos(float(self._run.legs.inside[self.corner]) - self.plane) > 0 else -1.0
 
-    def command(self, reading: SpaceReading, of_policy: Array) -> tuple[Array, float]:
+    def command(self, reading: SpaceReading, of_policy: Floats) -> tuple[Floats, float]:
         """Set-points of joints and wheels, (12,), and of the roll joint [rad].
 
         Args:

@@ -8,13 +8,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.backends.spatial import SpaceReading
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.rolling.clamp import HALF, room
-
-Array = NDArray[np.float64]
 
 STEEPEST = 0.25
 """Share of the weight that must pull across a straight for the accelerometers to tell how the robot's plane lies."""
@@ -27,18 +25,18 @@ LONGER = 1.25
 """They do by readings that are so many times as long as a straight would give."""
 
 
-def ways(robot: RobotSpec, bends: Array) -> Array:
+def ways(robot: RobotSpec, bends: Floats) -> Floats:
     """From one end of each link to the other, (links, 2) [m], in the frame of the first link."""
     headings = np.cumsum(np.append(0.0, bends))
     return np.asarray(robot.lengths[:, None] * np.stack([np.cos(headings), np.sin(headings)], axis=1))
 
 
-def angle_between(one: Array, other: Array) -> float:
+def angle_between(one: Floats, other: Floats) -> float:
     """By how much the other way heads to the left of the one, (2,) each [rad]."""
     return math.atan2(one[0] * other[1] - one[1] * other[0], one @ other)
 
 
-def from_rear_half(robot: RobotSpec, bends: Array) -> float:
+def from_rear_half(robot: RobotSpec, bends: Floats) -> float:
     """By how much the divided link heads to the left of the rear half, from its first wheel to its last [rad].
 
     In a zigzag those two wheels stand on the same wall, so that the rear half heads along the pipe.
@@ -48,7 +46,7 @@ def from_rear_half(robot: RobotSpec, bends: Array) -> float:
     return float(bends[1:HALF].sum()) - in_first
 
 
-def plane_of(robot: RobotSpec, reading: SpaceReading, axes: Array) -> float | None:
+def plane_of(robot: RobotSpec, reading: SpaceReading, axes: Floats) -> float | None:
     """How the robot's plane is turned about a straight, from the accelerometers; None where that is too steep [rad].
 
     Args:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Backend, Inclinable
 from pipenav.backends.messages import Reading, Truth
 from pipenav.errors import PipenavError
@@ -22,11 +22,10 @@ from pipenav.tasks.traverse.episode import GRAVITY, TraverseEpisodes, check_robo
 from pipenav.tasks.traverse.outcome import Judge, reward
 from pipenav.tasks.traverse.progress import Ways, waypoints
 
-Array = NDArray[np.float64]
 ANYWHERE = Pipe.of(100, 90)
 """Where robots are thought to be before they are first put into pipes."""
 
-TraverseSource = Callable[[NDArray[np.intp]], TraverseEpisodes]
+TraverseSource = Callable[[Ints], TraverseEpisodes]
 """Given the robots that start anew, their next episodes."""
 
 
@@ -58,23 +57,23 @@ class TraverseBatch(Sized):
         self._observation = np.zeros((n, len(self._scale)))
 
     @property
-    def q(self) -> Array:
+    def q(self) -> Floats:
         """Configurations in the robot's own frame, (n, coordinates)."""
         return self._q.copy()
 
     @property
-    def points(self) -> Array:
+    def points(self) -> Floats:
         """Rear end, joints and tip in the pipe's frame, (n, links + 1, 2) [m]: no policy knows where it is."""
         points = waypoints(self.robot, self._q)
         points[..., 0] += self._base[:, None]
         return points
 
     @property
-    def along(self) -> Array:
+    def along(self) -> Floats:
         """Where they are along the pipe, 0 at the corner, (n, links + 1) [m]."""
         return self._ways.along(self.points)
 
-    def reset(self, robots: NDArray[np.intp] | None = None) -> Array:
+    def reset(self, robots: Ints | None = None) -> Floats:
         """Start new episodes for some robots (sorted, unique), or all; observations of all robots, (n, size)."""
         robots = np.arange(self.n) if robots is None else np.asarray(robots, np.intp)
         episodes = self._source(robots)
@@ -98,7 +97,7 @@ class TraverseBatch(Sized):
         """Make the next episodes start at random ages, so that their time-outs do not all fall into one step."""
         self._ages = rng.integers(0, self.config.max_steps // 2, self.n)
 
-    def step(self, action: Array) -> StepResult:
+    def step(self, action: Floats) -> StepResult:
         """One control step of every robot.
 
         Args:
@@ -132,21 +131,21 @@ class TraverseBatch(Sized):
         tip[:, 0] -= self._base
         self._q = kinematics.configuration(self.robot, reading.q, tip)
 
-    def _observe(self, reading: Reading, robots: NDArray[np.intp]) -> Array:
+    def _observe(self, reading: Reading, robots: Ints) -> Floats:
         """What some robots see, scaled, from what their sensors give."""
         side, beside = self._sides[robots, 0], self._sides[robots, 1:]
         down = None if self.config.inclination_deg is None else self._down(robots)
         observed = observation.observe(self.robot, reading, self._action[robots], side, beside, down)
         return np.asarray(observed / self._scale)
 
-    def _down(self, robots: NDArray[np.intp]) -> Array:
+    def _down(self, robots: Ints) -> Floats:
         """What some robots' accelerometers say of where down is, (k, 2), see `pipenav.tasks.traverse.observation.observe`."""
         heading = kinematics.forward(self.robot, self._q[robots]).headings[:, observation.accelerometer(self.robot)]
         x, y = self._gravity[robots].T / GRAVITY
         cos, sin = np.cos(heading), np.sin(heading)
         return np.stack([x * cos + y * sin, y * cos - x * sin], axis=1)
 
-    def _go_on(self, middle: Array) -> None:
+    def _go_on(self, middle: Floats) -> None:
         """The corner that a robot is in is the first one through which its middle (n,) has not come; never one before.
 
         With the corner its side may change, and what is seen and done from there on is mirrored.

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
+
+from pipenav.arrays import Table
 
 Share = Annotated[float, Field(ge=0, le=1)]
 Length = Annotated[float, Field(ge=0)]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
-
-
-class TraverseReward(_Table):
+class TraverseReward(Table):
     """Weights of the reward's terms."""
 
     progress: float = Field(4.0, ge=0, description="reward per metre that the body's middle gains along the pipe [1/m]")
@@ -25,7 +23,7 @@ class TraverseReward(_Table):
     failed: float = Field(-1.0, le=0, description="reward of a step that fails the episode: it undoes a success")
 
 
-class TraverseConfig(_Table):
+class TraverseConfig(Table):
     """The traverse task."""
 
     kind: Literal["traverse"]

@@ -7,8 +7,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import Pipe
 from pipenav.pipes.queries import AnyPipe, inner_edges
@@ -17,8 +17,6 @@ from pipenav.pipes.route_sets import parse_any
 from pipenav.robots import kinematics
 from pipenav.robots.robot import BASE, RobotSpec
 from pipenav.tasks.traverse.config import TraverseConfig
-
-Array = NDArray[np.float64]
 
 GRAVITY = 9.81
 """Standard gravity, to three digits [m/s^2]."""
@@ -41,9 +39,9 @@ class TraverseEpisodes(NamedTuple):
     """
 
     pipes: tuple[AnyPipe, ...]
-    q: Array
-    base: Array
-    gravity: Array
+    q: Floats
+    base: Floats
+    gravity: Floats
 
     def part(self, rows: slice) -> TraverseEpisodes:
         """Some of the episodes."""
@@ -125,7 +123,7 @@ def _first_corner(pipe: AnyPipe) -> tuple[float, float]:
     return pipe.radius, float(inner_edges(pipe)[0])
 
 
-def _zigzag(robot: RobotSpec, offset: Array) -> tuple[Array, Array]:
+def _zigzag(robot: RobotSpec, offset: Floats) -> tuple[Floats, Floats]:
     """First link's y and heading (k, 2), and joint positions (k, joints), that put joints at +-offset by turns.
 
     The first and the last link lie along the axis.

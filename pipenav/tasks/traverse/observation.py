@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.backends.messages import Command, Reading
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.layout import Part
 from pipenav.tasks.traverse.config import TraverseConfig
-
-Array = NDArray[np.float64]
 
 STRAIGHT = 0.1
 """Bend below which a wheel rolls more slowly than asked, down to not at all at a straight joint [rad]: there it moves
@@ -33,17 +31,17 @@ def layout(robot: RobotSpec, config: TraverseConfig) -> list[Part]:
     ]
 
 
-def wheel_limits(robot: RobotSpec) -> Array:
+def wheel_limits(robot: RobotSpec) -> Floats:
     """No-load speeds of the wheels, (wheels,) [rad/s]."""
     return np.array([robot.actuators[wheel.actuator].speed_limit for wheel in robot.wheels])
 
 
-def action_scale(robot: RobotSpec, config: TraverseConfig) -> Array:
+def action_scale(robot: RobotSpec, config: TraverseConfig) -> Floats:
     """What a full action is: a joint's set-point change [rad], then a wheel's speed forwards [rad/s], (drives,)."""
     return np.concatenate([np.full(len(robot.joints), config.alpha), wheel_limits(robot)])
 
 
-def drive_signs(robot: RobotSpec, side: Array) -> Array:
+def drive_signs(robot: RobotSpec, side: Floats) -> Floats:
     """Factor on loads, commands and actions that turns them into the canonical frame or back, (n, drives).
 
     Its first columns do so to joint positions and speeds, its last ones to wheel speeds.
@@ -55,7 +53,7 @@ def drive_signs(robot: RobotSpec, side: Array) -> Array:
     return np.where(side[:, None] > 0, 1.0, robot.mirror_drives)
 
 
-def seen_from(robot: RobotSpec, action: Array, change: Array) -> Array:
+def seen_from(robot: RobotSpec, action: Floats, change: Floats) -> Floats:
     """Canonical actions (n, drives) as they are after a change of side: bends change sign, wheels roll forwards anyway.
 
     Args:
@@ -73,8 +71,8 @@ def accelerometer(robot: RobotSpec) -> int:
 
 
 def observe(
-    robot: RobotSpec, reading: Reading, action_before: Array, side: Array, beside: Array, down: Array | None = None
-) -> Array:
+    robot: RobotSpec, reading: Reading, action_before: Floats, side: Floats, beside: Floats, down: Floats | None = None
+) -> Floats:
     """Unscaled observation, (n, size).
 
     Args:
@@ -100,7 +98,7 @@ def observe(
 
 
 def to_command(
-    robot: RobotSpec, config: TraverseConfig, action: Array, q: Array, set_points: Array, side: Array
+    robot: RobotSpec, config: TraverseConfig, action: Floats, q: Floats, set_points: Floats, side: Floats
 ) -> Command:
     """The command for canonical actions: bending joints go on from where they are or were set, wheels roll forwards.
 

@@ -7,14 +7,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pipenav.arrays import Flags, Floats, Ints
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.messages import Reading, Truth
 from pipenav.backends.spatial import SpaceTruth
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.outcome import Verdict
 from pipenav.tasks.traverse.config import TraverseConfig, TraverseReward
-
-Array = NDArray[np.float64]
 
 AT_STOP = 0.01
 """A joint is at its stop within this share of its travel."""
@@ -31,14 +30,14 @@ class Facts(NamedTuple):
         failed: whether the step ended the episode as a failure, being stuck among them; running out of time is none.
     """
 
-    progress: Array
-    force: Array
-    penetration: Array
-    passed: NDArray[np.bool_]
-    failed: NDArray[np.bool_]
+    progress: Floats
+    force: Floats
+    penetration: Floats
+    passed: Flags
+    failed: Flags
 
 
-def reward(config: TraverseReward, facts: Facts) -> Array:
+def reward(config: TraverseReward, facts: Facts) -> Floats:
     """The sum of the terms, (n,)."""
     total = config.progress * facts.progress + config.passed * facts.passed + config.step
     total = total + config.force * facts.force + config.penetration * 1e3 * facts.penetration
@@ -54,21 +53,21 @@ class Judge:
         self._middle, self._furthest = np.zeros(n), np.zeros(n)
         self._waited, self._rolled = np.zeros(n, int), np.zeros(n)
 
-    def start(self, robots: NDArray[np.intp], along: Array) -> None:
+    def start(self, robots: Ints, along: Floats) -> None:
         """Some robots begin anew, their way points at `along` (k, points)."""
         self._middle[robots] = self._furthest[robots] = along.mean(axis=1)
         self._waited[robots], self._rolled[robots] = 0, 0.0
 
-    def excuse(self, robots: NDArray[np.bool_]) -> None:
+    def excuse(self, robots: Flags) -> None:
         """Count it as no delay that some robots, (n,), did not come on."""
         self._waited[robots], self._rolled[robots] = 0, 0.0
 
     def step(
         self,
-        steps: NDArray[np.intp],
-        limit: NDArray[np.intp],
-        along: Array,
-        end: Array,
+        steps: Ints,
+        limit: Ints,
+        along: Floats,
+        end: Floats,
         reading: Reading,
         truth: Truth | SpaceTruth,
     ) -> tuple[Facts, NDArray[np.int8]]:
@@ -103,7 +102,7 @@ class Judge:
         facts = Facts(progress, truth.contact_force, truth.penetration, passed, sank | back | stuck)
         return facts, verdict.astype(np.int8)
 
-    def _why_stuck(self, along: Array, reading: Reading) -> NDArray[np.int_]:
+    def _why_stuck(self, along: Floats, reading: Reading) -> NDArray[np.int_]:
         """The reason why a robot does not come on, if it does not, (n,)."""
         robot = self._robot
         spare = AT_STOP * (robot.upper - robot.lower)

@@ -7,14 +7,12 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats, Ints
 from pipenav.pipes.corner import Pipe
 from pipenav.pipes.queries import AnyPipe, inner_edges, turn_sides
 from pipenav.robots import kinematics
 from pipenav.robots.robot import RobotSpec
-
-Array = NDArray[np.float64]
 
 
 class Ways(NamedTuple):
@@ -34,17 +32,17 @@ class Ways(NamedTuple):
         radius: of the bore, (n, 1) [m].
     """
 
-    start: Array
-    direction: Array
-    mitre: Array
-    place: Array
-    low: Array
-    high: Array
-    ahead: Array
-    behind: Array
-    end: Array
-    side: Array
-    radius: Array
+    start: Floats
+    direction: Floats
+    mitre: Floats
+    place: Floats
+    low: Floats
+    high: Floats
+    ahead: Floats
+    behind: Floats
+    end: Floats
+    side: Floats
+    radius: Floats
 
     @classmethod
     def of(cls, pipes: Sequence[AnyPipe]) -> Ways:
@@ -57,7 +55,7 @@ class Ways(NamedTuple):
         legs = max(way.place.shape[1] for way in ways)
         return cls(*map(np.concatenate, zip(*(way._with_room(legs) for way in ways), strict=True)))
 
-    def put(self, rows: NDArray[np.intp], ways: Ways) -> Ways:
+    def put(self, rows: Ints, ways: Ways) -> Ways:
         """These ways with some rows replaced, in place where they have legs enough."""
         legs = max(self.place.shape[1], ways.place.shape[1])
         mine = self._with_room(legs)
@@ -76,16 +74,16 @@ class Ways(NamedTuple):
         return Ways(**columns)
 
     @property
-    def corners(self) -> NDArray[np.intp]:
+    def corners(self) -> Ints:
         """How many corners each pipe has, (n,)."""
         return np.asarray(np.count_nonzero(self.side, axis=1))
 
-    def sides(self, corner: NDArray[np.intp]) -> Array:
+    def sides(self, corner: Ints) -> Floats:
         """+1 or -1 for a corner (n,) of each pipe, the one before and the one after; 0 where there is none, (n, 3)."""
         around = np.pad(self.side, [(0, 0), (1, 0)])  # the last leg's 0 stands behind the last corner
         return np.asarray(np.take_along_axis(around, corner[:, None] + np.array([1, 0, 2]), axis=1))
 
-    def along(self, points: Array) -> Array:
+    def along(self, points: Floats) -> Floats:
         """Distance along the mitred centre line, 0 at the first corner, of points (n, m, 2) of the pipes' frames.
 
         (n, m) [m]; as `Pipe.centre_line_distance` and `PipeRun.along`, for all pipes at once.
@@ -134,7 +132,7 @@ def _way(pipe: AnyPipe) -> Ways:
     )
 
 
-def waypoints(robot: RobotSpec, configuration: Array) -> Array:
+def waypoints(robot: RobotSpec, configuration: Floats) -> Floats:
     """Rear end, joints and tip of n robots in their own frame, (n, links + 1, 2) [m], of (n, coordinates)."""
     pose = kinematics.forward(robot, configuration)
     return np.concatenate([pose.joints, pose.tip[:, None]], axis=1)

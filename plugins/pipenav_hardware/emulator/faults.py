@@ -7,8 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field, ValidationError
 
+from pipenav.arrays import Table
 from pipenav.errors import ConfigError, PipenavError
 
 BUS_FAULTS = {
@@ -54,10 +55,8 @@ ONCE = {"power_dip", "overheat", "model", "wheel", "return_level", "duplicate", 
 """Faults that change something once, when they begin."""
 
 
-class Fault(BaseModel):
+class Fault(Table):
     """One entry of a fault script."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     fault: str
     device: Literal["bus", "scanner", "front"] = "bus"

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD, Backend
 from pipenav.backends.messages import Command
 from pipenav.pipes.corner import Pipe
@@ -16,8 +16,6 @@ from pipenav.robots import kinematics, laser
 from pipenav.robots.robot import RobotSpec
 from pipenav_hardware.arm_config import ArmConfig
 from pipenav_hardware.table import COUNT, DIRECTION, SPEED_UNIT
-
-Array = NDArray[np.float64]
 
 NOLOAD_SPEED = 6.18
 """Of an AX-12A at 12 V [rad/s]."""
@@ -61,7 +59,7 @@ class Plant(ABC):
         """Every shaft at a time that never runs backwards [s]."""
 
     @abstractmethod
-    def distances(self, now: float, angles: Array) -> Array:
+    def distances(self, now: float, angles: Floats) -> Floats:
         """True distance from the tip along rays at these angles from the tip link's axis, (k,) [m]; inf: no wall."""
 
 
@@ -88,7 +86,7 @@ class FreePlant(Plant):
         seen = [self._reading(i) for i in range(len(self._position))]
         return [Shaft(p, float(v), float(f)) for p, v, f in zip(seen, self._speed, self._load, strict=True)]
 
-    def distances(self, now: float, angles: Array) -> Array:  # noqa: ARG002  # the same at any time
+    def distances(self, now: float, angles: Floats) -> Floats:  # noqa: ARG002  # the same at any time
         """A room: walls 0.2 m to the sides, 0.4 m ahead."""
         return np.asarray(
             np.minimum(0.2 / np.maximum(np.abs(np.sin(angles)), 1e-9), 0.4 / np.maximum(np.cos(angles), 1e-9))
@@ -133,7 +131,7 @@ class PipePlant(Plant):
     GRACE = 0.3 * CONTROL_PERIOD
     """How much earlier or later than a whole period after the last command the next one may come [s]."""
 
-    def __init__(self, robot: RobotSpec, arm: ArmConfig, backend: Backend, pipe: Pipe, q: Array, base: float) -> None:
+    def __init__(self, robot: RobotSpec, arm: ArmConfig, backend: Backend, pipe: Pipe, q: Floats, base: float) -> None:
         self._robot, self._arm, self._backend, self._base = robot, arm, backend, base
         self._segments = pipe.segments.copy()[None]
         self._segments[..., 0] -= base
@@ -159,18 +157,18 @@ class PipePlant(Plant):
             shafts.append(Shaft(position, servo.sign * qd[i] / servo.unit, load))
         return shafts
 
-    def distances(self, now: float, angles: Array) -> Array:
+    def distances(self, now: float, angles: Floats) -> Floats:
         q, _ = self._motion(now)
         pose = kinematics.forward(self._robot, q[None])
-        distances: Array = laser.cast(pose.tip, pose.headings[:, -1:] + angles, self._segments)[0]
+        distances: Floats = laser.cast(pose.tip, pose.headings[:, -1:] + angles, self._segments)[0]
         return distances
 
-    def tip(self, now: float) -> Array:
+    def tip(self, now: float) -> Floats:
         """Tip in the pipe's frame, (2,) [m]."""
         q, _ = self._motion(now)
         return np.asarray(kinematics.forward(self._robot, q[None]).tip[0] + np.array([self._base, 0.0]))
 
-    def _motion(self, now: float) -> tuple[Array, Array]:
+    def _motion(self, now: float) -> tuple[Floats, Floats]:
         """Joint positions and speeds: the cubic through both ends of the period."""
         self._advance(now)
         t = min(max((now - self._start) / CONTROL_PERIOD, 0.0), 1.0)

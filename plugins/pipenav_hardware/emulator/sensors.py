@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipenav.robots.parts import Laser
 from pipenav_hardware import scip2
@@ -14,7 +13,6 @@ from pipenav_hardware.emulator.faults import FaultScript
 from pipenav_hardware.emulator.plant import Plant
 from pipenav_hardware.front_sensor import HELLO, RANGE_MM, framed
 
-Array = NDArray[np.float64]
 Send = Callable[[float, bytes], None]
 
 TURN_STEPS = 1024

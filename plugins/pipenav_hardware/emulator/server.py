@@ -20,8 +20,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from pipenav.arrays import Table
 from pipenav.pipes.corner import Pipe
 from pipenav.robots.robot import load_robot
 from pipenav_hardware import table
@@ -41,10 +42,8 @@ TURNAROUND = 0.002
 """How soon an answer must come for its servo to have the line [s]."""
 
 
-class EmulatorConfig(BaseModel):
+class EmulatorConfig(Table):
     """What the emulator emulates."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     robot: str
     arm: ArmConfig = Field(description="how the servos are really mounted; its ports are links that appear")
