@@ -25,13 +25,13 @@ from pipenav_hardware import table
 from pipenav_hardware.emulator.client import Emulator
 
 from pipenav.arrays import Floats
-from pipenav.backends.real_robot import load_machine
+from pipenav.backends.real_robot import load_real_robot
 from pipenav.backends.registry import open_backend
 from pipenav.deployment.loop import drive, guarded
-from pipenav.deployment.mission import run_of
+from pipenav.deployment.mission import mission_of
 from pipenav.deployment.session import policy_for, rehearse, run_settings
 from pipenav.deployment.telemetry import Telemetry
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.tasks.reach import episode
 
 ANSWER = table.SETTINGS_SIZE + table.STATE_SIZE + 6
@@ -95,7 +95,7 @@ def main() -> int:
     parser.add_argument("--patience", type=float, default=1.0, help="factor on every time limit, on a busy machine")
     given = parser.parse_args()
     policy = policy_for(given.policy, None)
-    robot, pipe = policy.header.robot, Pipe.of(130, 90)
+    robot, pipe = policy.header.robot, PipeCorner.of(130, 90)
     settings = run_settings("left", None, retreat=True)
     start = episode.sample(robot, policy.header.task, [pipe], np.random.default_rng(0))
     records: list[dict[str, Any]] = []
@@ -113,13 +113,13 @@ def main() -> int:
         Telemetry(Path(folder) / "telemetry.jsonl", {}) as telemetry,
     ):
         machine = open_backend("hardware", robot, 1, {"arm": str(emulator.arm_path), "patience": given.patience})
-        assert isinstance(machine, load_machine())
+        assert isinstance(machine, load_real_robot())
         with guarded(machine):
             first = machine.read()
             rehearse(policy, settings, first)
             machine.reset(np.array([0]), [], first.q, np.zeros(1))
             while (left := given.ticks - len(records)) > 0:
-                run = run_of(policy, settings)
+                run = mission_of(policy, settings)
                 outcome = drive(machine, run, telemetry, show, Path(folder) / "STOP", left)
                 outcomes[outcome] = outcomes.get(outcome, 0) + 1
                 machine.wait()

@@ -24,7 +24,7 @@ from pipenav_hardware.emulator.client import Emulator
 
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.messages import Command
-from pipenav.backends.real_robot import load_machine
+from pipenav.backends.real_robot import load_real_robot
 from pipenav.backends.registry import open_backend
 from pipenav.backends.safety import Stopped
 from pipenav.deployment.loop import guarded
@@ -70,7 +70,7 @@ def fall_silent(emulator: Emulator, servo: int, moment: float, patience: float) 
     """Drive until a servo has fallen silent that long after a tick's goals [s]; what stopped the arm."""
     emulator.order(clear=True)
     machine = open_backend("hardware", ROBOT, 1, {"arm": str(emulator.arm_path), "patience": patience})
-    assert isinstance(machine, load_machine())
+    assert isinstance(machine, load_real_robot())
     try:
         with guarded(machine):
             start = machine.read().q

@@ -30,7 +30,7 @@ from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
 
 from pipenav.backends.messages import Command
-from pipenav.backends.real_robot import load_machine
+from pipenav.backends.real_robot import load_real_robot
 from pipenav.backends.registry import open_backend
 from pipenav.deployment.loop import guarded
 from pipenav.robots.robot import load_robot
@@ -175,7 +175,7 @@ def drive(name: str, arm: Path, life: float, report: int, patience: float) -> No
         signal.signal(signal.SIGALRM, end)
         signal.setitimer(signal.ITIMER_REAL, max(life, 1e-3))
     machine = open_backend("hardware", ROBOT, 1, {"arm": str(arm), "patience": patience})
-    assert isinstance(machine, load_machine())
+    assert isinstance(machine, load_real_robot())
     with contextlib.closing(machine), guarded(machine):
         start = machine.read().q
         machine.reset(np.array([0]), [], start, np.zeros(1))

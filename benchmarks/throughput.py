@@ -37,23 +37,23 @@ from pipenav.learning.config import TrainConfig, load_config
 from pipenav.learning.train import EPISODE_STOCK, new_model
 from pipenav.pipes.corner_sets import parse_pipes
 from pipenav.robots.robot import load_robot
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach import episode
-from pipenav.tasks.reach.batch import CornerBatch
+from pipenav.tasks.reach.batch import ReachBatch
 from pipenav.tasks.sampling import random_episodes
 
 HELD_OUT = [f"d={d},angle={a},turn={t}" for d in (76, 93, 114) for a in (58, 78, 98, 118) for t in ("left", "right")]
 """Pipes that are in no training set."""
 
 
-def make_batch(config: TrainConfig, seed: int) -> CornerBatch:
+def make_batch(config: TrainConfig, seed: int) -> ReachBatch:
     robot, n = load_robot(config.robot), config.learner.robots
     sets = [parse_pipes([name]) for name in config.pipes]
     for pipes in sets:  # worked out once for each pipe, in the first seconds of a training
         wall_boxes(pipes, 4, np.zeros(len(pipes)))
     rng = np.random.default_rng(seed)
     source = random_episodes(robot, config.task, sets, rng, EPISODE_STOCK)
-    return CornerBatch(robot, config.task, open_backend(config.backend, robot, n, config.options), n, source)
+    return ReachBatch(robot, config.task, open_backend(config.backend, robot, n, config.options), n, source)
 
 
 class SideBySide:
@@ -131,14 +131,14 @@ def held_out_success(model: PPO, config: TrainConfig, each: int = 10) -> float:
     rng = np.random.default_rng(3)
     episodes = episode.sample(robot, config.task, pipes, rng)
     backend = open_backend(config.backend, robot, len(pipes), config.options)
-    batch = CornerBatch(robot, config.task, backend, len(pipes), lambda _robots: episodes)
+    batch = ReachBatch(robot, config.task, backend, len(pipes), lambda _robots: episodes)
     observation, ended = batch.reset(), np.zeros(len(pipes), np.int8)
     while not ended.all():
         actions, _ = model.predict(observation.astype(np.float32), deterministic=True)
         step = batch.step(actions)
         observation = step.observation
-        ended = np.where(ended == Verdict.RUNNING, step.verdict, ended)
-    return float((ended == Verdict.REACHED).mean())
+        ended = np.where(ended == Outcome.RUNNING, step.verdict, ended)
+    return float((ended == Outcome.REACHED).mean())
 
 
 def main() -> None:

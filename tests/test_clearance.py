@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from pipenav_mujoco.model import Contact, static_spec
 
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.wall_distance import clearance
 from pipenav.robots.robot import load_robot, robot_names
 
@@ -16,7 +16,7 @@ from pipenav.robots.robot import load_robot, robot_names
 @pytest.mark.parametrize(("diameter", "angle", "bend"), [(110, 60, 0), (120, 100, 0), (130, 90, 120)])
 def test_clearance_is_the_distance_of_the_shapes(name: str, diameter: float, angle: float, bend: float) -> None:
     rng = np.random.default_rng(7)
-    robot, pipe = load_robot(name), Pipe.of(diameter, angle, bend_radius_mm=bend)
+    robot, pipe = load_robot(name), PipeCorner.of(diameter, angle, bend_radius_mm=bend)
     base = -pipe.inner_edge - 0.32
     model = static_spec(robot, pipe, 0.0025, Contact(0.005, (0.95, 0.99, 0.001)), base).compile()
     data = mujoco.MjData(model)

@@ -11,7 +11,7 @@ from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Backend
 from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.backends.registry import availability, find_backends
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import load_robot
 from pipenav.testing import CONTRACT, VARIATION_LAWS, Bench, KinematicBackend
 
@@ -65,7 +65,7 @@ class Backwards(KinematicBackend):
 
 
 class ResetsAll(KinematicBackend):
-    def reset(self, robots: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:
+    def reset(self, robots: Ints, pipes: Sequence[PipeCorner], q: Floats, base: Floats) -> Reading:
         reading = super().reset(robots, pipes, q, base)
         self._q[:] = q[0] if len(q) else 0.0
         return reading
@@ -94,7 +94,7 @@ class Shaky(KinematicBackend):
 
 
 class ReadsOthers(KinematicBackend):
-    def reset(self, robots: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:
+    def reset(self, robots: Ints, pipes: Sequence[PipeCorner], q: Floats, base: Floats) -> Reading:
         super().reset(robots, pipes, q, base)
         return self.read().part(np.arange(len(robots)))
 

@@ -6,29 +6,29 @@ import numpy as np
 import pytest
 
 from pipenav.errors import PipenavError, UnknownName
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.centreline import CentrelineController
 from pipenav.policies.baselines.wall_distance import clearance
 from pipenav.policies.controller import Controller, RandomController, open_controller
 from pipenav.robots.robot import load_robot
-from pipenav.tasks.outcome import Verdict
-from pipenav.tasks.reach.batch import CornerBatch
+from pipenav.tasks.outcome import Outcome
+from pipenav.tasks.reach.batch import ReachBatch
 from pipenav.tasks.reach.config import TaskConfig
 from pipenav.tasks.sampling import random_episodes
 
 ROBOT = load_robot("basic")
 
 
-def _batch(controller: Controller, pipes: list[Pipe], n: int, seed: int = 0) -> CornerBatch:
+def _batch(controller: Controller, pipes: list[PipeCorner], n: int, seed: int = 0) -> ReachBatch:
     from pipenav_mujoco.backend import MujocoBackend, MujocoOptions
 
     segments = max(len(pipe.segments) for pipe in pipes)
     backend = MujocoBackend(controller.robot, n, MujocoOptions(threads=1), segments)
     source = random_episodes(controller.robot, controller.task, [pipes], np.random.default_rng(seed))
-    return CornerBatch(controller.robot, controller.task, backend, n, source)
+    return ReachBatch(controller.robot, controller.task, backend, n, source)
 
 
-def _verdicts(controller: Controller, pipes: list[Pipe], n: int) -> list[str]:
+def _verdicts(controller: Controller, pipes: list[PipeCorner], n: int) -> list[str]:
     """How the first episode of each of n robots ends."""
     batch = _batch(controller, pipes, n)
     observation = batch.reset()
@@ -39,22 +39,22 @@ def _verdicts(controller: Controller, pipes: list[Pipe], n: int) -> list[str]:
         assert np.abs(action).max() <= 1.0
         result = batch.step(action)
         observation = result.observation
-        first = np.where(first == Verdict.RUNNING, result.verdict, first)
+        first = np.where(first == Outcome.RUNNING, result.verdict, first)
         if (ended := np.flatnonzero(result.verdict)).size:
             observation = batch.reset(ended)
     batch.close()
-    return [Verdict(verdict).label for verdict in first]
+    return [Outcome(verdict).label for verdict in first]
 
 
 @pytest.mark.parametrize("turn", ["left", "right"])
 @pytest.mark.parametrize(("diameter", "angle", "bend"), [(100, 90, 0), (80, 70, 0), (120, 125, 0), (100, 90, 75)])
 def test_centreline_passes(diameter: float, angle: float, bend: float, turn: str) -> None:
-    pipe = Pipe.of(diameter, angle, turn, bend)
+    pipe = PipeCorner.of(diameter, angle, turn, bend)
     assert _verdicts(open_controller("baseline:centreline"), [pipe], 4) == ["reached"] * 4
 
 
 def test_centreline_does_not_depend_on_the_other_robots() -> None:
-    pipes = [Pipe.of(90, angle, turn) for angle in (60, 100) for turn in ("left", "right")]
+    pipes = [PipeCorner.of(90, angle, turn) for angle in (60, 100) for turn in ("left", "right")]
     controller = CentrelineController(ROBOT)
     batch = _batch(controller, pipes, 6)
     actions = [controller.act(batch.reset(), batch) for _ in range(2)][1]
@@ -82,7 +82,7 @@ def test_random_is_reproducible_by_its_seed() -> None:
 
 
 def test_random_seldom_passes() -> None:
-    verdicts = _verdicts(open_controller("baseline:random", seed=1), [Pipe.of(80, 60)], 8)
+    verdicts = _verdicts(open_controller("baseline:random", seed=1), [PipeCorner.of(80, 60)], 8)
     assert verdicts.count("reached") <= 1
 
 
@@ -101,7 +101,7 @@ def test_every_baseline_says_its_task() -> None:
 
 
 def test_clearance_of_a_straight_arm_is_what_the_walls_leave() -> None:
-    pipe = Pipe.of(100, 90)
+    pipe = PipeCorner.of(100, 90)
     base = -pipe.inner_edge - ROBOT.length - 0.1
     poses = np.zeros((3, 4))
     poses[1, 0] = 0.1 + pipe.inner_edge + 0.03  # the tip's end face 20 mm off the outer wall
@@ -114,7 +114,7 @@ def test_clearance_of_a_straight_arm_is_what_the_walls_leave() -> None:
 def test_clearance_agrees_with_a_dense_outline() -> None:
     """Wherever all points of the links' outlines lie inside the pipe, there is clearance, and the other way round."""
     rng = np.random.default_rng(0)
-    pipe = Pipe.of(80, 70)
+    pipe = PipeCorner.of(80, 70)
     base = -pipe.inner_edge - ROBOT.length
     q = rng.uniform([0.0, -0.3, -0.3, -0.3], [0.2, 0.3, 1.2, 1.5], (400, 4))
     found = clearance(ROBOT, pipe, q, base)
@@ -124,7 +124,7 @@ def test_clearance_agrees_with_a_dense_outline() -> None:
     assert 10 < inside[sure].sum() < sure.sum() - 10
 
 
-def _outline_inside(pipe: Pipe, q: np.ndarray, base: float) -> bool:
+def _outline_inside(pipe: PipeCorner, q: np.ndarray, base: float) -> bool:
     from pipenav.robots import kinematics
 
     chain = kinematics.forward(ROBOT, q[None])

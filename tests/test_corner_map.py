@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipenav.locating.corner_map import HEADINGS, Corner, CornerMap
-from pipenav.pipes.corner import Pipe
+from pipenav.locating.corner_map import HEADINGS, CornerEstimate, CornerMap
+from pipenav.pipes.corner import PipeCorner
 from pipenav.robots import laser
 from pipenav.robots.parts import Laser
 from pipenav.robots.robot import load_robot
@@ -21,7 +21,7 @@ ROBOTS = ("basic", "high-fidelity", "real-setup")
 ONE = np.arange(1)
 
 
-def scan(map: CornerMap, lidar: Laser, pipe: Pipe, before: float, robot: int = 0, heading: float = 0.0) -> None:
+def scan(map: CornerMap, lidar: Laser, pipe: PipeCorner, before: float, robot: int = 0, heading: float = 0.0) -> None:
     """A scan from near the axis, so far before the inner edge of a left turn [m]."""
     tip = np.array([[-pipe.inner_edge - before, 0.002]])
     beams = lidar.angles[None] + heading
@@ -29,7 +29,7 @@ def scan(map: CornerMap, lidar: Laser, pipe: Pipe, before: float, robot: int = 0
     map.add(np.array([robot]), tip, beams, read)
 
 
-def approach(lidar: Laser, pipe: Pipe, first: float = 0.15, last: float = 0.01) -> Corner:
+def approach(lidar: Laser, pipe: PipeCorner, first: float = 0.15, last: float = 0.01) -> CornerEstimate:
     """What is known after scans every 20 mm."""
     map = CornerMap(lidar, 1, TOLERANCE)
     for before in np.arange(first, last, -0.02):
@@ -41,7 +41,7 @@ def approach(lidar: Laser, pipe: Pipe, first: float = 0.15, last: float = 0.01) 
 @settings(max_examples=15, deadline=None)
 @given(d=st.floats(70, 120), angle=st.floats(55, 125))
 def test_a_corner_is_recovered_from_its_beams(robot: str, d: float, angle: float) -> None:
-    pipe = Pipe.of(d, angle)
+    pipe = PipeCorner.of(d, angle)
     corner = approach(load_robot(robot).laser, pipe)
     assert corner.radius[0] == pytest.approx(pipe.radius, abs=0.012)
     assert corner.edge[0] == pytest.approx(-pipe.inner_edge, abs=0.015)
@@ -52,7 +52,7 @@ def test_a_corner_is_recovered_from_its_beams(robot: str, d: float, angle: float
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_most_corners_are_known_within_the_lasers_resolution(robot: str) -> None:
     rng, lidar = np.random.default_rng(1), load_robot(robot).laser
-    pipes = [Pipe.of(d, angle) for d, angle in rng.uniform((70, 55), (120, 125), (60, 2))]
+    pipes = [PipeCorner.of(d, angle) for d, angle in rng.uniform((70, 55), (120, 125), (60, 2))]
     corners = [approach(lidar, pipe) for pipe in pipes]
     aims = [(pipe.inner_edge + DEPTH) * pipe.second_leg for pipe in pipes]
     off = [np.linalg.norm(corner.target[0] - aim) for corner, aim in zip(corners, aims, strict=True)]
@@ -63,14 +63,14 @@ def test_most_corners_are_known_within_the_lasers_resolution(robot: str) -> None
 @pytest.mark.parametrize("robot", ROBOTS)
 @pytest.mark.parametrize(("d", "angle"), [(70, 125), (90, 60), (120, 90)])
 def test_nothing_is_known_before_the_second_leg_is_seen(robot: str, d: float, angle: float) -> None:
-    corner = approach(load_robot(robot).laser, Pipe.of(d, angle, leg_mm=1500), first=1.2, last=1.0)
+    corner = approach(load_robot(robot).laser, PipeCorner.of(d, angle, leg_mm=1500), first=1.2, last=1.0)
     assert np.isnan(corner.target).all()
     assert np.isinf(corner.spread).all()
     assert corner.votes[0] == 0
 
 
 def test_one_beam_on_the_second_leg_leaves_many_corners_possible() -> None:
-    lidar, pipe = load_robot("basic").laser, Pipe.of(70, 120)
+    lidar, pipe = load_robot("basic").laser, PipeCorner.of(70, 120)
     few, many = (approach(lidar, pipe, first=0.45, last=last) for last in (0.18, 0.05))
     assert few.spread[0] > 0.05 > many.spread[0]
     assert few.votes[0] < 4 < many.votes[0]
@@ -78,7 +78,7 @@ def test_one_beam_on_the_second_leg_leaves_many_corners_possible() -> None:
 
 def test_robots_are_told_apart_and_forgotten_one_by_one() -> None:
     lidar = load_robot("basic").laser
-    pipes = [Pipe.of(90, 60), Pipe.of(110, 100), Pipe.of(120, 90)]
+    pipes = [PipeCorner.of(90, 60), PipeCorner.of(110, 100), PipeCorner.of(120, 90)]
     map = CornerMap(lidar, len(pipes), TOLERANCE)
     for before in np.arange(0.15, 0.01, -0.02):
         for robot, pipe in enumerate(pipes):
@@ -93,7 +93,7 @@ def test_robots_are_told_apart_and_forgotten_one_by_one() -> None:
 
 
 def test_new_scans_replace_the_oldest() -> None:
-    lidar, pipe, other = load_robot("basic").laser, Pipe.of(90, 60), Pipe.of(120, 120)
+    lidar, pipe, other = load_robot("basic").laser, PipeCorner.of(90, 60), PipeCorner.of(120, 120)
     map = CornerMap(lidar, 1, TOLERANCE)
     for before in np.linspace(0.15, 0.05, 32):
         scan(map, lidar, other, before)
@@ -105,7 +105,7 @@ def test_new_scans_replace_the_oldest() -> None:
 @settings(max_examples=15, deadline=None)
 @given(wrong=st.lists(st.tuples(st.integers(0, 6), st.integers(0, 9)), max_size=4, unique=True))
 def test_the_vote_outlives_beams_that_read_the_minimum(wrong: list[tuple[int, int]]) -> None:
-    lidar, pipe = load_robot("basic").laser, Pipe.of(100, 80)
+    lidar, pipe = load_robot("basic").laser, PipeCorner.of(100, 80)
     map = CornerMap(lidar, 1, TOLERANCE)
     for number, before in enumerate(np.arange(0.15, 0.01, -0.02)):
         tip, beams = np.array([[-pipe.inner_edge - before, 0.0]]), lidar.angles[None]

@@ -15,7 +15,7 @@ from pipenav.backends.messages import Command, Control, Reading
 from pipenav.disturbances.disturbance import UNDISTURBED, Disturbance
 from pipenav.disturbances.disturbed_backend import DisturbedBackend, disturbed
 from pipenav.errors import PipenavError
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import RobotSpec, load_robot
 from pipenav.testing import CONTRACT, Bench, KinematicBackend, KinematicOptions, starts
 
@@ -80,7 +80,7 @@ def test_commands_arrive_so_many_steps_late(latency: int, control: Control) -> N
 def stand(disturbance: Disturbance, n: int = 40, steps: int = 50) -> tuple[Floats, Floats]:
     """Readings of robots that stand still in a wide pipe, (steps, n, beams), and the true ones, (beams,)."""
     backend = DisturbedBackend(plain(n), ROBOT, n, disturbance, 0)
-    pipe = Pipe.of(300, 60)
+    pipe = PipeCorner.of(300, 60)
     base = np.linspace(-0.7, -0.69, n)
     backend.reset(np.arange(n), [pipe] * n, np.zeros((n, 4)), base)
     seen = []
@@ -136,7 +136,7 @@ def test_an_episode_does_not_depend_on_its_neighbours(rows: Ints, seed: int) -> 
 def test_another_seed_or_another_start_is_disturbed_otherwise() -> None:
     def seen(seed: int, q: float) -> Floats:
         backend = DisturbedBackend(plain(1), ROBOT, 1, Disturbance(noise=(0.02, 0.02)), seed)
-        return backend.reset(np.arange(1), [Pipe.of(300, 60)], np.full((1, 4), q), np.array([-0.7])).ranges
+        return backend.reset(np.arange(1), [PipeCorner.of(300, 60)], np.full((1, 4), q), np.array([-0.7])).ranges
 
     assert np.array_equal(seen(0, 0.0), seen(0, 0.0))
     assert not np.array_equal(seen(0, 0.0), seen(1, 0.0))

@@ -24,7 +24,7 @@ from pipenav.envs.sb3_env import TaskVecEnv
 from pipenav.errors import ConfigError, PipenavError, UnknownName
 from pipenav.pipes.corner_sets import parse_pipes
 from pipenav.robots.robot import load_robot
-from pipenav.tasks.reach.batch import CornerBatch
+from pipenav.tasks.reach.batch import ReachBatch
 from pipenav.tasks.reach.config import TaskConfig
 from pipenav.tasks.sampling import random_episodes
 
@@ -162,7 +162,7 @@ def test_both_turns_render() -> None:
 def sb3_env(n: int = 4, seed: int = 0, **task: Any) -> TaskVecEnv:
     robot, config, pipes = load_robot("basic"), TaskConfig.model_validate(task or SHORT), parse_pipes(["thesis-train"])
     source = random_episodes(robot, config, [pipes], np.random.default_rng(seed))
-    return TaskVecEnv(CornerBatch(robot, config, open_backend("mujoco", robot, n, FAST), n, source))
+    return TaskVecEnv(ReachBatch(robot, config, open_backend("mujoco", robot, n, FAST), n, source))
 
 
 def test_ppo_learns_on_the_vec_env() -> None:

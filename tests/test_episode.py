@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 from pipenav.arrays import Floats
 from pipenav.backends.backend import Backend, BackendOptions
 from pipenav.backends.messages import Command, Reading, Truth
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.corner_sets import parse_pipes
 from pipenav.robots import kinematics
 from pipenav.robots.robot import load_robot
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach import episode
-from pipenav.tasks.reach.batch import CornerBatch
+from pipenav.tasks.reach.batch import ReachBatch
 from pipenav.tasks.reach.config import RewardConfig, TaskConfig
 from pipenav.tasks.reach.episode import way_to_goal
 from pipenav.tasks.reach.observation import scale_of
@@ -30,7 +30,7 @@ seeds = st.integers(0, 2**32 - 1)
 any_pipe = st.sampled_from(PIPES)
 
 
-def drawn(seed: int, pipes: Sequence[Pipe] = PIPES) -> episode.Episodes:
+def drawn(seed: int, pipes: Sequence[PipeCorner] = PIPES) -> episode.Episodes:
     return episode.sample(ROBOT, TASK, pipes, np.random.default_rng(seed))
 
 
@@ -78,7 +78,7 @@ def test_starts_are_at_no_limit_and_targets_are_not_reached_yet(seed: int) -> No
 
 @settings(max_examples=40)
 @given(seeds, any_pipe)
-def test_turns_mirror_each_other(seed: int, pipe: Pipe) -> None:
+def test_turns_mirror_each_other(seed: int, pipe: PipeCorner) -> None:
     other = pipe.model_copy(update={"turn": "right" if pipe.turn == "left" else "left"})
     one, two = drawn(seed, [pipe]), drawn(seed, [other])
     assert one.side == -two.side
@@ -95,12 +95,12 @@ def crossing(p: Floats, q: Floats, a: Floats, b: Floats) -> bool:
     return side(p, q, a) * side(p, q, b) < 0 and side(a, b, p) * side(a, b, q) < 0
 
 
-sharp_pipes = st.builds(Pipe.of, st.floats(70, 120), st.floats(30, 179), st.just("left"))
+sharp_pipes = st.builds(PipeCorner.of, st.floats(70, 120), st.floats(30, 179), st.just("left"))
 
 
 @settings(max_examples=40)
 @given(seeds, sharp_pipes)
-def test_the_way_is_the_shortest_path_in_the_pipe(seed: int, pipe: Pipe) -> None:
+def test_the_way_is_the_shortest_path_in_the_pipe(seed: int, pipe: PipeCorner) -> None:
     episodes, rng = drawn(seed, [pipe]), np.random.default_rng(seed)
     goal, edge = (in_pipe(a[0], episodes.base[0], 1.0) for a in (episodes.goal, episodes.edge))
     before, corner, after = pipe.walls.inner
@@ -115,7 +115,9 @@ def test_the_way_is_the_shortest_path_in_the_pipe(seed: int, pipe: Pipe) -> None
 
 @settings(max_examples=40)
 @given(seeds, any_pipe, st.floats(0, 0.01), st.floats(-np.pi, np.pi))
-def test_the_way_changes_by_no_more_than_the_tip_moves(seed: int, pipe: Pipe, step: float, heading: float) -> None:
+def test_the_way_changes_by_no_more_than_the_tip_moves(
+    seed: int, pipe: PipeCorner, step: float, heading: float
+) -> None:
     episodes, rng = drawn(seed, [pipe]), np.random.default_rng(seed)
     tips = rng.uniform(-0.5, 0.5, (400, 2))
     moved = tips + step * np.array([np.cos(heading), np.sin(heading)])
@@ -129,7 +131,7 @@ def test_the_way_changes_by_no_more_than_the_tip_moves(seed: int, pipe: Pipe, st
 
 @settings(max_examples=40)
 @given(seeds, any_pipe)
-def test_the_way_falls_to_zero_along_the_way(seed: int, pipe: Pipe) -> None:
+def test_the_way_falls_to_zero_along_the_way(seed: int, pipe: PipeCorner) -> None:
     episodes = drawn(seed, [pipe])
     tip = kinematics.forward(ROBOT, episodes.q).tip
     stations = [np.linspace(tip[0], episodes.edge[0], 50), np.linspace(episodes.edge[0], episodes.goal[0], 50)]
@@ -167,15 +169,15 @@ class Puppet(Backend):
         pass
 
 
-def puppet_batch(**task: object) -> tuple[CornerBatch, Puppet]:
+def puppet_batch(**task: object) -> tuple[ReachBatch, Puppet]:
     backend, config = Puppet(), TaskConfig.model_validate(task)
     source = random_episodes(ROBOT, config, [PIPES[:1]], np.random.default_rng(1))
-    batch = CornerBatch(ROBOT, config, backend, 1, source)
+    batch = ReachBatch(ROBOT, config, backend, 1, source)
     batch.reset()
     return batch, backend
 
 
-def put_tip_at_the_goal(batch: CornerBatch, backend: Puppet) -> None:
+def put_tip_at_the_goal(batch: ReachBatch, backend: Puppet) -> None:
     """By slide and two hinges: two links to the target, the head in line with the second."""
     x, y = batch.goal[0]
     theta = np.arctan2(y, x - 0.04 - 0.2)
@@ -192,13 +194,13 @@ STILL = np.zeros((1, 4))
 
 def test_verdicts_have_an_order_of_precedence() -> None:
     batch, backend = puppet_batch(max_steps=1)
-    assert batch.step(STILL).verdict == Verdict.TIMEOUT
+    assert batch.step(STILL).verdict == Outcome.TIMEOUT
     put_tip_at_the_goal(batch, backend)
-    assert batch.step(STILL).verdict == Verdict.REACHED
+    assert batch.step(STILL).verdict == Outcome.REACHED
     backend.q[0, 0] = ROBOT.upper[0]
-    assert batch.step(STILL).verdict == Verdict.LIMIT
+    assert batch.step(STILL).verdict == Outcome.LIMIT
     backend.penetration[0] = 1.01 * TASK.max_penetration
-    assert batch.step(STILL).verdict == Verdict.PENETRATION
+    assert batch.step(STILL).verdict == Outcome.PENETRATION
 
 
 def test_an_episode_that_reaches_its_target_in_a_wall_has_failed() -> None:
@@ -206,7 +208,7 @@ def test_an_episode_that_reaches_its_target_in_a_wall_has_failed() -> None:
     put_tip_at_the_goal(batch, backend)
     backend.penetration[0] = 1.01 * TASK.max_penetration
     result = batch.step(STILL)
-    assert result.verdict == Verdict.PENETRATION
+    assert result.verdict == Outcome.PENETRATION
     assert result.reward == pytest.approx([RewardConfig().limit])
 
 

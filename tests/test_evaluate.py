@@ -21,8 +21,8 @@ from pipenav.policies.controller import Controller, PolicyController, open_contr
 from pipenav.policies.policy import load_policy
 from pipenav.robots.robot import load_robot
 from pipenav.storage import shipped
-from pipenav.tasks.outcome import Verdict
-from pipenav.tasks.reach.batch import CornerBatch
+from pipenav.tasks.outcome import Outcome
+from pipenav.tasks.reach.batch import ReachBatch
 from pipenav.tasks.reach.config import TaskConfig
 from pipenav.tasks.reach.observation import scale_of
 
@@ -44,7 +44,7 @@ class Clumsy:
         size = len(scale_of(self.robot, self.task))
         self._weights = np.random.default_rng(1).normal(0.0, 1.5, (size, len(self.robot.joints)))
 
-    def act(self, observation: Floats, batch: CornerBatch) -> Floats:  # noqa: ARG002  # the seam's signature
+    def act(self, observation: Floats, batch: ReachBatch) -> Floats:  # noqa: ARG002  # the seam's signature
         return np.tanh(np.einsum("ni,ij->nj", observation, self._weights))
 
 
@@ -90,7 +90,7 @@ def test_results_do_not_depend_on_the_number_of_episodes(results: EpisodeResults
 
 def test_every_episode_has_ended_in_one_way(results: EpisodeResults) -> None:
     assert len(results.verdict) == len(PIPES) * EPISODES
-    assert set(results.verdict) <= set(Verdict) - {Verdict.RUNNING}
+    assert set(results.verdict) <= set(Outcome) - {Outcome.RUNNING}
     limit = Clumsy.task.max_steps
     assert ((results.steps > 0) & (results.steps <= limit)).all()
     assert ((results.contact_share >= 0) & (results.contact_share <= 1)).all()
@@ -112,14 +112,14 @@ def test_the_shipped_policy_passes_the_working_range() -> None:
     sample = parse_pipes(["working-range"])[::16]
     assert len(sample) == 12
     found = run_task(PolicyController(load_policy(policy)), sample, EPISODES, seed=11)
-    assert (found.verdict == Verdict.REACHED).mean() >= 0.95
+    assert (found.verdict == Outcome.REACHED).mean() >= 0.95
 
 
 @pytest.mark.parametrize("name", ["pirate", "pirate-gravity"])
 def test_the_whole_robots_shipped_policies_pass_corners_and_runs(name: str) -> None:
     sample = [*parse_pipes(["working-range"])[::16], *parse_runs(["runs-level:3", "runs-level:14"])]
     found = run_task(open_controller(name), sample, 2, seed=11)
-    assert (found.verdict == Verdict.REACHED).mean() >= 0.9
+    assert (found.verdict == Outcome.REACHED).mean() >= 0.9
 
 
 def run(capsys: pytest.CaptureFixture[str], *args: str) -> tuple[int, str, str]:

@@ -14,7 +14,14 @@ from pipenav.evaluation.thesis import ANGLES_DEG, thesis_rows
 from pipenav.experiments.definition import agents_of, chosen, experiment_names, load_agents, load_experiment
 from pipenav.experiments.figures import success_figure
 from pipenav.experiments.findings import paragraph
-from pipenav.experiments.runner import Plan, Settings, evaluation_jobs, open_plan, resolved_agent, training_jobs
+from pipenav.experiments.runner import (
+    ExperimentPlan,
+    Settings,
+    evaluation_jobs,
+    open_plan,
+    resolved_agent,
+    training_jobs,
+)
 from pipenav.experiments.tables import PHASES, results
 
 
@@ -45,7 +52,7 @@ def thesis_figures(table: str | None, label: str) -> dict[str, dict[float, float
 
 
 @pytest.fixture
-def thesis_plan(tmp_path: Path) -> Plan:
+def thesis_plan(tmp_path: Path) -> ExperimentPlan:
     """A folder of results that holds the thesis's own figures, and for (d) and (e) what it says in words."""
     plan = open_plan(experiment_names(), 2, Settings(episodes=100), tmp_path)
     said = {
@@ -70,7 +77,7 @@ def test_every_row_that_names_a_table_stands_in_it(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", experiment_names())
-def test_every_row_can_be_told_apart_and_stands_in_the_legend(name: str, thesis_plan: Plan) -> None:
+def test_every_row_can_be_told_apart_and_stands_in_the_legend(name: str, thesis_plan: ExperimentPlan) -> None:
     titles = [row.title for row in load_experiment(name).rows]
     assert len(set(titles)) == len(titles)
     (legend,) = success_figure(results(thesis_plan, name), name).legends
@@ -94,14 +101,14 @@ def test_every_agent_is_a_recipe_of_the_thesis(agent: str) -> None:
 
 
 @pytest.mark.parametrize("name", experiment_names())
-def test_the_thesiss_own_figures_bear_out_its_findings(name: str, thesis_plan: Plan) -> None:
+def test_the_thesiss_own_figures_bear_out_its_findings(name: str, thesis_plan: ExperimentPlan) -> None:
     said = paragraph(name, results(thesis_plan, name))
     # (b): by its own table the agent without history does better over all diameters than history with C3 = 1.5.
     held = "That did not hold here" if name == "b" else "That held here"
     assert held in said
 
 
-def test_tables_hold_the_figures_of_every_phase(thesis_plan: Plan) -> None:
+def test_tables_hold_the_figures_of_every_phase(thesis_plan: ExperimentPlan) -> None:
     given, located = results(thesis_plan, "f")
     assert {line.phase for line in given.lines} == {"front", "rear", "whole"}
     for line in (*given.lines, *located.lines):
@@ -110,12 +117,12 @@ def test_tables_hold_the_figures_of_every_phase(thesis_plan: Plan) -> None:
     assert results(thesis_plan, "d")[0].line("rear").ours[90.0].mean == pytest.approx(2.0, abs=1.0)
 
 
-def test_the_best_agent_is_taken_over(thesis_plan: Plan) -> None:
+def test_the_best_agent_is_taken_over(thesis_plan: ExperimentPlan) -> None:
     (row,) = load_experiment("d").rows
     assert resolved_agent(thesis_plan, row) == "position-history-c3-1_5"
 
 
-def test_what_is_there_is_not_done_again(thesis_plan: Plan) -> None:
+def test_what_is_there_is_not_done_again(thesis_plan: ExperimentPlan) -> None:
     assert evaluation_jobs(thesis_plan, 1, ("front", "front-rear", "locate", "passage")) == []
     assert len(training_jobs(thesis_plan, 1)) == 2 * len(load_agents())
 

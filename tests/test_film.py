@@ -14,7 +14,7 @@ from PIL import Image
 
 from pipenav.errors import FileProblem, PipenavError
 from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.recording import film
 from pipenav.recording.film import box_of, check_suffix, write_film
 from pipenav.robots.outline import link_outlines
@@ -23,7 +23,7 @@ from pipenav.robots.robot import load_robot
 ROBOT = load_robot("basic")
 
 
-def motion(rows: int, pipe: Pipe, outcome: str | None = "reached") -> Trajectory:
+def motion(rows: int, pipe: PipeCorner, outcome: str | None = "reached") -> Trajectory:
     goal = 0.15 * pipe.second_leg
     header = TrajectoryHeader(
         robot="basic",
@@ -41,13 +41,19 @@ def motion(rows: int, pipe: Pipe, outcome: str | None = "reached") -> Trajectory
     return Trajectory(header, ROBOT, q, np.linalg.norm(forces, axis=2).max(axis=1), forces)
 
 
-TWO = [motion(4, Pipe.of(100, 90)), motion(3, Pipe.of(120, 60, "right"), "timeout")]
+TWO = [motion(4, PipeCorner.of(100, 90)), motion(3, PipeCorner.of(120, 60, "right"), "timeout")]
 
 
 @pytest.mark.parametrize(
-    "pipe", [Pipe.of(100, 90), Pipe.of(70, 55, "right"), Pipe.of(120, 125), Pipe.of(90, 90, "left", 150)]
+    "pipe",
+    [
+        PipeCorner.of(100, 90),
+        PipeCorner.of(70, 55, "right"),
+        PipeCorner.of(120, 125),
+        PipeCorner.of(90, 90, "left", 150),
+    ],
 )
-def test_everything_that_moves_is_in_the_picture(pipe: Pipe) -> None:
+def test_everything_that_moves_is_in_the_picture(pipe: PipeCorner) -> None:
     one = motion(5, pipe)
     box = box_of(one)
     points = np.concatenate([polygon.reshape(-1, 2) for link in link_outlines(ROBOT, one.q) for polygon in link])
@@ -71,7 +77,7 @@ def test_a_strip_is_one_picture_with_a_row_for_each_motion(tmp_path: Path) -> No
 def test_a_strip_of_a_long_motion_has_its_first_and_last_frame(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     rows: list[int] = []
     monkeypatch.setattr(film, "_frame", lambda *given, **_: rows.append(given[2]))
-    write_film(tmp_path / "long.png", [motion(101, Pipe.of(100, 90))])
+    write_film(tmp_path / "long.png", [motion(101, PipeCorner.of(100, 90))])
     assert (rows[0], rows[-1], len(rows)) == (0, 100, film.PANELS)
     assert np.ptp(np.diff(rows)) <= 1
 

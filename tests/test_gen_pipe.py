@@ -12,7 +12,7 @@ from pipenav.cli.gen_pipe import gen_pipe
 from pipenav.errors import PipenavError
 from pipenav.export.corner_folder import FILES, read_pipe
 from pipenav.export.route_folder import read_run_folder, run_files
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.route_sets import parse_runs, read_run
 
 app = typer.Typer()
@@ -34,7 +34,7 @@ def run(*arguments: object) -> Result:
 def test_makes_the_pipe_that_was_asked_for(tmp_path: Path) -> None:
     result = run("--d", 100, "--angle", 75, "--out", tmp_path)
     assert result.exit_code == 0, result.output
-    assert read_pipe(tmp_path / "corner-d100-a75-left") == Pipe.of(100, 75)
+    assert read_pipe(tmp_path / "corner-d100-a75-left") == PipeCorner.of(100, 75)
 
 
 def test_every_option_reaches_the_pipe(tmp_path: Path) -> None:
@@ -52,7 +52,7 @@ def test_every_option_reaches_the_pipe(tmp_path: Path) -> None:
     )
     assert run("--d", 62.5, "--angle", 90, *options).exit_code == 0
     folder = tmp_path / "new" / "place" / "corner-d62.5-a90-r150-right"
-    assert read_pipe(folder) == Pipe.of(62.5, 90, "right", 150, leg_mm=800, wall_mm=4.5)
+    assert read_pipe(folder) == PipeCorner.of(62.5, 90, "right", 150, leg_mm=800, wall_mm=4.5)
 
 
 def test_says_what_it_made(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.laser import cast, measure
 from pipenav.robots.parts import Laser
 from pipenav.robots.robot import load_robot
@@ -20,7 +20,7 @@ fans = st.builds(
     st.floats(1, 360),
     st.sampled_from(["centred", "printed"]),
 )
-pipes = st.builds(Pipe.of, st.floats(70, 120), st.floats(55, 125), st.sampled_from(["left", "right"]))
+pipes = st.builds(PipeCorner.of, st.floats(70, 120), st.floats(55, 125), st.sampled_from(["left", "right"]))
 
 
 @settings(max_examples=40)
@@ -61,7 +61,7 @@ def test_readings_are_multiples_of_the_resolution_within_the_range(true) -> None
 
 @settings(max_examples=40)
 @given(pipes, st.integers(0, 2**32 - 1))
-def test_beams_end_on_the_wall_that_they_meet_first(pipe: Pipe, seed: int) -> None:
+def test_beams_end_on_the_wall_that_they_meet_first(pipe: PipeCorner, seed: int) -> None:
     rng = np.random.default_rng(seed)
     points = rng.uniform(-0.3, 0.3, (200, 2))
     points = points[pipe.contains(points)][:5]
@@ -79,6 +79,6 @@ def test_beams_end_on_the_wall_that_they_meet_first(pipe: Pipe, seed: int) -> No
 
 
 def test_a_beam_across_the_pipe_reads_the_radius() -> None:
-    pipe = Pipe.of(100, 90)
+    pipe = PipeCorner.of(100, 90)
     reach = cast(np.array([[-0.3, 0.0]]), np.array([[np.pi / 2, -np.pi / 2, 0.0, np.pi]]), pipe.segments[None])
     assert reach[0] == pytest.approx([0.05, 0.05, 0.35, np.inf])

@@ -12,15 +12,15 @@ from pipenav.backends.backend import Viewable
 from pipenav.backends.messages import Command
 from pipenav.errors import PipenavError
 from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.recording import live
 from pipenav.recording.live import Window
-from pipenav.recording.record import Simulator
+from pipenav.recording.record import SimulatorSettings
 from pipenav.robots.robot import load_robot
 from pipenav.testing import KinematicBackend, KinematicOptions
 
 ROBOT = load_robot("basic")
-PIPE = Pipe.of(100, 75)
+PIPE = PipeCorner.of(100, 75)
 
 
 class Screen:
@@ -128,7 +128,8 @@ def test_a_recorded_motion_is_shown_pose_by_pose() -> None:
     header = TrajectoryHeader(robot="basic", pipe=PIPE, base_m=-0.6, stage="front")
     seen: list[Any] = []
     live.play(
-        [Trajectory(header, ROBOT, poses)], Simulator("mujoco", {"threads": 1}, lambda b: seen.append(b.read().q[0]))
+        [Trajectory(header, ROBOT, poses)],
+        SimulatorSettings("mujoco", {"threads": 1}, lambda b: seen.append(b.read().q[0])),
     )
     assert np.array_equal(np.array(seen), poses)
 
@@ -180,7 +181,7 @@ def test_mujocos_viewer_shows_the_first_robot_among_its_walls(monkeypatch: pytes
     monkeypatch.setattr(viewer, "launch_passive", launch)
     backend = MujocoBackend(ROBOT, 2, MujocoOptions(threads=1))
     base = np.array([-0.6, -0.5])
-    backend.reset(np.arange(2), [PIPE, Pipe.of(80, 90)], np.zeros((2, 4)), base)
+    backend.reset(np.arange(2), [PIPE, PipeCorner.of(80, 90)], np.zeros((2, 4)), base)
     window = backend.open_viewer()
     for _ in range(3):
         backend.step(Command("position", np.tile([0.1, 0.2, 0.1, 0.1], (2, 1))))

@@ -17,17 +17,17 @@ from pipenav.errors import PipenavError
 from pipenav.evaluation.locate_stage import LocateStage, inside_second_leg
 from pipenav.evaluation.passage import Passages
 from pipenav.locating.locator import LocateConfig, PrintedLocator, Variant, point_on_beam, robot_for
-from pipenav.pipes.corner import Pipe
-from pipenav.recording.record import Simulator, record_locate
+from pipenav.pipes.corner import PipeCorner
+from pipenav.recording.record import SimulatorSettings, record_locate
 from pipenav.robots import kinematics, laser
 from pipenav.robots.robot import RobotSpec, load_robot
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach.config import TaskConfig
 from pipenav.tasks.reach.episode import Episodes
 from pipenav.testing import KinematicBackend, KinematicOptions
 
 ROBOTS = ("basic", "high-fidelity", "real-setup")
-FAST = Simulator("mujoco", {"timestep": 0.005, "threads": 1})
+FAST = SimulatorSettings("mujoco", {"timestep": 0.005, "threads": 1})
 ONE = np.arange(1)
 
 
@@ -109,7 +109,7 @@ def test_eq_3_19_only_a_beam_beyond_0_3_m_is_open() -> None:
 
 
 def test_the_printed_method_takes_a_straight_pipe_ahead_for_an_open_space() -> None:
-    robot, pipe, base = robot_for(load_robot("basic"), "thesis"), Pipe.of(120, 90), -0.9
+    robot, pipe, base = robot_for(load_robot("basic"), "thesis"), PipeCorner.of(120, 90), -0.9
     tip = np.array([[base + robot.length, 0.0]])
     ranges = laser.measure(robot.laser, laser.cast(tip, robot.laser.angles[None], pipe.segments[None]))[0]
     first = reading(robot, np.zeros(4), ranges)
@@ -121,36 +121,36 @@ def test_the_printed_method_takes_a_straight_pipe_ahead_for_an_open_space() -> N
 
 
 def test_the_printed_method_turns_its_head_past_the_opening_of_a_narrow_pipe() -> None:
-    located = record_locate(load_robot("basic"), "thesis", Pipe.of(80, 120), 0, 0, FAST)
+    located = record_locate(load_robot("basic"), "thesis", PipeCorner.of(80, 120), 0, 0, FAST)
     force = located.trajectory.contact_force
     assert force is not None
     assert located.trajectory.header.outcome == "timeout"
     assert located.found is None
     assert force.max() > 5.0
-    better = record_locate(load_robot("basic"), "map", Pipe.of(80, 120), 0, 0, FAST)
+    better = record_locate(load_robot("basic"), "map", PipeCorner.of(80, 120), 0, 0, FAST)
     assert better.trajectory.succeeded
 
 
 class Search(NamedTuple):
     """How one search ended: verdict, target in the pipe's frame (2,), all poses (rows, joints)."""
 
-    verdict: Verdict
+    verdict: Outcome
     target: Floats
     q: Floats
 
 
-def search(name: str, pipe: Pipe, gap: float, bend: Floats, variant: Variant = "map") -> Search:
+def search(name: str, pipe: PipeCorner, gap: float, bend: Floats, variant: Variant = "map") -> Search:
     """A search on a backend without physics, from a start so far before the bend, so much off straight."""
     robot = robot_for(load_robot(name), variant)
     base = np.array([-pipe.inner_edge - gap - robot.length])
     q = np.concatenate([[0.0], bend])[None]
     start = Episodes((pipe,), q, base, np.array([pipe.side]), np.zeros((1, 2)), np.zeros((1, 2)))
-    backend, rows, verdict = KinematicBackend(robot, 1, KinematicOptions()), [q[0]], Verdict.RUNNING
+    backend, rows, verdict = KinematicBackend(robot, 1, KinematicOptions()), [q[0]], Outcome.RUNNING
     with closing(LocateStage(robot, LocateConfig(), variant, TaskConfig(), backend, 1, lambda _: start)) as stage:
         stage.start(ONE)
-        while verdict is Verdict.RUNNING:
+        while verdict is Outcome.RUNNING:
             step = stage.step()
-            verdict = Verdict(step.verdict[0])
+            verdict = Outcome(step.verdict[0])
             rows.append(step.q[0].copy())
     return Search(verdict, stage.target[0] * [1.0, pipe.side] + [base[0], 0.0], np.array(rows))
 
@@ -169,9 +169,9 @@ STARTS = {
 def test_the_default_finds_a_target_inside_the_second_leg(
     name: str, d: float, angle: float, gap: float, bend: list[float]
 ) -> None:
-    pipe = Pipe.of(d, angle, "right")
+    pipe = PipeCorner.of(d, angle, "right")
     found = search(name, pipe, gap, np.array(bend))
-    assert found.verdict is Verdict.REACHED
+    assert found.verdict is Outcome.REACHED
     along, off = pipe.along_second_leg(found.target)
     assert along - pipe.inner_edge == pytest.approx(0.1, abs=0.03)
     assert abs(off) < 0.03
@@ -182,8 +182,8 @@ def test_the_default_finds_a_target_inside_the_second_leg(
 @settings(max_examples=15, deadline=None)
 @given(**STARTS)
 def test_a_mirrored_pipe_gives_the_mirrored_target(d: float, angle: float, gap: float, bend: list[float]) -> None:
-    left = search("basic", Pipe.of(d, angle, "left"), gap, np.array(bend))
-    right = search("basic", Pipe.of(d, angle, "right"), gap, -np.array(bend))
+    left = search("basic", PipeCorner.of(d, angle, "left"), gap, np.array(bend))
+    right = search("basic", PipeCorner.of(d, angle, "right"), gap, -np.array(bend))
     assert left.verdict is right.verdict
     # The simulated laser rounds to 5 mm, where the last bit of a distance may tip a reading.
     assert right.target * [1.0, -1.0] == pytest.approx(left.target, abs=2e-3)
@@ -194,8 +194,8 @@ def test_a_mirrored_pipe_gives_the_mirrored_target(d: float, angle: float, gap: 
 def test_on_physics_nothing_is_touched(name: str) -> None:
     rng = np.random.default_rng(7)
     turns = ["left", "right"]
-    random = [Pipe.of(d, a, turns[i % 2]) for i, (d, a) in enumerate(rng.uniform((70, 55), (120, 125), (10, 2)))]
-    pipes = [*random, *(Pipe.of(70, angle, turn) for angle in (55, 85, 120, 125) for turn in turns)]
+    random = [PipeCorner.of(d, a, turns[i % 2]) for i, (d, a) in enumerate(rng.uniform((70, 55), (120, 125), (10, 2)))]
+    pipes = [*random, *(PipeCorner.of(70, angle, turn) for angle in (55, 85, 120, 125) for turn in turns)]
     part = Passages(load_robot(name), TaskConfig(), pipes, 2, 3, options=dict(FAST.options)).locate()
     assert part.passed.all()
     assert part.results.force.max() == 0.0
@@ -203,7 +203,7 @@ def test_on_physics_nothing_is_touched(name: str) -> None:
 
 
 def test_a_recorded_search_is_the_one_that_an_evaluation_runs() -> None:
-    robot, pipe = load_robot("high-fidelity"), Pipe.of(85, 70, "right")
+    robot, pipe = load_robot("high-fidelity"), PipeCorner.of(85, 70, "right")
     part = Passages(robot, TaskConfig(), [pipe], 3, 5, options=dict(FAST.options)).locate()
     for number in range(3):
         located = record_locate(robot, "map", pipe, 5, number, FAST)
@@ -215,7 +215,7 @@ def test_a_recorded_search_is_the_one_that_an_evaluation_runs() -> None:
 
 
 def test_the_recorded_scan_is_the_one_that_gave_the_printed_target() -> None:
-    located = record_locate(load_robot("basic"), "thesis", Pipe.of(120, 120), 0, 0, FAST)
+    located = record_locate(load_robot("basic"), "thesis", PipeCorner.of(120, 120), 0, 0, FAST)
     trajectory, found, beam = located.trajectory, located.found, located.beam
     assert found is not None
     assert beam == located.ranges[found].argmax()
@@ -225,7 +225,7 @@ def test_the_recorded_scan_is_the_one_that_gave_the_printed_target() -> None:
 
 
 def test_inside_the_second_leg_begins_past_the_bend() -> None:
-    pipe = Pipe.of(100, 90)
+    pipe = PipeCorner.of(100, 90)
     for along, inside in ((0.049, False), (0.051, True), (0.59, True), (0.61, False)):
         assert inside_second_leg(pipe, np.array([0.0, along])) is inside
     assert not inside_second_leg(pipe, np.array([0.06, 0.2]))  # in the wall

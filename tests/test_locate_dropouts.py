@@ -12,7 +12,7 @@ from pipenav.backends.messages import Reading
 from pipenav.disturbances.disturbance import Disturbance, load_disturbance
 from pipenav.evaluation.passage import Passages
 from pipenav.locating.locator import LocateConfig, MapLocator
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.reach.config import TaskConfig
 
@@ -20,7 +20,7 @@ ROBOT = load_robot("basic")
 LASER = ROBOT.laser
 OPEN = np.full(LASER.beams, 0.3)
 ONE = np.arange(1)
-PIPES = [Pipe.of(d, angle, turn) for d in (90, 120) for angle in (60, 90, 120) for turn in ("left", "right")]
+PIPES = [PipeCorner.of(d, angle, turn) for d in (90, 120) for angle in (60, 90, 120) for turn in ("left", "right")]
 
 
 def reading(slide: float, ranges: Floats) -> Reading:

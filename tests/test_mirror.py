@@ -18,13 +18,13 @@ from pipenav.evaluation.rear_stage import RearStage
 from pipenav.motions import follower, mirror
 from pipenav.motions.mirror import Motion, hand_over, is_out, join, plan_rear, rear_motion, reverse
 from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.wall_distance import clearance
 from pipenav.policies.controller import open_controller
-from pipenav.recording.record import Simulator, record_task
+from pipenav.recording.record import SimulatorSettings, record_task
 from pipenav.robots.kinematics import forward
 from pipenav.robots.robot import load_robot
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 from pipenav.testing import KinematicBackend, KinematicOptions
 
 ROBOT = load_robot("basic")
@@ -35,7 +35,7 @@ FAST = {"timestep": 0.005, "threads": 1}
 def motions(draw: st.DrawFn) -> Motion:
     rng = np.random.default_rng(draw(st.integers(0, 2**32)))
     turn = draw(st.sampled_from(["left", "right"]))
-    pipe = Pipe.of(draw(st.floats(60, 200)), draw(st.floats(40, 170)), turn, draw(st.sampled_from([0.0, 80.0])))
+    pipe = PipeCorner.of(draw(st.floats(60, 200)), draw(st.floats(40, 170)), turn, draw(st.sampled_from([0.0, 80.0])))
     q = rng.uniform(ROBOT.lower, ROBOT.upper, (draw(st.integers(2, 12)), 4))
     return Motion(pipe, draw(st.floats(-0.8, -0.4)), q)
 
@@ -79,11 +79,11 @@ def test_joining_undoes_a_cut(motion: Motion, cut: int) -> None:
 
 
 def test_parts_that_do_not_follow_each_other_are_refused() -> None:
-    one = Motion(Pipe.of(100, 90), -0.6, np.zeros((3, 4)))
+    one = Motion(PipeCorner.of(100, 90), -0.6, np.zeros((3, 4)))
     with pytest.raises(PipenavError, match=r"part 2 of the passage starts 0\.3 rad or m away"):
         join([one, one._replace(q=np.full((3, 4), 0.3))])
     with pytest.raises(PipenavError, match="part 2 of the passage is in another pipe"):
-        join([one, one._replace(pipe=Pipe.of(100, 91))])
+        join([one, one._replace(pipe=PipeCorner.of(100, 91))])
     with pytest.raises(PipenavError, match="or at another base"):
         join([one, one._replace(base=-0.5)])
 
@@ -104,8 +104,8 @@ def test_out_of_the_corner_is_before_the_inner_edge_with_every_point(motion: Mot
 @pytest.fixture(scope="module")
 def front() -> Trajectory:
     """A real front passage, around a right turn."""
-    pipe = Pipe.of(100, 75, "right")
-    return record_task(open_controller("arm"), "arm", pipe, 0, 0, Simulator("mujoco", FAST))
+    pipe = PipeCorner.of(100, 75, "right")
+    return record_task(open_controller("arm"), "arm", pipe, 0, 0, SimulatorSettings("mujoco", FAST))
 
 
 def changed(front: Trajectory, **header: Any) -> Trajectory:
@@ -115,7 +115,7 @@ def changed(front: Trajectory, **header: Any) -> Trajectory:
 def test_the_plan_of_a_front(front: Trajectory) -> None:
     plan = plan_rear([front])
     assert np.array_equal(plan.q, (front.q * [1, -1, -1, -1])[::-1])
-    assert plan.header.pipe == Pipe.of(100, 75, "left")
+    assert plan.header.pipe == PipeCorner.of(100, 75, "left")
     assert (plan.header.stage, plan.header.outcome, plan.header.goal_m) == ("rear", None, None)
     assert plan.header.base_m == front.header.base_m
     assert plan.contact_force is None
@@ -163,11 +163,11 @@ def run(stage: RearStage) -> tuple[list[str], list[int]]:
     verdict, steps = np.zeros(stage.n, int), np.zeros(stage.n, int)
     while not verdict.all():
         step = stage.step()
-        running = verdict == Verdict.RUNNING
+        running = verdict == Outcome.RUNNING
         steps[running] = stage.steps[running]
         verdict[running] = step.verdict[running]
     stage.close()
-    return [Verdict(one).label for one in verdict], steps.tolist()
+    return [Outcome(one).label for one in verdict], steps.tolist()
 
 
 def test_the_rear_leaves_the_corner(front: Trajectory) -> None:
@@ -201,13 +201,13 @@ def test_each_robot_replays_its_own_motion_anew_after_each_start(front: Trajecto
 
 def test_an_arm_that_stays_in_the_corner_times_out() -> None:
     bent = np.tile([0.2, 0.3, 0.3, 0.3], (4, 1))
-    motion = Motion(Pipe.of(120, 90), -0.5, bent)
+    motion = Motion(PipeCorner.of(120, 90), -0.5, bent)
     stage = RearStage(ROBOT, KinematicBackend(ROBOT, 1, KinematicOptions()), 1, lambda _: [motion])
     assert run(stage) == (["timeout"], [3 * follower.PATIENCE + follower.SLACK])
 
 
 def test_a_joint_at_its_limit_and_a_link_in_the_wall_end_it() -> None:
-    pipe = Pipe.of(120, 90)
+    pipe = PipeCorner.of(120, 90)
     at_limit = Motion(pipe, -0.5, np.array([[0.0, 0.0, 0.0, 2.39]] * 2))
     stage = RearStage(ROBOT, KinematicBackend(ROBOT, 1, KinematicOptions()), 1, lambda _: [at_limit])
     assert run(stage) == (["limit"], [1])
@@ -219,6 +219,6 @@ def test_a_joint_at_its_limit_and_a_link_in_the_wall_end_it() -> None:
 
 
 def test_a_header_of_a_plan_is_of_the_mirrored_pipe() -> None:
-    header = TrajectoryHeader(robot="basic", pipe=Pipe.of(100, 60), base_m=-0.7, stage="front", outcome="reached")
+    header = TrajectoryHeader(robot="basic", pipe=PipeCorner.of(100, 60), base_m=-0.7, stage="front", outcome="reached")
     plan = plan_rear([Trajectory(header, ROBOT, np.zeros((3, 4)))])
     assert plan.header.pipe.name == "corner-d100-a60-right"

@@ -15,7 +15,7 @@ from pipenav.arrays import Floats
 from pipenav.backends.messages import Command
 from pipenav.backends.wall_boxes import INNER_THICKNESS
 from pipenav.errors import PipenavError
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.robots import kinematics, laser
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.reach import episode
@@ -30,14 +30,14 @@ class Scene(NamedTuple):
     """Robots at random starts, in pipes of their own."""
 
     backend: MujocoBackend
-    pipes: list[Pipe]
+    pipes: list[PipeCorner]
     q: Floats
     base: Floats
 
 
-def random_pipes(rng: np.random.Generator, n: int, bends: Sequence[float] = (0.0,)) -> list[Pipe]:
+def random_pipes(rng: np.random.Generator, n: int, bends: Sequence[float] = (0.0,)) -> list[PipeCorner]:
     return [
-        Pipe.of(
+        PipeCorner.of(
             rng.uniform(70, 120), rng.uniform(55, 125), str(rng.choice(["left", "right"])), float(rng.choice(bends))
         )
         for _ in range(n)
@@ -59,7 +59,7 @@ def drives(rng: np.random.Generator, n: int) -> Floats:
     return values
 
 
-def static_model(pipe: Pipe, base: float) -> Any:
+def static_model(pipe: PipeCorner, base: float) -> Any:
     """The reference: this pipe's walls compiled in, torque control."""
     contact = Contact(OPTIONS.contact_time_constant, OPTIONS.contact_impedance)
     model = static_spec(ROBOT, pipe, OPTIONS.timestep, contact, base).compile()
@@ -94,7 +94,7 @@ def test_mocap_walls_give_the_trajectories_of_static_ones(bends: tuple[float, ..
         assert truth.tip[i, :2] - [now.base[i], 0.0] == pytest.approx(state.site("tip").xpos[:2], abs=1e-9)
 
 
-def mujoco_rays(pipe: Pipe, base: float, q: Floats) -> Floats:
+def mujoco_rays(pipe: PipeCorner, base: float, q: Floats) -> Floats:
     """Distances that MuJoCo's own rays find from the tip along the beams; inf where they meet nothing."""
     model = static_model(pipe, base)
     model.geom_group[:] = model.geom_bodyid == 0  # the walls
@@ -110,7 +110,7 @@ def mujoco_rays(pipe: Pipe, base: float, q: Floats) -> Floats:
 
 
 def test_beams_are_mujocos_rangefinders() -> None:
-    pipe, base = Pipe.of(100, 75), -0.52
+    pipe, base = PipeCorner.of(100, 75), -0.52
     q = np.array([[0.05, 0.1, -0.2, 0.6], [0.15, -0.05, 0.3, 0.8]])
     spec = static_spec(ROBOT, pipe, 0.0025, Contact(0.005, (0.95, 0.99, 0.001)), base)
     for geom in spec.geoms:
@@ -136,7 +136,7 @@ def test_beams_are_mujocos_rangefinders() -> None:
     backend.close()
 
 
-def beyond_the_ends(pipe: Pipe, points: Floats) -> bool:
+def beyond_the_ends(pipe: PipeCorner, points: Floats) -> bool:
     """Whether all points lie past an open end of the pipe, where the boxes of the outer wall run on a little."""
     past_second = pipe.along_second_leg(points)[:, 0] > pipe.leg
     return bool(np.all(past_second | (points[:, 0] < -pipe.leg)))
@@ -172,7 +172,7 @@ def test_beams_are_mujocos_own_rays(bends: tuple[float, ...]) -> None:
     assert compared > 850
 
 
-def overlap(q: Floats, pipe: Pipe, base: float) -> float:
+def overlap(q: Floats, pipe: PipeCorner, base: float) -> float:
     """Deepest overlap of the links' rectangles with the walls of a mitred pipe, by separating axes."""
     pose = kinematics.forward(ROBOT, q[None])
     start, end = pipe.segments[:, 0], pipe.segments[:, 1]
@@ -246,7 +246,7 @@ def test_a_timestep_that_does_not_divide_the_control_period_is_refused() -> None
 
 
 def test_a_pipe_of_more_walls_than_it_was_opened_for_is_refused() -> None:
-    pipe = Pipe.of(100, 90, bend_radius_mm=100)
+    pipe = PipeCorner.of(100, 90, bend_radius_mm=100)
     with pytest.raises(PipenavError, match=rf"has {len(pipe.segments)} wall segments, this backend was opened for 4"):
         MujocoBackend(ROBOT, 1, OPTIONS).reset(np.arange(1), [pipe], np.zeros((1, 4)), np.array([-0.6]))
 
@@ -255,7 +255,7 @@ def test_a_wall_pushes_back_on_the_link_that_leans_on_it() -> None:
     link = ROBOT.links[3]
     lever = ROBOT.model_copy(update={"links": (link,), "friction": 0.0})
     backend = MujocoBackend(lever, 2, OPTIONS)
-    backend.reset(np.arange(2), [Pipe.of(100, 120)] * 2, np.zeros((2, 1)), np.full(2, -0.4))
+    backend.reset(np.arange(2), [PipeCorner.of(100, 120)] * 2, np.zeros((2, 1)), np.full(2, -0.4))
     sides, drive = np.array([1.0, -1.0]), 0.4  # the first robot leans on the wall to its left, the second to its right
     for _ in range(10):
         backend.step(Command("torque", drive * sides[:, None]))

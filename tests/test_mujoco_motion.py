@@ -7,7 +7,7 @@ import pytest
 from pipenav_mujoco.backend import MujocoBackend, MujocoOptions
 
 from pipenav.backends.messages import Command, Reading
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import RobotSpec, load_robot
 from pipenav.tasks.reach import episode
 from pipenav.tasks.reach.config import TaskConfig
@@ -16,9 +16,9 @@ ROBOT = load_robot("basic")
 N = 12
 
 
-def pipes(turn: str = "left") -> list[Pipe]:
+def pipes(turn: str = "left") -> list[PipeCorner]:
     rng = np.random.default_rng(0)
-    return [Pipe.of(rng.uniform(70, 120), rng.uniform(55, 125), turn) for _ in range(N)]
+    return [PipeCorner.of(rng.uniform(70, 120), rng.uniform(55, 125), turn) for _ in range(N)]
 
 
 def opened(turn: str = "left", threads: int = 1) -> MujocoBackend:
@@ -58,7 +58,7 @@ def test_the_reset_of_some_leaves_the_others_alone() -> None:
     run(disturbed, 8)
     chosen = np.array([3, 7])
     before = disturbed.truth()
-    disturbed.reset(chosen, [Pipe.of(75, 60, "right")] * 2, np.full((2, 4), 0.01), np.array([-0.7, -0.8]))
+    disturbed.reset(chosen, [PipeCorner.of(75, 60, "right")] * 2, np.full((2, 4), 0.01), np.array([-0.7, -0.8]))
     others = np.setdiff1d(np.arange(N), chosen)
     assert equal(undisturbed.read(), disturbed.read(), others)
     for a, b in zip(before, disturbed.truth(), strict=True):
@@ -100,7 +100,7 @@ def single(link: int) -> RobotSpec:
     return ROBOT.model_copy(update={"links": (ROBOT.links[link],), "friction": 0.0})
 
 
-def alone(robot: RobotSpec, pipe: Pipe, base: float) -> MujocoBackend:
+def alone(robot: RobotSpec, pipe: PipeCorner, base: float) -> MujocoBackend:
     backend = MujocoBackend(robot, 1, MujocoOptions(threads=1))
     backend.reset(np.arange(1), [pipe], np.zeros((1, 1)), np.array([base]))
     return backend
@@ -115,7 +115,7 @@ def test_a_joint_nears_its_no_load_speed_and_never_exceeds_it(link: int) -> None
     if link:
         inertia = body.mass * (body.length**2 / 3 + body.width**2 / 12)  # of a box about its end
     rate = actuator.damping / (inertia + actuator.armature)
-    backend = alone(robot, Pipe.of(300, 180), -0.3)
+    backend = alone(robot, PipeCorner.of(300, 180), -0.3)
     for k in range(1, 5):
         backend.step(Command("torque", np.ones((1, 1))))
         speed = backend.read().qd[0, 0]
@@ -126,7 +126,7 @@ def test_a_joint_nears_its_no_load_speed_and_never_exceeds_it(link: int) -> None
 def test_a_slide_presses_with_its_stall_effort() -> None:
     # Pushing head-on into the far wall of a 90 deg corner.
     robot = single(0)
-    backend = alone(robot, Pipe.of(100, 90), -0.2)
+    backend = alone(robot, PipeCorner.of(100, 90), -0.2)
     for _ in range(20):
         backend.step(Command("torque", np.ones((1, 1))))
     assert backend.read().q[0, 0] == pytest.approx(0.2 + 0.05 - 0.04, abs=1e-4)
@@ -140,7 +140,7 @@ def test_a_slide_presses_with_its_stall_effort() -> None:
 def test_a_hinge_presses_by_the_law_of_the_lever(drive: float) -> None:
     # The link turns until its front corner meets the straight wall; without friction the wall pushes across the
     # pipe only, so force * (the corner's distance along the pipe) = drive * stall torque.
-    robot, pipe = single(1), Pipe.of(100, 180)
+    robot, pipe = single(1), PipeCorner.of(100, 180)
     backend = alone(robot, pipe, -0.3)
     for _ in range(25):
         backend.step(Command("torque", np.full((1, 1), drive)))
@@ -155,7 +155,7 @@ def test_a_hinge_presses_by_the_law_of_the_lever(drive: float) -> None:
 
 def test_the_position_controller_goes_where_it_is_told_and_stays() -> None:
     backend = MujocoBackend(ROBOT, 1, MujocoOptions(threads=1))
-    backend.reset(np.arange(1), [Pipe.of(300, 180)], np.zeros((1, 4)), np.array([-0.3]))
+    backend.reset(np.arange(1), [PipeCorner.of(300, 180)], np.zeros((1, 4)), np.array([-0.3]))
     backend.step(Command("torque", np.ones((1, 4))))
     goal = np.array([[0.1, 0.1, -0.2, 0.15]])
     for _ in range(30):

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.wall_distance import clearance
 from pipenav.robots.kinematics import forward
 from pipenav.robots.outline import foremost, link_outlines
@@ -33,7 +33,7 @@ def test_parts_keep_their_size_and_their_place_on_the_link(seed: int, name: str)
 
 @given(st.integers(0, 2**32), st.sampled_from(ARMS))
 def test_outlines_are_as_far_from_a_straight_pipes_walls_as_the_robot(seed: int, name: str) -> None:
-    robot, pipe = load_robot(name), Pipe.of(300, 180, leg_mm=20000)
+    robot, pipe = load_robot(name), PipeCorner.of(300, 180, leg_mm=20000)
     q = np.random.default_rng(seed).uniform(-0.3, 0.3, (5, len(robot.joints)))
     points = np.concatenate([polygon for link in link_outlines(robot, q) for polygon in link], axis=1)
     room = pipe.radius - np.abs(points[..., 1]).max(axis=1)

@@ -10,7 +10,7 @@ import pytest
 from pipenav.cli import main
 from pipenav.errors import PipenavError
 from pipenav.evaluation.evaluate import EvaluationRun, StageName
-from pipenav.evaluation.passage import Part, Passages
+from pipenav.evaluation.passage import Passages, StageResult
 from pipenav.evaluation.results import Evaluation
 from pipenav.motions.mirror import join, rear_motion
 from pipenav.motions.trajectory import Motion
@@ -18,7 +18,7 @@ from pipenav.pipes.corner_sets import parse_pipes
 from pipenav.policies.controller import Controller, open_controller
 from pipenav.robots import kinematics
 from pipenav.storage import shipped
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 
 NAMES = ["d=110,angle=90", "d=100,angle=75,turn=right"]
 EPISODES = 3
@@ -36,30 +36,32 @@ def passages(controller: Controller) -> Passages:
 
 
 @pytest.fixture(scope="module")
-def located(passages: Passages) -> Part:
+def located(passages: Passages) -> StageResult:
     return passages.locate()
 
 
 @pytest.fixture(scope="module")
-def front(passages: Passages, controller: Controller, located: Part) -> Part:
+def front(passages: Passages, controller: Controller, located: StageResult) -> StageResult:
     return passages.task(controller, located)
 
 
-def test_a_motion_is_what_the_stage_went_through(located: Part, front: Part) -> None:
+def test_a_motion_is_what_the_stage_went_through(located: StageResult, front: StageResult) -> None:
     for part in (located, front):
         for k in range(len(part.jobs)):
             assert len(part.motions[k]) == part.results.steps[k] + 1
             np.testing.assert_array_equal(part.motions[k][-1], part.results.q[k])
 
 
-def test_the_front_begins_where_locating_ended(located: Part, front: Part) -> None:
+def test_the_front_begins_where_locating_ended(located: StageResult, front: StageResult) -> None:
     assert list(front.jobs) == [job for job, passed in zip(located.jobs, located.passed, strict=True) if passed]
     assert len(front.jobs) == JOBS
     for job, motion in zip(front.jobs, front.motions, strict=True):
         np.testing.assert_array_equal(motion[0], located.results.q[job])
 
 
-def test_the_front_goes_for_the_target_that_was_found(front: Part, controller: Controller, located: Part) -> None:
+def test_the_front_goes_for_the_target_that_was_found(
+    front: StageResult, controller: Controller, located: StageResult
+) -> None:
     assert front.passed.all()
     sides = np.array([pipe.side for pipe in parse_pipes(NAMES) for _ in range(EPISODES)])
     tips = kinematics.forward(controller.robot, front.results.q).tip * np.stack([np.ones(JOBS), sides], axis=1)
@@ -67,7 +69,7 @@ def test_the_front_goes_for_the_target_that_was_found(front: Part, controller: C
     assert (off <= controller.task.reach_tolerance).all()
 
 
-def test_the_rear_plays_both_motions_backwards(passages: Passages, located: Part, front: Part) -> None:
+def test_the_rear_plays_both_motions_backwards(passages: Passages, located: StageResult, front: StageResult) -> None:
     rear = passages.rear(front, located)
     assert list(rear.jobs) == list(front.jobs)
     assert rear.passed.all()
@@ -108,7 +110,7 @@ def test_failures_add_up_and_a_stage_that_nothing_came_to_is_empty() -> None:
     assert found.success == 0.0
 
 
-def test_the_same_seed_gives_the_same_passages(passages: Passages, located: Part) -> None:
+def test_the_same_seed_gives_the_same_passages(passages: Passages, located: StageResult) -> None:
     again = passages.locate()
     np.testing.assert_array_equal(again.targets, located.targets)
     for one, other in zip(again.motions, located.motions, strict=True):
@@ -138,5 +140,5 @@ def test_a_pipe_too_narrow_for_the_robot_is_refused(tmp_path: Path, capsys: pyte
 
 def test_a_failed_stage_names_itself() -> None:
     found = EvaluationRun(None, ["d=110,angle=175"], 2, 0, "locate", variant="thesis").run()
-    assert set(found.pipes[0].failures) <= {f"locate {verdict.label}" for verdict in Verdict}
+    assert set(found.pipes[0].failures) <= {f"locate {verdict.label}" for verdict in Outcome}
     assert found.policy == "locate:thesis"

@@ -14,25 +14,25 @@ import trimesh
 
 from pipenav.arrays import Floats
 from pipenav.export.corner_folder import FILES, read_pipe, write_pipe_folder
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.corner_solids import wall_boxes
 
 TENTH_OF_A_MM = 1e-4
 CASES = [
-    Pipe.of(100, 75),
-    Pipe.of(70, 30, "right"),
-    Pipe.of(120, 180),
-    Pipe.of(100, 90, "left", 150),
-    Pipe.of(100, 60, "right", 20, wall_mm=5),
+    PipeCorner.of(100, 75),
+    PipeCorner.of(70, 30, "right"),
+    PipeCorner.of(120, 180),
+    PipeCorner.of(100, 90, "left", 150),
+    PipeCorner.of(100, 60, "right", 20, wall_mm=5),
 ]
 
 
 @pytest.fixture(scope="module", params=CASES, ids=lambda pipe: pipe.name)
-def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Pipe, Path]:
+def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[PipeCorner, Path]:
     return request.param, write_pipe_folder(request.param, tmp_path_factory.mktemp("pipes"))
 
 
-def test_stl_files_are_watertight_and_in_millimetres(made: tuple[Pipe, Path]) -> None:
+def test_stl_files_are_watertight_and_in_millimetres(made: tuple[PipeCorner, Path]) -> None:
     pipe, folder = made
     for name in ("boards.stl", "tube.stl"):
         body = trimesh.load(folder / name)
@@ -42,7 +42,7 @@ def test_stl_files_are_watertight_and_in_millimetres(made: tuple[Pipe, Path]) ->
 
 
 @pytest.mark.parametrize("name", ["boards.stl", "tube.stl"])
-def test_stl_cut_in_the_pipes_plane_shows_its_walls(made: tuple[Pipe, Path], name: str) -> None:
+def test_stl_cut_in_the_pipes_plane_shows_its_walls(made: tuple[PipeCorner, Path], name: str) -> None:
     pipe, folder = made
     body = trimesh.load(folder / name)
     cut = trimesh.intersections.mesh_plane(body, [0, 0, 1], [0, 0, 1e-4])
@@ -52,7 +52,7 @@ def test_stl_cut_in_the_pipes_plane_shows_its_walls(made: tuple[Pipe, Path], nam
         assert distance_to_point(hit, pipe.segments) < TENTH_OF_A_MM
 
 
-def test_tube_has_its_diameters_all_around(made: tuple[Pipe, Path]) -> None:
+def test_tube_has_its_diameters_all_around(made: tuple[PipeCorner, Path]) -> None:
     pipe, folder = made
     body = trimesh.load(folder / "tube.stl")
     x = -1000 * (pipe.leg - 0.02 * pipe.diameter)
@@ -65,7 +65,7 @@ def test_tube_has_its_diameters_all_around(made: tuple[Pipe, Path]) -> None:
     assert np.abs(outer - pipe.radius - pipe.wall).max() < TENTH_OF_A_MM
 
 
-def rays(pipe: Pipe, count: int) -> list[tuple[Floats, Floats]]:
+def rays(pipe: PipeCorner, count: int) -> list[tuple[Floats, Floats]]:
     """Rays from the centre line, in all directions, that meet a wall well within the legs."""
     rng = np.random.default_rng(1)
     line = pipe.line(0.0)
@@ -100,7 +100,7 @@ def distance_to_point(point: Floats, segments: Floats) -> float:
     return float(np.linalg.norm(start + share[:, None] * step - point, axis=1).min())
 
 
-def test_mujoco_sees_the_same_walls(made: tuple[Pipe, Path]) -> None:
+def test_mujoco_sees_the_same_walls(made: tuple[PipeCorner, Path]) -> None:
     pipe, folder = made
     model = mujoco.MjModel.from_xml_path(str(folder / "pipe.xml"))
     data = mujoco.MjData(model)
@@ -113,7 +113,7 @@ def test_mujoco_sees_the_same_walls(made: tuple[Pipe, Path]) -> None:
         assert seen == pytest.approx(expected, abs=TENTH_OF_A_MM)
 
 
-def test_bullet_sees_the_same_walls(made: tuple[Pipe, Path]) -> None:
+def test_bullet_sees_the_same_walls(made: tuple[PipeCorner, Path]) -> None:
     """Bullet's rays are exact on long faces; by a box's edges and in bends they err by a millimetre or so."""
     bullet = pytest.importorskip("pybullet")
     pipe, folder = made
@@ -153,7 +153,7 @@ SDF_CHILDREN = {  # in the order of SDFormat's description files; * marks what m
 SDF_ATTRIBUTES = {"sdf": {"version"}, **{tag: {"name"} for tag in ("model", "link", "collision", "visual")}}
 
 
-def test_sdf_keeps_the_rules_of_its_schema(made: tuple[Pipe, Path]) -> None:
+def test_sdf_keeps_the_rules_of_its_schema(made: tuple[PipeCorner, Path]) -> None:
     pipe, folder = made
     root = ET.parse(folder / "pipe.sdf").getroot()
     assert root.tag == "sdf" and root.get("version") == "1.7" and root.findtext("model/static") == "true"
@@ -170,7 +170,7 @@ def test_sdf_keeps_the_rules_of_its_schema(made: tuple[Pipe, Path]) -> None:
     assert [len(pose.text.split()) for pose in root.iter("pose")] == [6] * 2 * len(wall_boxes(pipe))
 
 
-def test_scenes_hold_the_same_boxes(made: tuple[Pipe, Path]) -> None:
+def test_scenes_hold_the_same_boxes(made: tuple[PipeCorner, Path]) -> None:
     pipe, folder = made
     expected = [(box.x, box.y, box.yaw, box.length, box.thickness, pipe.diameter) for box in wall_boxes(pipe)]
     urdf, sdf = ET.parse(folder / "pipe.urdf").getroot(), ET.parse(folder / "pipe.sdf").getroot()
@@ -188,13 +188,13 @@ def test_scenes_hold_the_same_boxes(made: tuple[Pipe, Path]) -> None:
         np.testing.assert_allclose(np.array(theirs, float), expected, atol=1e-7)
 
 
-def test_drawing_is_a_png_of_readable_size(made: tuple[Pipe, Path]) -> None:
+def test_drawing_is_a_png_of_readable_size(made: tuple[PipeCorner, Path]) -> None:
     content = (made[1] / "pipe.png").read_bytes()
     width, height = (int.from_bytes(content[i : i + 4], "big") for i in (16, 20))
     assert content.startswith(b"\x89PNG") and 800 < width < 2500 and 400 < height < 2500
 
 
-def test_folder_and_file_are_read_alike(made: tuple[Pipe, Path]) -> None:
+def test_folder_and_file_are_read_alike(made: tuple[PipeCorner, Path]) -> None:
     pipe, folder = made
     assert read_pipe(folder) == read_pipe(folder / "pipe.json") == pipe
     record = json.loads((folder / "pipe.json").read_text())
@@ -202,7 +202,7 @@ def test_folder_and_file_are_read_alike(made: tuple[Pipe, Path]) -> None:
     np.testing.assert_array_equal(record["second_leg_direction"], pipe.second_leg)
 
 
-def test_folder_holds_exactly_its_files(made: tuple[Pipe, Path]) -> None:
+def test_folder_holds_exactly_its_files(made: tuple[PipeCorner, Path]) -> None:
     pipe, folder = made
     assert folder.name == pipe.name and {path.name for path in folder.iterdir()} == set(FILES)
     assert list(folder.parent.iterdir()) == [folder]

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from pipenav.arrays import Floats
 from pipenav.backends.wall_boxes import wall_boxes
 from pipenav.errors import OutOfRange, PipenavError
-from pipenav.pipes.corner import Pipe
-from pipenav.pipes.route import Corner, CrossesItself, PipeRun
+from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.route import Corner, CrossesItself, PipeRoute
 
 diameters = st.floats(40, 300)
 angles = st.one_of(st.floats(30, 180), st.sampled_from([30.0, 55.0, 90.0, 180.0]))
@@ -32,7 +32,7 @@ def runs(
     rolls: st.SearchStrategy[float] = rolls,
     extras: st.SearchStrategy[int] = extras,
     most: int = 5,
-) -> PipeRun:
+) -> PipeRoute:
     """Runs whose straights are as long as their mitres need, and some more [mm]."""
     diameter = draw(st.floats(40, 150))
     corners = draw(st.lists(st.tuples(angles, turns, rolls), min_size=1, max_size=most))
@@ -40,7 +40,7 @@ def runs(
     needed = [math.ceil(a + b + 0.1 * diameter) for a, b in pairwise(reach)]
     straights = [least + draw(extras) for least in needed]
     try:
-        return PipeRun.of(diameter, corners, straights)
+        return PipeRoute.of(diameter, corners, straights)
     except CrossesItself:
         assume(False)
         raise
@@ -51,7 +51,7 @@ OVER_ITSELF = [(90, "left", 90), (90, "right", 0), (90, "left", -90), (90, "left
 MIRROR = np.diag([1.0, -1.0, 1.0])
 
 
-def inside(run: PipeRun, seed: int = 0, count: int = 40) -> Floats:
+def inside(run: PipeRoute, seed: int = 0, count: int = 40) -> Floats:
     """Points in the bore of every leg, between its mitres, (legs, count, 3)."""
     rng = np.random.default_rng(seed)
     around, (off, share) = rng.uniform(0, 2 * math.pi, count), rng.uniform(0.001, 0.999, (2, count))
@@ -61,8 +61,8 @@ def inside(run: PipeRun, seed: int = 0, count: int = 40) -> Floats:
 
 @given(diameters, angles, turns)
 def test_a_run_of_one_is_that_pipe(diameter: float, angle: float, turn: str) -> None:
-    pipe = Pipe.of(diameter, angle, turn)
-    run = PipeRun.from_pipe(pipe)
+    pipe = PipeCorner.of(diameter, angle, turn)
+    run = PipeRoute.from_pipe(pipe)
     left, right = pipe.walls if turn == "left" else pipe.walls[::-1]
     np.testing.assert_allclose(run.walls.left, left, atol=1e-12)
     np.testing.assert_allclose(run.walls.right, right, atol=1e-12)
@@ -77,7 +77,7 @@ def test_a_run_of_one_is_that_pipe(diameter: float, angle: float, turn: str) -> 
         np.testing.assert_allclose(*boxes, atol=1e-9)
 
 
-def _sorted_boxes(pipe: Pipe | PipeRun) -> Floats:
+def _sorted_boxes(pipe: PipeCorner | PipeRoute) -> Floats:
     boxes = wall_boxes([pipe], 4, np.zeros(1))
     turned = np.sign(boxes.quaternion[0][:, :1]) * boxes.quaternion[0]
     rows = np.concatenate([boxes.position[0], np.abs(turned), boxes.half_size[0]], axis=1)
@@ -85,7 +85,7 @@ def _sorted_boxes(pipe: Pipe | PipeRun) -> Floats:
 
 
 @given(runs())
-def test_frames_follow_the_centre_line_and_are_rotations(run: PipeRun) -> None:
+def test_frames_follow_the_centre_line_and_are_rotations(run: PipeRoute) -> None:
     origin, rotation = run.frames
     np.testing.assert_allclose(
         rotation @ rotation.transpose(0, 2, 1), np.tile(np.eye(3), (len(origin), 1, 1)), atol=1e-12
@@ -99,7 +99,7 @@ def test_frames_follow_the_centre_line_and_are_rotations(run: PipeRun) -> None:
 
 
 @given(runs())
-def test_every_corner_bends_in_its_own_plane_by_its_angle(run: PipeRun) -> None:
+def test_every_corner_bends_in_its_own_plane_by_its_angle(run: PipeRoute) -> None:
     rotation = run.frames.rotation
     for before, after, corner in zip(rotation, rotation[1:], run.corners, strict=False):
         c, s = math.cos(corner.roll), math.sin(corner.roll)
@@ -112,10 +112,10 @@ def test_every_corner_bends_in_its_own_plane_by_its_angle(run: PipeRun) -> None:
 
 @given(runs(), runs(most=3))
 @settings(max_examples=40)
-def test_frames_of_a_chained_run_are_those_of_its_parts_composed(first: PipeRun, second: PipeRun) -> None:
+def test_frames_of_a_chained_run_are_those_of_its_parts_composed(first: PipeRoute, second: PipeRoute) -> None:
     corners, straights = first.corners + second.corners, first.straights[:-1] + second.straights
     try:
-        chained = PipeRun(diameter=0.04, corners=corners, straights=straights)
+        chained = PipeRoute(diameter=0.04, corners=corners, straights=straights)
     except PipenavError:
         assume(False)
     turn = first.frames.rotation[-1]
@@ -127,7 +127,7 @@ def test_frames_of_a_chained_run_are_those_of_its_parts_composed(first: PipeRun,
 
 
 @given(runs(), st.integers(0, 9))
-def test_turning_every_corner_the_other_way_mirrors_the_run(run: PipeRun, seed: int) -> None:
+def test_turning_every_corner_the_other_way_mirrors_the_run(run: PipeRoute, seed: int) -> None:
     other = {"left": "right", "right": "left"}
     corners = tuple(Corner(angle=c.angle, turn=other[c.turn], roll=-c.roll) for c in run.corners)
     mirrored = run.model_copy(update={"corners": corners})
@@ -137,7 +137,7 @@ def test_turning_every_corner_the_other_way_mirrors_the_run(run: PipeRun, seed: 
 
 
 @given(runs(), st.integers(0, 4))
-def test_a_roll_by_180_deg_makes_the_other_turn(run: PipeRun, which: int) -> None:
+def test_a_roll_by_180_deg_makes_the_other_turn(run: PipeRoute, which: int) -> None:
     i = which % len(run.corners)
     corners = [corner.model_dump() for corner in run.corners]
     corners[i]["turn"] = {"left": "right", "right": "left"}[corners[i]["turn"]]
@@ -151,7 +151,7 @@ def test_a_roll_by_180_deg_makes_the_other_turn(run: PipeRun, which: int) -> Non
 
 @given(runs(), st.integers(0, 9))
 def test_along_rises_along_lines_that_keep_the_inside_and_is_the_distance_on_the_centre_line(
-    run: PipeRun, seed: int
+    run: PipeRoute, seed: int
 ) -> None:
     places = np.sort(np.random.default_rng(seed).uniform(run.places[0], run.places[-1], 300))
     on_line = np.stack([np.interp(places, run.places, line) for line in run.centre_line.T], axis=1)
@@ -163,7 +163,7 @@ def test_along_rises_along_lines_that_keep_the_inside_and_is_the_distance_on_the
 
 
 @given(runs())
-def test_along_goes_on_past_the_open_ends(run: PipeRun) -> None:
+def test_along_goes_on_past_the_open_ends(run: PipeRoute) -> None:
     before = run.centre_line[0] - 0.1 * run.frames.rotation[0][:, 0]
     after = run.centre_line[-1] + 0.1 * run.frames.rotation[-1][:, 0]
     assume(run.leg_of(np.stack([before, after])).tolist() == [0, len(run.corners)])  # no other leg is nearer
@@ -172,7 +172,7 @@ def test_along_goes_on_past_the_open_ends(run: PipeRun) -> None:
 
 
 def test_a_point_in_a_mitre_counts_to_the_leg_before() -> None:
-    run = PipeRun.of(100, [(90, "left", 0)])
+    run = PipeRoute.of(100, [(90, "left", 0)])
     mitre = np.array([[0.02, -0.02], [0.0, 0.0], [-0.02, 0.02]])
     assert run.leg_of(mitre).tolist() == [0, 0, 0]
     assert run.along(mitre) == pytest.approx([0.0, 0.0, -0.02])
@@ -180,7 +180,7 @@ def test_a_point_in_a_mitre_counts_to_the_leg_before() -> None:
 
 
 @given(runs(), st.integers(0, 9))
-def test_points_of_a_leg_are_inside_and_belong_to_it(run: PipeRun, seed: int) -> None:
+def test_points_of_a_leg_are_inside_and_belong_to_it(run: PipeRoute, seed: int) -> None:
     points = inside(run, seed)
     assert run.contains(points).all()
     leg = np.broadcast_to(np.arange(len(points))[:, None], points.shape[:2])
@@ -191,20 +191,20 @@ def test_points_of_a_leg_are_inside_and_belong_to_it(run: PipeRun, seed: int) ->
 
 
 def test_points_in_a_bore_belong_to_it_even_where_another_legs_open_end_points_at_them() -> None:
-    run = PipeRun.of(108, [(110, "left", 0), (110, "left", 0), (30, "left", 0)], [137, 92, 317, 224])
+    run = PipeRoute.of(108, [(110, "left", 0), (110, "left", 0), (30, "left", 0)], [137, 92, 317, 224])
     points = np.array([[-0.0874, 0.0539], [-0.06, 0.05]])
     assert run.leg_of(points).tolist() == [0, 0] and run.contains(points).all()
 
 
 @given(runs(), st.integers(0, 9))
-def test_points_of_the_wall_are_outside(run: PipeRun, seed: int) -> None:
+def test_points_of_the_wall_are_outside(run: PipeRoute, seed: int) -> None:
     rng = np.random.default_rng(seed)
     lines = run.legs.lines(run.radius + 0.5 * run.wall, rng.uniform(0, 2 * math.pi, 20))
     assert not run.contains(lines[:, :-1] + rng.uniform(size=(20, 1, 1)) * np.diff(lines, axis=1)).any()
 
 
 @given(planar_runs)
-def test_a_planar_runs_segments_have_free_space_on_their_left_only(run: PipeRun) -> None:
+def test_a_planar_runs_segments_have_free_space_on_their_left_only(run: PipeRoute) -> None:
     step = run.segments[:, 1] - run.segments[:, 0]
     left = np.stack([-step[:, 1], step[:, 0]], axis=1) / np.linalg.norm(step, axis=1, keepdims=True)
     middle = run.segments.mean(axis=1)
@@ -213,7 +213,7 @@ def test_a_planar_runs_segments_have_free_space_on_their_left_only(run: PipeRun)
 
 
 @given(planar_runs)
-def test_edges_are_where_the_wall_bends_away_from_the_free_space(run: PipeRun) -> None:
+def test_edges_are_where_the_wall_bends_away_from_the_free_space(run: PipeRoute) -> None:
     for wall, edges in zip(np.split(run.segments, 2), np.split(run.edges, 2), strict=True):
         step = wall[:, 1] - wall[:, 0]
         step /= np.linalg.norm(step, axis=1, keepdims=True)
@@ -225,7 +225,7 @@ def test_edges_are_where_the_wall_bends_away_from_the_free_space(run: PipeRun) -
 
 @given(runs(flat_rolls, st.integers(300, 2500), most=3))
 @settings(max_examples=50)
-def test_no_wall_box_reaches_into_free_space_farther_than_the_thin_ones_do(run: PipeRun) -> None:
+def test_no_wall_box_reaches_into_free_space_farther_than_the_thin_ones_do(run: PipeRoute) -> None:
     boxes = wall_boxes([run], len(run.segments), np.zeros(1))
     grid = np.stack(np.meshgrid(*[np.linspace(-1, 1, 9)] * 2), axis=-1).reshape(-1, 2)
     yaw = 2 * np.arctan2(boxes.quaternion[0, :, 3], boxes.quaternion[0, :, 0])
@@ -238,7 +238,7 @@ def test_no_wall_box_reaches_into_free_space_farther_than_the_thin_ones_do(run: 
 
 
 @given(runs())
-def test_only_planar_runs_have_walls_in_the_plane(run: PipeRun) -> None:
+def test_only_planar_runs_have_walls_in_the_plane(run: PipeRoute) -> None:
     rolled = any(abs(math.sin(corner.roll)) > 1e-9 for corner in run.corners)
     assert run.planar == (not rolled)
     if rolled:
@@ -250,7 +250,7 @@ def test_only_planar_runs_have_walls_in_the_plane(run: PipeRun) -> None:
 
 @given(runs(), st.floats(0.0, 1.0), st.floats(0, 6.28))
 @settings(max_examples=50)
-def test_legs_that_are_no_neighbours_never_share_a_point(run: PipeRun, share: float, around: float) -> None:
+def test_legs_that_are_no_neighbours_never_share_a_point(run: PipeRoute, share: float, around: float) -> None:
     line = run.legs.lines(share * run.radius, np.array([around]))[0]
     samples = line[:-1, None] + np.linspace(0, 1, 50)[1:-1, None] * np.diff(line, axis=0)[:, None]
     np.testing.assert_array_equal(
@@ -276,24 +276,24 @@ def test_runs_that_cross_themselves_are_refused(
     corners: list[tuple[float, str, float]], straights: list[float], crossing: str | None
 ) -> None:
     if crossing is None:
-        PipeRun.of(100, corners, straights)
+        PipeRoute.of(100, corners, straights)
         return
     with pytest.raises(PipenavError, match=f"crosses itself: straights {crossing} would meet"):
-        PipeRun.of(100, corners, straights)
+        PipeRoute.of(100, corners, straights)
 
 
 def test_runs_of_the_same_numbers_are_equal_and_arrays_are_read_only() -> None:
     corners = [(90, "left", 0), (75, "right", 0)]
-    run = PipeRun.of(100, corners)
-    assert run == PipeRun.of(100, corners) and hash(run) == hash(PipeRun.of(100, corners))
-    assert run != PipeRun.of(100, [(90, "left", 0), (75, "left", 180)])
+    run = PipeRoute.of(100, corners)
+    assert run == PipeRoute.of(100, corners) and hash(run) == hash(PipeRoute.of(100, corners))
+    assert run != PipeRoute.of(100, [(90, "left", 0), (75, "left", 180)])
     for array in (*run.walls, run.segments, *run.frames, *run.legs):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 0.0
 
 
 def test_names_and_labels_tell_runs_apart() -> None:
-    run = PipeRun.of(100, [(90, "left", 0), (62.5, "right", 90)])
+    run = PipeRoute.of(100, [(90, "left", 0), (62.5, "right", 90)])
     assert run.name == "run-d100-L90-R62.5roll90"
     assert run.label == "100 mm, 90 deg left, 62.5 deg right rolled 90 deg"
 
@@ -323,15 +323,15 @@ def test_names_and_labels_tell_runs_apart() -> None:
 )
 def test_messages_name_what_is_allowed(arguments: tuple[object, ...], message: str) -> None:
     with pytest.raises(PipenavError) as caught:
-        PipeRun.of(*arguments)
+        PipeRoute.of(*arguments)
     assert message in str(caught.value)
 
 
 def test_bends_are_no_corners_of_a_run() -> None:
     with pytest.raises(PipenavError, match="has a bend radius: the corners of a run are mitres"):
-        PipeRun.from_pipe(Pipe.of(100, 90, "left", 150))
+        PipeRoute.from_pipe(PipeCorner.of(100, 90, "left", 150))
 
 
 def test_the_model_itself_refuses_what_is_out_of_range() -> None:
     with pytest.raises(OutOfRange, match="length of straight 1 10 mm"):
-        PipeRun(diameter=0.1, corners=(Corner(angle=1.2),), straights=(0.01, 1.0))
+        PipeRoute(diameter=0.1, corners=(Corner(angle=1.2),), straights=(0.01, 1.0))

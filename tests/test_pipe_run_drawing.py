@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 
 from pipenav.drawing.projection import AZIMUTHS, View
 from pipenav.drawing.route import LABELLED, run_figure
-from pipenav.pipes.route import PipeRun
+from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_sets import parse_runs
 
-ROLLED = PipeRun.of(100, [(90, "left", 0), (75, "right", 90), (110, "left", 180)], [810, 520, 430, 640])
+ROLLED = PipeRoute.of(100, [(90, "left", 0), (75, "right", 90), (110, "left", 180)], [810, 520, 430, 640])
 
 
 def texts(figure: Figure) -> list[str]:
@@ -23,7 +23,7 @@ def texts(figure: Figure) -> list[str]:
 
 
 def test_a_plan_says_every_length_and_angle() -> None:
-    run = PipeRun.of(100, [(90, "left", 0), (75, "right", 0), (112.5, "left", 180)], [810, 520, 430, 640])
+    run = PipeRoute.of(100, [(90, "left", 0), (75, "right", 0), (112.5, "left", 180)], [810, 520, 430, 640])
     said = texts(run_figure(run, "mine"))
     for text in ("810", "520", "430", "640", "90° left", "75° right", "112.5° left\nrolled 180°", "1", "2", "3"):
         assert text in said
@@ -41,7 +41,7 @@ def test_a_picture_in_space_says_every_length_twice_and_its_schedule_every_corne
 @pytest.mark.parametrize("roll", [0, 90])
 def test_a_long_run_keeps_its_lengths_to_the_schedule(roll: int) -> None:
     count = LABELLED + 2
-    run = PipeRun.of(60, [(135, "left", 0), (135, "right", roll)] * (count // 2), [601 + i for i in range(count + 1)])
+    run = PipeRoute.of(60, [(135, "left", 0), (135, "right", roll)] * (count // 2), [601 + i for i in range(count + 1)])
     said = texts(run_figure(run, "mine"))
     assert all(said.count(str(601 + i)) == 1 for i in range(count + 1))
     assert said.count("135° left") == count // 2
@@ -67,7 +67,7 @@ def test_views_are_right_handed(azimuth: float) -> None:
 
 
 @pytest.mark.parametrize("run", [ROLLED, *parse_runs(["runs-rolled"])[::6]], ids=lambda run: run.name)
-def test_the_chosen_view_shows_every_straight(run: PipeRun) -> None:
+def test_the_chosen_view_shows_every_straight(run: PipeRoute) -> None:
     view = View.of(run)
     assert np.linalg.norm(view.flat(run.legs.axes[:, :, 0]), axis=1).min() > 0.4
     assert view.hidden(run) <= np.median([View.towards(azimuth).hidden(run) for azimuth in AZIMUTHS])
@@ -75,7 +75,7 @@ def test_the_chosen_view_shows_every_straight(run: PipeRun) -> None:
 
 def test_what_lies_over_each_other_in_a_picture_is_counted() -> None:
     over = [(90, "left", 90), (90, "right", 0), (90, "left", -90), (90, "left", 0), (90, "left", 0)]
-    run = PipeRun.of(100, over, [1000, 300, 400, 400, 800, 1000])
+    run = PipeRoute.of(100, over, [1000, 300, 400, 400, 800, 1000])
     from_above = View(np.array([0.0, 0, 1]), np.array([1.0, 0, 0]), np.array([0, 1.0, 0]))
     assert from_above.hidden(run) >= 1
-    assert View.towards(math.pi / 4).hidden(PipeRun.of(100, [(90, "left", 90)])) == 0
+    assert View.towards(math.pi / 4).hidden(PipeRoute.of(100, [(90, "left", 90)])) == 0

@@ -15,31 +15,31 @@ import trimesh
 from pipenav.arrays import Floats
 from pipenav.errors import ConfigError, OutOfRange, PipenavError
 from pipenav.export.route_folder import FILES, read_run_folder, run_files, run_record, write_run_folder
-from pipenav.pipes.route import PipeRun
+from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_sets import parse_runs
 from pipenav.pipes.route_solids import FACETS, PRISM_FACES
 
 CASES = {
     "level": parse_runs(["runs-level:5"])[0],
     "rolled": parse_runs(["runs-rolled:11"])[0],
-    "odd": PipeRun.of(150, [(30, "right", 0), (180, "left", 0), (120, "left", 33)], wall_mm=5),
+    "odd": PipeRoute.of(150, [(30, "right", 0), (180, "left", 0), (120, "left", 33)], wall_mm=5),
 }
 
 
 @pytest.fixture(scope="module", params=CASES.items(), ids=lambda case: case[0])
-def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[PipeRun, Path]:
+def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[PipeRoute, Path]:
     name, run = request.param
     return run, write_run_folder(run, name, tmp_path_factory.mktemp("runs"))
 
 
-def test_folder_holds_exactly_its_files(made: tuple[PipeRun, Path]) -> None:
+def test_folder_holds_exactly_its_files(made: tuple[PipeRoute, Path]) -> None:
     run, folder = made
     assert {path.name for path in folder.iterdir()} == set(run_files(run))
     assert ("boards.stl" in run_files(run)) == run.planar
     assert list(folder.parent.iterdir()) == [folder]
 
 
-def test_folder_and_file_are_read_alike(made: tuple[PipeRun, Path]) -> None:
+def test_folder_and_file_are_read_alike(made: tuple[PipeRoute, Path]) -> None:
     run, folder = made
     assert read_run_folder(folder) == read_run_folder(folder / "run.json") == run
     record = json.loads((folder / "run.json").read_text())
@@ -48,7 +48,7 @@ def test_folder_and_file_are_read_alike(made: tuple[PipeRun, Path]) -> None:
     assert (record["wall_segments_m"] is None) == (not run.planar)
 
 
-def test_stl_files_are_watertight_and_in_millimetres(made: tuple[PipeRun, Path]) -> None:
+def test_stl_files_are_watertight_and_in_millimetres(made: tuple[PipeRoute, Path]) -> None:
     run, folder = made
     for path in folder.glob("*.stl"):
         body = trimesh.load(path)
@@ -56,7 +56,7 @@ def test_stl_files_are_watertight_and_in_millimetres(made: tuple[PipeRun, Path])
         assert 1000 * run.centre_line[0, 0] == pytest.approx(body.bounds[0, 0], abs=0.01) or body.bounds[0, 0] < -1000
 
 
-def rays(run: PipeRun, count: int) -> tuple[Floats, Floats, Floats]:
+def rays(run: PipeRoute, count: int) -> tuple[Floats, Floats, Floats]:
     """Rays from the axes across the legs, away from mitres: origins, unit vectors, distances to the polygon."""
     rng = np.random.default_rng(1)
     leg, around = rng.integers(0, len(run.straights), count), rng.uniform(0, 2 * math.pi, count)
@@ -69,7 +69,7 @@ def rays(run: PipeRun, count: int) -> tuple[Floats, Floats, Floats]:
     return origins, ways, run.radius / np.cos((around + side / 2) % side - side / 2)
 
 
-def test_mujoco_sees_the_walls_where_the_prisms_are(made: tuple[PipeRun, Path]) -> None:
+def test_mujoco_sees_the_walls_where_the_prisms_are(made: tuple[PipeRoute, Path]) -> None:
     run, folder = made
     model = mujoco.MjModel.from_xml_path(str(folder / "pipe.xml"))
     data = mujoco.MjData(model)
@@ -80,7 +80,7 @@ def test_mujoco_sees_the_walls_where_the_prisms_are(made: tuple[PipeRun, Path]) 
         assert seen == pytest.approx(expected, abs=1e-5)
 
 
-def test_a_ball_as_wide_as_the_bore_passes_every_mitre_in_mujoco(made: tuple[PipeRun, Path]) -> None:
+def test_a_ball_as_wide_as_the_bore_passes_every_mitre_in_mujoco(made: tuple[PipeRoute, Path]) -> None:
     """Nothing sticks out into the bore, and the convex hulls that contacts are found with fill none of it."""
     run, folder = made
     spec = mujoco.MjSpec.from_file(str(folder / "pipe.xml"))
@@ -97,7 +97,7 @@ def test_a_ball_as_wide_as_the_bore_passes_every_mitre_in_mujoco(made: tuple[Pip
         assert deepest > -1e-5, point
 
 
-def test_bullet_sees_the_walls_where_the_prisms_are(made: tuple[PipeRun, Path]) -> None:
+def test_bullet_sees_the_walls_where_the_prisms_are(made: tuple[PipeRoute, Path]) -> None:
     """Bullet puts a millimetre around convex hulls."""
     bullet = pytest.importorskip("pybullet")
     run, folder = made
@@ -113,7 +113,7 @@ def test_bullet_sees_the_walls_where_the_prisms_are(made: tuple[PipeRun, Path]) 
     assert np.abs(seen - expected).max() < 1.5e-3
 
 
-def test_walls_obj_holds_the_prisms_one_by_one(made: tuple[PipeRun, Path]) -> None:
+def test_walls_obj_holds_the_prisms_one_by_one(made: tuple[PipeRoute, Path]) -> None:
     run, folder = made
     body = trimesh.load(folder / "walls.obj", process=False)
     parts = [trimesh.Trimesh(body.vertices, faces) for faces in body.faces.reshape(-1, len(PRISM_FACES), 3)]
@@ -123,7 +123,7 @@ def test_walls_obj_holds_the_prisms_one_by_one(made: tuple[PipeRun, Path]) -> No
     assert sum(part.volume for part in parts) == pytest.approx(section * sum(run.straights), rel=1e-5)
 
 
-def test_urdf_and_sdf_name_the_mesh(made: tuple[PipeRun, Path]) -> None:
+def test_urdf_and_sdf_name_the_mesh(made: tuple[PipeRoute, Path]) -> None:
     _, folder = made
     urdf, sdf = ET.parse(folder / "pipe.urdf").getroot(), ET.parse(folder / "pipe.sdf").getroot()
     for part in ("collision", "visual"):
@@ -132,7 +132,7 @@ def test_urdf_and_sdf_name_the_mesh(made: tuple[PipeRun, Path]) -> None:
     assert sdf.get("version") == "1.7" and sdf.findtext("model/static") == "true"
 
 
-def test_drawing_is_a_png_of_readable_size(made: tuple[PipeRun, Path]) -> None:
+def test_drawing_is_a_png_of_readable_size(made: tuple[PipeRoute, Path]) -> None:
     content = (made[1] / "pipe.png").read_bytes()
     width, height = (int.from_bytes(content[i : i + 4], "big") for i in (16, 20))
     assert content.startswith(b"\x89PNG") and 800 < width < 2500 and 400 < height < 3000

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from pipenav.errors import PipenavError
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.corner_sets import parse_pipes, pipe_set_names
-from pipenav.pipes.route import PipeRun
+from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_sets import parse_run, parse_runs, read_run, run_set_names
 from pipenav.units import m_to_mm, rad_to_deg
 
@@ -102,31 +102,33 @@ def test_a_run_by_its_number() -> None:
 
 
 def test_a_file_of_one_run(tmp_path: Path) -> None:
-    run = PipeRun.of(100, [(90, "left", 0), (75, "right", 90)], [None, 500, None])
+    run = PipeRoute.of(100, [(90, "left", 0), (75, "right", 90)], [None, 500, None])
     assert parse_runs([written(tmp_path, ONE)]) == [run] == [read_run(tmp_path / "mine.toml")]
     assert run.straights == (0.6, 0.5, 0.6)
 
 
 def test_every_number_of_a_file_reaches_the_run(tmp_path: Path) -> None:
     text = ONE.replace("diameter_mm", "wall_mm = 5\nfirst_straight_mm = 900\ndescription = 'x'\ndiameter_mm")
-    expected = PipeRun.of(100, [(90, "left", 0), (75, "right", 90)], [900, 500, 750], 5)
+    expected = PipeRoute.of(100, [(90, "left", 0), (75, "right", 90)], [900, 500, 750], 5)
     assert parse_runs([written(tmp_path, text + "straight_mm = 750")]) == [expected]
 
 
 @pytest.mark.parametrize("text", ["d=90,angle=60,turn=right", "thesis-train"])
 def test_corners_are_runs_of_one(text: str) -> None:
-    assert parse_runs([text]) == [PipeRun.from_pipe(pipe) for pipe in parse_pipes([text])]
+    assert parse_runs([text]) == [PipeRoute.from_pipe(pipe) for pipe in parse_pipes([text])]
 
 
 def test_a_file_of_pipes_is_a_set_of_runs_of_one(tmp_path: Path) -> None:
     text = written(tmp_path, 'description = "x"\ndiameters_mm = [80]\nangles_deg = [60]')
-    assert parse_runs([text]) == [PipeRun.from_pipe(Pipe.of(80, 60))]
+    assert parse_runs([text]) == [PipeRoute.from_pipe(PipeCorner.of(80, 60))]
 
 
 def test_runs_keep_their_order_and_come_once() -> None:
     runs = parse_runs(["runs-rolled:2", "d=90,angle=60", "runs-rolled"])
     assert (
-        len(runs) == 25 and runs[1] == PipeRun.from_pipe(Pipe.of(90, 60)) and runs[2] == parse_runs(["runs-rolled"])[0]
+        len(runs) == 25
+        and runs[1] == PipeRoute.from_pipe(PipeCorner.of(90, 60))
+        and runs[2] == parse_runs(["runs-rolled"])[0]
     )
 
 

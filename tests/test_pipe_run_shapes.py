@@ -13,13 +13,13 @@ from hypothesis import strategies as st
 from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner_solids import Mesh
-from pipenav.pipes.route import PipeRun
+from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_sets import parse_runs
 from pipenav.pipes.route_solids import FACETS, PRISM_FACES, run_boards_mesh, run_tube_mesh, wall_prisms
 
 SHIPPED = parse_runs(["runs-rolled"])[::4] + parse_runs(["runs-level"])[::8]
-TIGHT = PipeRun.of(100, [(55, "left", 30), (125, "right", -45), (90, "left", 90)], [400, 120, 150, 300])
-RUNS = [*SHIPPED, TIGHT, PipeRun.of(70, [(30, "right", 0)]), PipeRun.of(120, [(180, "left", 0)])]
+TIGHT = PipeRoute.of(100, [(55, "left", 30), (125, "right", -45), (90, "left", 90)], [400, 120, 150, 300])
+RUNS = [*SHIPPED, TIGHT, PipeRoute.of(70, [(30, "right", 0)]), PipeRoute.of(120, [(180, "left", 0)])]
 some_runs = st.sampled_from(RUNS)
 facet_counts = st.sampled_from([8, FACETS])
 
@@ -44,7 +44,7 @@ def depth_in_any(prisms: Floats, points: Floats) -> Floats:
 
 
 @pytest.mark.parametrize("run", RUNS, ids=lambda run: run.name)
-def test_tubes_are_watertight_and_as_large_as_straight_ones(run: PipeRun) -> None:
+def test_tubes_are_watertight_and_as_large_as_straight_ones(run: PipeRoute) -> None:
     body = solid(run_tube_mesh(run))
     assert body.is_watertight and body.is_winding_consistent
     # Shear along a mitre keeps volumes.
@@ -53,7 +53,7 @@ def test_tubes_are_watertight_and_as_large_as_straight_ones(run: PipeRun) -> Non
 
 
 @pytest.mark.parametrize("run", [run for run in RUNS if run.planar], ids=lambda run: run.name)
-def test_boards_are_watertight_and_as_large_as_straight_ones(run: PipeRun) -> None:
+def test_boards_are_watertight_and_as_large_as_straight_ones(run: PipeRoute) -> None:
     body = solid(run_boards_mesh(run))
     assert body.is_watertight and body.is_winding_consistent
     assert body.volume == pytest.approx(1e9 * 2 * run.wall * run.diameter * sum(run.straights), rel=1e-3)
@@ -66,7 +66,7 @@ def test_only_planar_runs_have_boards() -> None:
 
 @given(some_runs, facet_counts)
 @settings(max_examples=20, deadline=None)
-def test_prisms_are_convex_and_fill_the_wall(run: PipeRun, facets: int) -> None:
+def test_prisms_are_convex_and_fill_the_wall(run: PipeRoute, facets: int) -> None:
     prisms = wall_prisms(run, facets)
     assert prisms.shape == (len(run.straights), facets, 8, 3)
     normal, offset = faces_of(prisms)
@@ -83,13 +83,13 @@ def _sides(prisms: Floats) -> tuple[Floats, Floats]:
     return b - a, c - a
 
 
-def to_polygon(run: PipeRun, facets: int, around: Floats) -> Floats:
+def to_polygon(run: PipeRoute, facets: int, around: Floats) -> Floats:
     """Distance from the axis to the polygon around the bore [m]."""
     side = 2 * math.pi / facets
     return np.asarray(run.radius / np.cos((around + side / 2) % side - side / 2))
 
 
-def points_at(run: PipeRun, distance: Floats, around: Floats, share: Floats) -> Floats:
+def points_at(run: PipeRoute, distance: Floats, around: Floats, share: Floats) -> Floats:
     """Points at distances from the axis, in every leg, somewhere between its mitres: (legs points, 3)."""
     lines = run.legs.lines(distance, around)
     return np.asarray((lines[:, :-1] + share[:, None, None] * np.diff(lines, axis=1)).reshape(-1, 3))
@@ -98,7 +98,7 @@ def points_at(run: PipeRun, distance: Floats, around: Floats, share: Floats) -> 
 @given(some_runs, facet_counts, st.sampled_from([None, 0.02]), st.integers(0, 99))
 @settings(max_examples=30, deadline=None)
 def test_prisms_begin_where_the_bore_ends_and_none_of_any_leg_reaches_into_it(
-    run: PipeRun, facets: int, thickness: float | None, seed: int
+    run: PipeRoute, facets: int, thickness: float | None, seed: int
 ) -> None:
     if run == TIGHT:  # whose short straights have no room for thick walls
         thickness = None

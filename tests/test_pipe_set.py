@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 
 from pipenav.errors import PipenavError
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.corner_sets import parse_pipes, pipe_set_names
 from pipenav.units import m_to_mm, rad_to_deg
 
 ANGLES = list(range(55, 126, 5))
 
 
-def corners(pipes: list[Pipe]) -> set[tuple[int, int, str]]:
+def corners(pipes: list[PipeCorner]) -> set[tuple[int, int, str]]:
     return {(round(m_to_mm(pipe.diameter)), round(rad_to_deg(pipe.angle)), pipe.turn) for pipe in pipes}
 
 
@@ -50,27 +50,27 @@ def test_every_shipped_set_can_be_passed(name: str) -> None:
 
 
 def test_a_typed_pipe() -> None:
-    assert parse_pipes(["d=90,angle=60"]) == [Pipe.of(90, 60)]
-    assert parse_pipes([" d = 90 , turn = right, angle = 60"]) == [Pipe.of(90, 60, "right")]
-    assert parse_pipes(["d=90,angle=60,bend_radius=100"]) == [Pipe.of(90, 60, "left", 100)]
+    assert parse_pipes(["d=90,angle=60"]) == [PipeCorner.of(90, 60)]
+    assert parse_pipes([" d = 90 , turn = right, angle = 60"]) == [PipeCorner.of(90, 60, "right")]
+    assert parse_pipes(["d=90,angle=60,bend_radius=100"]) == [PipeCorner.of(90, 60, "left", 100)]
 
 
 def test_pipes_keep_their_order_and_come_once() -> None:
     given = ["d=110,angle=60", "d=90,angle=60", "d=110,angle=60.0,turn=left", "thesis"]
     pipes = parse_pipes(given)
-    assert pipes[:2] == [Pipe.of(110, 60), Pipe.of(90, 60)]
+    assert pipes[:2] == [PipeCorner.of(110, 60), PipeCorner.of(90, 60)]
     assert len(pipes) == len(set(pipes)) == 60
 
 
 def test_a_file(tmp_path: Path) -> None:
     body = 'diameters_mm = [80]\nangles_deg = { start = 60, stop = 70, step = 5 }\nturns = ["right"]'
-    assert parse_pipes([written(tmp_path, body)]) == [Pipe.of(80, angle, "right") for angle in (60, 65, 70)]
+    assert parse_pipes([written(tmp_path, body)]) == [PipeCorner.of(80, angle, "right") for angle in (60, 65, 70)]
 
 
 def test_a_file_in_a_folder_whose_name_has_an_equals_sign(tmp_path: Path) -> None:
     folder = tmp_path / "d=80"
     folder.mkdir()
-    assert parse_pipes([written(folder, "diameters_mm = [80]\nangles_deg = [60]")]) == [Pipe.of(80, 60)]
+    assert parse_pipes([written(folder, "diameters_mm = [80]\nangles_deg = [60]")]) == [PipeCorner.of(80, 60)]
 
 
 @pytest.mark.parametrize(

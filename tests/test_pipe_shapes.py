@@ -11,7 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from pipenav.arrays import Floats
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.corner_solids import EDGE_TOLERANCE, Box, Mesh, boards_mesh, tube_mesh, wall_boxes
 
 diameters = st.floats(40, 300)
@@ -19,7 +19,7 @@ angles = st.one_of(st.floats(30, 180), st.sampled_from([30.0, 90.0, 179.999, 180
 bends = st.one_of(st.floats(0, 500), st.sampled_from([0.0, 0.01, 1.0, 20.0]))
 turns = st.sampled_from(["left", "right"])
 walls = st.sampled_from([0.5, 3.0, 50.0])
-pipes = st.builds(lambda d, a, t, r, w: Pipe.of(d, a, t, r, wall_mm=w), diameters, angles, turns, bends, walls)
+pipes = st.builds(lambda d, a, t, r, w: PipeCorner.of(d, a, t, r, wall_mm=w), diameters, angles, turns, bends, walls)
 
 
 def solid(mesh: Mesh) -> trimesh.Trimesh:
@@ -28,9 +28,9 @@ def solid(mesh: Mesh) -> trimesh.Trimesh:
 
 @settings(max_examples=25, deadline=None)
 @given(pipes)
-@example(Pipe.of(40, 30, "left", 20.5))
-@example(Pipe.of(300, 30, "right", 3000))
-def test_meshes_are_watertight_solids(pipe: Pipe) -> None:
+@example(PipeCorner.of(40, 30, "left", 20.5))
+@example(PipeCorner.of(300, 30, "right", 3000))
+def test_meshes_are_watertight_solids(pipe: PipeCorner) -> None:
     for mesh in (boards_mesh(pipe), tube_mesh(pipe)):
         body = solid(mesh)
         assert body.is_watertight and body.is_winding_consistent and body.volume > 0
@@ -39,7 +39,7 @@ def test_meshes_are_watertight_solids(pipe: Pipe) -> None:
 @settings(max_examples=25, deadline=None)
 @given(diameters, angles, turns)
 def test_volumes_of_a_mitred_pipe(diameter: float, angle: float, turn: str) -> None:
-    pipe = Pipe.of(diameter, angle, turn)
+    pipe = PipeCorner.of(diameter, angle, turn)
     length = 2 * pipe.leg  # shear along a mitre keeps volumes: both solids are as large as those of a straight pipe
     boards = 2 * length * pipe.wall * pipe.diameter
     tube = math.pi * ((pipe.radius + pipe.wall) ** 2 - pipe.radius**2) * length
@@ -49,16 +49,16 @@ def test_volumes_of_a_mitred_pipe(diameter: float, angle: float, turn: str) -> N
 
 @settings(max_examples=60, deadline=None)
 @given(pipes)
-@example(Pipe.of(40, 30, "right", 1, wall_mm=50))
-def test_no_box_reaches_into_free_space(pipe: Pipe) -> None:
+@example(PipeCorner.of(40, 30, "right", 1, wall_mm=50))
+def test_no_box_reaches_into_free_space(pipe: PipeCorner) -> None:
     points = np.stack([inside_box(box, shrink=1e-7) for box in wall_boxes(pipe)])
     assert not pipe.contains(points).any()
 
 
 @settings(max_examples=60, deadline=None)
 @given(pipes)
-@example(Pipe.of(40, 30, "right", 1, wall_mm=50))
-def test_boxes_cover_every_wall_face(pipe: Pipe) -> None:
+@example(PipeCorner.of(40, 30, "right", 1, wall_mm=50))
+def test_boxes_cover_every_wall_face(pipe: PipeCorner) -> None:
     boxes = wall_boxes(pipe)
     step = pipe.segments[:, 1] - pipe.segments[:, 0]
     length = np.linalg.norm(step, axis=1, keepdims=True)

@@ -16,7 +16,7 @@ from pipenav_pybullet.backend import PybulletBackend, PybulletOptions
 
 from pipenav.backends.messages import Command, Reading
 from pipenav.errors import PipenavError
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.wall_distance import clearance
 from pipenav.robots import kinematics, laser
 from pipenav.robots.robot import RobotSpec, load_robot
@@ -26,17 +26,17 @@ from pipenav.tasks.reach.config import TaskConfig
 ROBOT = load_robot("basic")
 
 
-def alone(robot: RobotSpec, pipe: Pipe, base: float) -> PybulletBackend:
+def alone(robot: RobotSpec, pipe: PipeCorner, base: float) -> PybulletBackend:
     backend = PybulletBackend(robot, 1, PybulletOptions())
     backend.reset(np.arange(1), [pipe], np.zeros((1, len(robot.joints))), np.array([base]))
     return backend
 
 
-def crowd(n: int, processes: int = 1, seed: int = 1) -> tuple[PybulletBackend, list[Pipe], Floats]:
+def crowd(n: int, processes: int = 1, seed: int = 1) -> tuple[PybulletBackend, list[PipeCorner], Floats]:
     """n robots at random starts in random pipes; also the pipes and the robots' bases."""
     rng = np.random.default_rng(seed)
     turns = [("left", "right")[i % 2] for i in range(n)]
-    pipes = [Pipe.of(rng.uniform(70, 120), rng.uniform(55, 125), turn) for turn in turns]
+    pipes = [PipeCorner.of(rng.uniform(70, 120), rng.uniform(55, 125), turn) for turn in turns]
     start = episode.sample(ROBOT, TaskConfig(), pipes, rng)
     backend = PybulletBackend(ROBOT, n, PybulletOptions(processes=processes))
     backend.reset(np.arange(n), pipes, start.q, start.base)
@@ -60,7 +60,7 @@ def test_a_slide_nears_its_no_load_speed_and_never_exceeds_it() -> None:
     robot = single(0)
     actuator = robot.joint_actuators[0]
     rate = actuator.damping / (robot.links[0].mass + actuator.armature)
-    backend = alone(robot, Pipe.of(300, 180), -0.3)
+    backend = alone(robot, PipeCorner.of(300, 180), -0.3)
     for k in range(1, 5):
         backend.step(Command("torque", np.ones((1, 1))))
         speed = backend.read().qd[0, 0]
@@ -71,7 +71,7 @@ def test_a_slide_nears_its_no_load_speed_and_never_exceeds_it() -> None:
 
 def test_a_slide_presses_with_its_stall_effort() -> None:
     robot = single(0)
-    backend = alone(robot, Pipe.of(100, 90), -0.2)
+    backend = alone(robot, PipeCorner.of(100, 90), -0.2)
     for _ in range(20):
         backend.step(Command("torque", np.ones((1, 1))))
     assert backend.read().q[0, 0] == pytest.approx(0.2 + 0.05 - 0.04, abs=1e-4)
@@ -81,7 +81,7 @@ def test_a_slide_presses_with_its_stall_effort() -> None:
 
 @pytest.mark.parametrize("drive", [-1.0, 0.3])
 def test_a_hinge_presses_by_the_law_of_the_lever(drive: float) -> None:
-    robot, pipe = single(1), Pipe.of(100, 180)
+    robot, pipe = single(1), PipeCorner.of(100, 180)
     backend = alone(robot, pipe, -0.3)
     for _ in range(25):
         backend.step(Command("torque", np.full((1, 1), drive)))
@@ -95,7 +95,7 @@ def test_a_hinge_presses_by_the_law_of_the_lever(drive: float) -> None:
 
 @pytest.mark.parametrize("angle", [55, 65, 90, 125])
 def test_a_link_that_slides_slowly_along_the_inner_wall_is_not_stopped_at_its_edge(angle: float) -> None:
-    robot, pipe = ROBOT.model_copy(update={"links": ROBOT.links[:2]}), Pipe.of(70, angle)
+    robot, pipe = ROBOT.model_copy(update={"links": ROBOT.links[:2]}), PipeCorner.of(70, angle)
     backend = alone(robot, pipe, -pipe.inner_edge - 0.05 - robot.length)
     for _ in range(5):
         backend.step(Command("torque", np.array([[0.0, 0.3]])))
@@ -110,7 +110,7 @@ def test_friction_takes_its_share_of_the_push() -> None:
     # The two-link arm presses sideways on the wall with its hinge while its slide pulls along the pipe: at rest, the
     # wall's force on the tip, friction included, has the pull as its component along the pipe.
     robot = ROBOT.model_copy(update={"links": ROBOT.links[:2], "friction": 0.8})
-    backend = alone(robot, Pipe.of(100, 180), -0.3)
+    backend = alone(robot, PipeCorner.of(100, 180), -0.3)
     for _ in range(25):
         backend.step(Command("torque", np.array([[0.0, 0.6]])))
     for _ in range(5):
@@ -126,7 +126,7 @@ def test_friction_takes_its_share_of_the_push() -> None:
 
 
 def test_the_position_controller_goes_where_it_is_told_and_stays() -> None:
-    backend = alone(ROBOT, Pipe.of(300, 180), -0.3)
+    backend = alone(ROBOT, PipeCorner.of(300, 180), -0.3)
     backend.step(Command("torque", np.ones((1, 4))))
     goal = np.array([[0.1, 0.1, -0.2, 0.15]])
     for _ in range(30):

@@ -9,26 +9,28 @@ from pipenav.backends.backend import Backend
 from pipenav.evaluation.passage import run_task
 from pipenav.motions.mirror import plan_rear
 from pipenav.motions.trajectory import Trajectory
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.controller import open_controller
-from pipenav.recording.record import Simulator, record_rear, record_task, tracking
+from pipenav.recording.record import SimulatorSettings, record_rear, record_task, tracking
 from pipenav.robots.kinematics import forward
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 
 OPTIONS = {"timestep": 0.005, "threads": 1}
-PIPE = Pipe.of(85, 70, "right")
+PIPE = PipeCorner.of(85, 70, "right")
 
 
 @pytest.fixture(scope="module")
 def fronts() -> list[Trajectory]:
     controller = open_controller("arm")
-    return [record_task(controller, "arm", PIPE, 5, number, Simulator("mujoco", OPTIONS)) for number in range(3)]
+    return [
+        record_task(controller, "arm", PIPE, 5, number, SimulatorSettings("mujoco", OPTIONS)) for number in range(3)
+    ]
 
 
 def test_the_recorded_episode_is_the_one_that_an_evaluation_runs(fronts: list[Trajectory]) -> None:
     results = run_task(open_controller("arm"), [PIPE], 3, 5, options=OPTIONS)
     for number, front in enumerate(fronts):
-        assert front.header.outcome == Verdict(results.verdict[number]).label
+        assert front.header.outcome == Outcome(results.verdict[number]).label
         assert len(front.q) - 1 == results.steps[number]
         assert np.array_equal(front.q[-1], results.q[number])
         assert front.contact_force is not None
@@ -58,20 +60,20 @@ def test_who_looks_on_sees_the_start_and_every_step() -> None:
     def watch(backend: Backend) -> None:
         seen.append(float(backend.read().time[0]))
 
-    front = record_task(open_controller("arm"), "arm", PIPE, 5, 0, Simulator("mujoco", OPTIONS, watch))
+    front = record_task(open_controller("arm"), "arm", PIPE, 5, 0, SimulatorSettings("mujoco", OPTIONS, watch))
     assert seen == pytest.approx(front.time)
 
 
 def test_a_rear_passage_and_how_well_it_follows(fronts: list[Trajectory]) -> None:
     plan = plan_rear(fronts[:1])
-    rear = record_rear(plan, Simulator("mujoco", OPTIONS))
+    rear = record_rear(plan, SimulatorSettings("mujoco", OPTIONS))
     assert rear.succeeded
     assert (rear.header.stage, rear.header.backend, rear.header.pipe.turn) == ("rear", "mujoco", "left")
     assert np.array_equal(rear.q[0], plan.q[0])
     error = tracking(plan, rear)
     assert 0 < error.tip < 0.05
     assert 0 < error.joint < 0.2
-    assert np.array_equal(rear.q, record_rear(plan, Simulator("mujoco", OPTIONS)).q)
+    assert np.array_equal(rear.q, record_rear(plan, SimulatorSettings("mujoco", OPTIONS)).q)
 
 
 def test_tracking_is_the_largest_difference_beyond_the_plans_end_too(fronts: list[Trajectory]) -> None:

@@ -23,10 +23,10 @@ from pipenav_hardware.emulator.client import Emulator
 from pipenav.deployment import session
 from pipenav.deployment.session import located_place, policy_for, write_motions
 from pipenav.deployment.telemetry import Recording, read_telemetry
-from pipenav.deployment.trajectories import Place, place_of
+from pipenav.deployment.trajectories import ArmPlacement, place_of
 from pipenav.errors import PipenavError
 from pipenav.motions.trajectory import read_trajectory
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.policy import load_policy, resolve_policy
 from pipenav.robots.robot import load_robot
 from pipenav.storage import shipped
@@ -113,14 +113,14 @@ def test_its_motions_are_trajectory_files(passage: Path, recording: Recording) -
     parts = [read_trajectory(passage / name) for name in ("locate.csv", "front.csv")]
     for part in parts:
         assert part.header.backend == "hardware" and part.succeeded
-        assert part.header.pipe == Pipe.of(130, 90, "right")
+        assert part.header.pipe == PipeCorner.of(130, 90, "right")
     assert parts[1].q[0] == pytest.approx(parts[0].q[-1], abs=0), "the front starts where locating ended"
     reached = [tick["q"] for tick in recording.ticks if tick["stage"] in ("reach", "back")]
     assert parts[1].q[:3].tolist() == reached[:3]
 
 
 def test_an_arm_in_a_known_pipe_is_placed_by_the_target_that_it_located(passage: Path, recording: Recording) -> None:
-    pipe = Pipe.of(130, 90, "right")
+    pipe = PipeCorner.of(130, 90, "right")
     true = read_trajectory(passage / "front.csv").header.base_m
     target = next(tick["target"] for tick in recording.ticks if tick.get("target"))
     assert place_of(pipe, np.array(target), 0.1).base == pytest.approx(true, abs=0.025)
@@ -284,12 +284,12 @@ def test_calibrate_as_typed(
 
 
 def test_pictures_and_motions_of_a_run_in_an_unknown_pipe(recording: Recording, tmp_path: Path) -> None:
-    class Plan:
+    class MissionPlan:
         policy, folder, goal = load_policy(resolve_policy("arm")), tmp_path, None
 
-    plan: Any = Plan()
+    plan: Any = MissionPlan()
     assert [path.name for path in write_motions(plan, recording.ticks, "passed", None)] == ["run.png"]
-    place = located_place(plan, recording.ticks, Pipe.of(130, 90, "right"))
-    assert isinstance(place, Place)
+    place = located_place(plan, recording.ticks, PipeCorner.of(130, 90, "right"))
+    assert isinstance(place, ArmPlacement)
     names = [path.name for path in write_motions(plan, recording.ticks, "passed", place)]
     assert names == ["run.png", "locate.csv", "front.csv"]

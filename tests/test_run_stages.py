@@ -9,9 +9,9 @@ import pytest
 
 from pipenav.backends.messages import Command, Reading
 from pipenav.backends.registry import open_backend
-from pipenav.deployment.mission import LOCATE_TICKS, PUSH, Back, Decision, Locate, Run
+from pipenav.deployment.mission import LOCATE_TICKS, PUSH, Back, Decision, Locate, Mission
 from pipenav.locating.locator import LocateConfig
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.policy import Policy, load_policy, resolve_policy
 from pipenav.robots import kinematics
 from pipenav.tasks.reach import episode
@@ -27,8 +27,8 @@ def reading(q: Any, ranges: float = 0.2) -> Reading:
 
 
 def simulate(
-    pipe: Pipe, seed: int, policy: Policy = POLICY, lag: float = 0.0, **settings: Any
-) -> tuple[Run, list[Decision]]:
+    pipe: PipeCorner, seed: int, policy: Policy = POLICY, lag: float = 0.0, **settings: Any
+) -> tuple[Mission, list[Decision]]:
     """A run on a simulated arm whose goals are limited as a real arm's, and whose joints are read up to `lag` periods
     before their motion ends."""
     robot, rng = policy.header.robot, np.random.default_rng(seed)
@@ -36,7 +36,7 @@ def simulate(
     backend = open_backend("mujoco", robot, 1, {"threads": 1}, len(pipe.segments))
     now = before = backend.reset(np.array([0]), [pipe], start.q, start.base)
     given = {"goal": None, "retreat": False} | settings
-    run = Run(policy, float(start.side[0]), PERIOD, given["goal"], LocateConfig(), given["retreat"])
+    run = Mission(policy, float(start.side[0]), PERIOD, given["goal"], LocateConfig(), given["retreat"])
     made, step = [], robot.speed_limits * PERIOD
     for _ in range(500):
         seen = now._replace(q=now.q - rng.uniform(0, lag) * (now.q - before.q))
@@ -54,7 +54,7 @@ def simulate(
 @pytest.mark.parametrize("turn", ["left", "right"])
 @pytest.mark.parametrize("angle", [60, 90, 120])
 def test_an_arm_locates_reaches_and_comes_back(angle: int, turn: str) -> None:
-    pipe = Pipe.of(130, angle, turn)
+    pipe = PipeCorner.of(130, angle, turn)
     run, made = simulate(pipe, angle)
     stages = [decision.stage for decision in made]
     assert run.outcome == "passed"
@@ -66,7 +66,7 @@ def test_an_arm_locates_reaches_and_comes_back(angle: int, turn: str) -> None:
 
 
 def test_a_given_target_is_not_looked_for() -> None:
-    pipe = Pipe.of(120, 90, "right")
+    pipe = PipeCorner.of(120, 90, "right")
     start = episode.sample(ROBOT, POLICY.header.task, [pipe], np.random.default_rng(3))
     goal = start.goal[0] * [1, -1]
     run, made = simulate(pipe, 3, goal=goal)
@@ -78,7 +78,7 @@ def test_a_given_target_is_not_looked_for() -> None:
 def test_a_target_out_of_reach_is_given_up_and_left_if_wished() -> None:
     far = np.array([5.0, 0.0])
     for retreat, last in ((False, "reach"), (True, "back")):
-        run, made = simulate(Pipe.of(130, 90), 0, goal=far, retreat=retreat)
+        run, made = simulate(PipeCorner.of(130, 90), 0, goal=far, retreat=retreat)
         assert run.outcome in ("timeout", "limit")
         assert made[-2].stage == last
 
@@ -94,8 +94,8 @@ def test_where_no_corner_is_none_is_found() -> None:
 
 def test_decisions_on_a_right_turn_mirror_those_on_a_left_one() -> None:
     rng = np.random.default_rng(0)
-    left = Run(POLICY, 1.0, PERIOD, np.array([0.7, 0.2]), LocateConfig(), False)
-    right = Run(POLICY, -1.0, PERIOD, np.array([0.7, -0.2]), LocateConfig(), False)
+    left = Mission(POLICY, 1.0, PERIOD, np.array([0.7, 0.2]), LocateConfig(), False)
+    right = Mission(POLICY, -1.0, PERIOD, np.array([0.7, -0.2]), LocateConfig(), False)
     for _ in range(10):
         q = rng.uniform(-0.5, 0.5, 4) * [0.2, 1, 1, 1]
         ranges = rng.uniform(0.01, 0.5, (1, ROBOT.laser.beams))
@@ -132,10 +132,10 @@ def test_an_arm_that_catches_is_freed_forwards_and_one_that_stays_caught_is_give
 
 
 def test_a_run_backs_out_only_once_and_only_if_it_may() -> None:
-    run = Run(POLICY, 1.0, PERIOD, None, LocateConfig(), False)
+    run = Mission(POLICY, 1.0, PERIOD, None, LocateConfig(), False)
     run.decide(reading(np.zeros(4)))
     assert not run.back_out("stall")
-    run = Run(POLICY, 1.0, PERIOD, None, LocateConfig(), True)
+    run = Mission(POLICY, 1.0, PERIOD, None, LocateConfig(), True)
     assert not run.back_out("stall"), "nothing has been recorded yet"
     run.decide(reading(np.zeros(4)))
     assert run.back_out("stall")
@@ -145,7 +145,7 @@ def test_a_run_backs_out_only_once_and_only_if_it_may() -> None:
 
 
 def test_the_tip_ends_within_the_tolerance() -> None:
-    run, made = simulate(Pipe.of(130, 120), 1)
+    run, made = simulate(PipeCorner.of(130, 120), 1)
     assert run.target is not None
     reach = [decision.command for decision in made if decision.stage == "back"]
     assert reach[0] is not None
@@ -155,7 +155,7 @@ def test_the_tip_ends_within_the_tolerance() -> None:
 
 def test_an_arm_that_hooks_on_the_corners_edge_is_free_after_a_few_ticks() -> None:
     """A start from which a link's shoulder catches when the arm comes back, which forwards it slid over."""
-    run, made = simulate(Pipe.of(130, 60), 108, load_policy(resolve_policy("real-setup")), lag=0.7)
+    run, made = simulate(PipeCorner.of(130, 60), 108, load_policy(resolve_policy("real-setup")), lag=0.7)
     stages = [decision.stage for decision in made]
     assert run.outcome == "passed"
     assert stages.count("back") < stages.count("reach") + 12

@@ -13,15 +13,15 @@ from hypothesis import strategies as st
 from pipenav.backends.backend import Backend
 from pipenav.backends.registry import open_backend
 from pipenav.errors import PipenavError
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines import sequence
-from pipenav.policies.baselines.sequence import Phase, SequenceController
+from pipenav.policies.baselines.sequence import SequenceController, TurnPhase
 from pipenav.policies.baselines.sequence_plan import PRESS, plan
 from pipenav.policies.baselines.wall_distance import clearance
 from pipenav.policies.controller import open_controller
 from pipenav.policies.policy import load_policy, resolve_policy
 from pipenav.robots.robot import load_robot
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.traverse.batch import TraverseBatch
 from pipenav.tasks.traverse.episode import GRAVITY, TraverseEpisodes, sample
 
@@ -46,7 +46,7 @@ def batch(start: TraverseEpisodes, one: SequenceController) -> Iterator[tuple[Tr
 
 def left_and_right(one: SequenceController, diameter: float, angle: float) -> TraverseEpisodes:
     """An episode and its mirror image."""
-    left, right = Pipe.of(diameter, angle), Pipe.of(diameter, angle, "right")
+    left, right = PipeCorner.of(diameter, angle), PipeCorner.of(diameter, angle, "right")
     start = sample(ROBOT, one.task, [left, left], np.random.default_rng(0))
     pipes = (start.pipes[0], start.pipes[0].model_copy(update={"turn": right.turn}))
     q = np.stack([start.q[0], start.q[0] * ROBOT.mirror_coordinates])
@@ -59,7 +59,7 @@ def test_it_goes_through_its_phases_in_order_to_either_side_alike(name: str, dia
     one = controller(name)
     with batch(left_and_right(one, diameter, angle), one) as (robots, _):
         observation = robots.reset()
-        seen: list[list[Phase]] = [[], []]
+        seen: list[list[TurnPhase]] = [[], []]
         ended = np.zeros(2, int)
         while not ended.all():
             result = robots.step(one.act(observation, robots))
@@ -67,10 +67,10 @@ def test_it_goes_through_its_phases_in_order_to_either_side_alike(name: str, dia
             for i in np.flatnonzero(ended == 0):
                 if one.phases[i] not in seen[i]:
                     seen[i].append(one.phases[i])
-                if result.verdict[i] != Verdict.RUNNING:
-                    assert Verdict(result.verdict[i]) is Verdict.REACHED
+                if result.verdict[i] != Outcome.RUNNING:
+                    assert Outcome(result.verdict[i]) is Outcome.REACHED
                     ended[i] = robots.steps[i]
-    expected = [phase for phase in Phase if name == NAMES[0] or phase is not Phase.FRONT_TO_TARGET]
+    expected = [phase for phase in TurnPhase if name == NAMES[0] or phase is not TurnPhase.FRONT_TO_TARGET]
     assert seen == [expected, expected]
     assert abs(ended[0] - ended[1]) <= 0.1 * ended[0]  # contacts are not mirrored to the last digit
 
@@ -80,7 +80,7 @@ def test_the_same_start_gives_the_same_motion(name: str) -> None:
     motions = []
     for _ in range(2):
         one = controller(name)
-        start = sample(ROBOT, one.task, [Pipe.of(80, 70)], np.random.default_rng(1))
+        start = sample(ROBOT, one.task, [PipeCorner.of(80, 70)], np.random.default_rng(1))
         with batch(start, one) as (robots, _):
             observation = robots.reset()
             for _ in range(45):
@@ -100,7 +100,7 @@ def test_a_clamp_presses_as_its_joint_says_and_carries_the_robot(
     monkeypatch.setattr(sequence, "SETTLED", 0.0)
     monkeypatch.setattr(sequence, "DWELL", 10**6)  # goes on clamping
     one, n = controller("baseline:sequence-line"), 2
-    pipe = Pipe.of(diameter, 90)
+    pipe = PipeCorner.of(diameter, 90)
     start = sample(ROBOT, one.task, [pipe] * n, np.random.default_rng(2))
     with batch(start, one) as (robots, simulator):
         observation = robots.reset()
@@ -134,7 +134,7 @@ def _mass() -> float:
 @settings(max_examples=25, deadline=None)
 @given(diameters, angles)
 def test_the_line_leads_past_all_walls_to_a_pose_that_mirrors_itself(diameter: float, angle: float) -> None:
-    pipe = Pipe.of(diameter, angle, leg_mm=2000)
+    pipe = PipeCorner.of(diameter, angle, leg_mm=2000)
     corner = plan(ROBOT, pipe)
     line, room = corner.line, pipe.radius - ROBOT.wheels[2].radius
     q = np.zeros((len(line.along), ROBOT.coordinates))
@@ -152,7 +152,7 @@ def test_the_line_leads_past_all_walls_to_a_pose_that_mirrors_itself(diameter: f
 def test_the_way_onto_the_line_begins_where_the_half_is_and_ends_where_the_line_ends(
     diameter: float, angle: float, share: float, seed: int
 ) -> None:
-    corner = plan(ROBOT, Pipe.of(diameter, angle))
+    corner = plan(ROBOT, PipeCorner.of(diameter, angle))
     bends = np.random.default_rng(seed).uniform(-1.0, 1.0, 4)
     along = float(corner.line.along[0] * (1 - share) + corner.line.along[-2] * share)
     way = corner.onto_line(along, bends, float(corner.tip[len(corner.tip) // 2]))

@@ -13,16 +13,16 @@ from pipenav.arrays import Floats
 from pipenav.backends.registry import open_backend, open_space
 from pipenav.backends.spatial import SpaceBackend
 from pipenav.errors import PipenavError
-from pipenav.pipes.route import PipeRun
+from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_legs import about_x
 from pipenav.robots.robot import load_robot
-from pipenav.tasks.rolling.clamp import ZIGZAG, Drive, steepness
+from pipenav.tasks.rolling.clamp import ZIGZAG, RollForward, steepness
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import GRAVITY, sample
 from pipenav.tasks.traverse.progress import waypoints
 
 ROBOT = load_robot("pirate")
-RUN = PipeRun.of(90, [(90, "left", 0), (75, "right", 90)], [1200, 900, 800])
+RUN = PipeRoute.of(90, [(90, "left", 0), (75, "right", 90)], [1200, 900, 800])
 ONE = np.arange(1)
 
 
@@ -31,7 +31,9 @@ def world(n: int = 1, gravity: float = GRAVITY, **options: float) -> SpaceBacken
 
 
 @contextmanager
-def placed(run: PipeRun, plane: float = 0.0, gravity: float = GRAVITY) -> Iterator[tuple[SpaceBackend, Floats, float]]:
+def placed(
+    run: PipeRoute, plane: float = 0.0, gravity: float = GRAVITY
+) -> Iterator[tuple[SpaceBackend, Floats, float]]:
     """A robot in its plane at the start of a run; the backend, its configuration and its base."""
     task = TraverseConfig(kind="traverse", start_spread=(1.0, 1.0), start_gap=(0.4, 0.5))
     episode = sample(ROBOT, task, [run], np.random.default_rng(3))
@@ -67,7 +69,7 @@ def test_an_option_overrules_the_tasks_gravity() -> None:
 
 
 def test_the_laser_reads_in_the_corners_plane_what_it_reads_in_the_plane() -> None:
-    level = PipeRun.of(90, [(90, "left", 0), (75, "right", 0)], [1200, 900, 800])
+    level = PipeRoute.of(90, [(90, "left", 0), (75, "right", 0)], [1200, 900, 800])
     with placed(level) as (backend, q, base), closing(open_backend("mujoco", ROBOT, 1, {}, 6)) as plane:
         flat = plane.reset(ONE, [level], q, np.array([base])).ranges
         assert np.abs(backend.read().body.ranges - flat).max() <= ROBOT.laser.resolution + 1e-9
@@ -76,10 +78,10 @@ def test_the_laser_reads_in_the_corners_plane_what_it_reads_in_the_plane() -> No
 @pytest.mark.parametrize("diameter", [70, 120])
 @pytest.mark.parametrize("plane", [0.0, math.pi / 2])
 def test_a_clamped_robot_drives_and_stays_in_its_plane_and_out_of_the_wall(diameter: int, plane: float) -> None:
-    run = PipeRun.of(diameter, [(90, "left", 0)], [1500, 900])
+    run = PipeRoute.of(diameter, [(90, "left", 0)], [1500, 900])
     with placed(run, plane) as (backend, *_):
         q = backend.read().body.q[0]
-        drive = Drive(ROBOT, run.radius, q, q)
+        drive = RollForward(ROBOT, run.radius, q, q)
         start, deepest = backend.truth().points[0, :, 0].mean(), 0.0
         for _ in range(30):
             body = backend.read().body
@@ -98,9 +100,9 @@ def test_a_clamped_robot_drives_and_stays_in_its_plane_and_out_of_the_wall(diame
 
 
 def test_robots_do_not_depend_on_each_other_nor_on_threads() -> None:
-    runs = [RUN, PipeRun.of(70, [(120, "right", 90), (90, "left", 0)], [1300, 1000, 800])]
+    runs = [RUN, PipeRoute.of(70, [(120, "right", 90), (90, "left", 0)], [1300, 1000, 800])]
     episodes = sample(ROBOT, TraverseConfig(kind="traverse"), runs, np.random.default_rng(0))
-    assert all(isinstance(run, PipeRun) for run in episodes.pipes)
+    assert all(isinstance(run, PipeRoute) for run in episodes.pipes)
     ends = []
     for rows, threads in ([0, 1], 2), ([0, 1], 1), ([1], 1):
         chosen = [runs[row] for row in rows]

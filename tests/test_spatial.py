@@ -18,15 +18,15 @@ from pipenav.backends.spatial import SpaceReading
 from pipenav.errors import PipenavError
 from pipenav.evaluation.results import read_evaluation
 from pipenav.evaluation.rolling_stage import gravity_of
-from pipenav.pipes.corner import Pipe
-from pipenav.pipes.route import PipeRun
+from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_legs import about_x
 from pipenav.recording.rolling_film import SIDES, faces
 from pipenav.robots import laser
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.rolling import senses
 from pipenav.tasks.rolling.clamp import ZIGZAG, check_robot, nearest, room, steepness
-from pipenav.tasks.rolling.manoeuvre import Phase, Roll
+from pipenav.tasks.rolling.manoeuvre import Roll, RollPhase
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import GRAVITY
 
@@ -104,7 +104,7 @@ def test_a_plane_is_known_from_the_weight_unless_the_straight_is_too_steep(
 def test_a_clamped_robot_sees_a_straight_end_in_time_and_not_before(
     diameter: int, angle: int, third: float, turn: str
 ) -> None:
-    pipe = Pipe.of(diameter, angle, turn)
+    pipe = PipeCorner.of(diameter, angle, turn)
     bends = clamped(pipe.radius, third)
 
     def sees(gap: float) -> bool:
@@ -124,13 +124,13 @@ def test_a_clamped_robot_sees_a_straight_end_in_time_and_not_before(
 def test_a_roll_turns_the_plane_by_what_was_asked_and_the_robot_stays_where_it_is(
     diameter: int, gravity: float, plane: float, third: float
 ) -> None:
-    run, turn, start = PipeRun.of(diameter, [(90, "left", 0)], [1500, 600]), math.radians(90), math.radians(plane)
+    run, turn, start = PipeRoute.of(diameter, [(90, "left", 0)], [1500, 600]), math.radians(90), math.radians(plane)
     q = np.concatenate([[0.0, third * room(ROBOT, run.radius - 1e-4), 0.0], clamped(run.radius - 1e-4, third)])
     with closing(open_space("mujoco", ROBOT, 1, {}, gravity)) as backend:
         backend.reset(np.arange(1), [run], q[None], np.array([-1.0]), np.array([start]))
         first, place = backend.read().row(0), backend.truth().points[0, :, 0].mean()
         roll, deepest = Roll(ROBOT, run.radius, turn, first.body.q, first.down), 0.0
-        while roll.phase is not Phase.DONE:
+        while roll.phase is not RollPhase.DONE:
             now = backend.read().row(0)
             assert now.body.wheel_speeds is not None
             set_points, joint = roll.act(now.body.q, float(now.roll), now.body.wheel_speeds, now.down)

@@ -13,8 +13,8 @@ from pipenav.evaluation.stage import TaskStage
 from pipenav.pipes.corner_sets import parse_pipes
 from pipenav.policies.controller import open_controller
 from pipenav.robots import kinematics
-from pipenav.tasks.outcome import Verdict
-from pipenav.tasks.reach.batch import CornerBatch
+from pipenav.tasks.outcome import Outcome
+from pipenav.tasks.reach.batch import ReachBatch
 
 PIPES = parse_pipes(["d=100,angle=90", "d=90,angle=60,turn=right"])
 
@@ -23,10 +23,10 @@ def test_the_front_stage_is_the_corner_task_under_its_controller() -> None:
     controller = open_controller("baseline:centreline")
     start = random_start(controller.robot, controller.task, PIPES, 1, seed=2)
 
-    def batch() -> CornerBatch:
+    def batch() -> ReachBatch:
         queue = EpisodeQueue(start, len(PIPES), len(PIPES))
         simulator = open_backend("mujoco", controller.robot, len(PIPES), {}, 4)
-        return CornerBatch(
+        return ReachBatch(
             controller.robot, controller.task, simulator, len(PIPES), lambda robots: joined(queue.take(robots))
         )
 
@@ -56,7 +56,7 @@ def test_results_say_where_each_episode_ended() -> None:
     """The next stage starts there: the tip is at the target of those that reached it."""
     controller = open_controller("baseline:centreline")
     found = run_task(controller, PIPES, 2, seed=2)
-    assert (found.verdict == Verdict.REACHED).all()
+    assert (found.verdict == Outcome.REACHED).all()
     start = random_start(controller.robot, controller.task, PIPES, 2, seed=2)
     for job, q in enumerate(found.q):
         episode = start(job)

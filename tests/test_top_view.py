@@ -13,21 +13,21 @@ from pipenav.drawing import scene as drawn
 from pipenav.drawing.scene import Scene, contact_point, draw_scene, scene_pixels
 from pipenav.envs.gymnasium_env import CornerEnv
 from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.recording import film
 from pipenav.robots.robot import load_robot
 
 ROBOT = load_robot("basic")
 
 
-def scene(pipe: Pipe, **more: object) -> Scene:
+def scene(pipe: PipeCorner, **more: object) -> Scene:
     given: dict[str, object] = {"q": np.array([0.05, 0.1, -0.1, 0.2]), "ranges": np.full(10, 0.06)} | more
     return Scene(pipe=pipe, robot=ROBOT, base=-0.6, **given)  # type: ignore[arg-type]
 
 
 def test_the_picture_shows_robot_wall_and_target_where_they_are() -> None:
     straight = np.zeros(4)
-    view = scene(Pipe.of(100, 90), q=straight, goal=np.array([0.0, 0.1]))
+    view = scene(PipeCorner.of(100, 90), q=straight, goal=np.array([0.0, 0.1]))
     picture = scene_pixels(view, 400, around=0.4)  # a pixel is 2 mm, the tip at (-0.21, 0) in the middle
 
     def colour(x: float, y: float) -> tuple[int, ...]:
@@ -47,7 +47,9 @@ def test_the_picture_shows_robot_wall_and_target_where_they_are() -> None:
 def test_an_arrow_starts_at_the_contact_and_grows_with_the_force() -> None:
     def arrow(newtons: float) -> np.ndarray:
         axes = Figure().add_subplot()
-        draw_scene(axes, scene(Pipe.of(100, 90), link_forces=np.array([[0, 0], [0, 0], [0, 0], [0, newtons]], float)))
+        draw_scene(
+            axes, scene(PipeCorner.of(100, 90), link_forces=np.array([[0, 0], [0, 0], [0, 0], [0, newtons]], float))
+        )
         (patch,) = [one for one in axes.patches if hasattr(one, "get_arrowstyle")]
         return np.array(patch._posA_posB)  # type: ignore[attr-defined]
 
@@ -60,13 +62,13 @@ def test_an_arrow_starts_at_the_contact_and_grows_with_the_force() -> None:
 def test_forces_too_small_for_an_arrow_have_none() -> None:
     axes = Figure().add_subplot()
     small = 0.9 * drawn.LEAST_FORCE
-    draw_scene(axes, scene(Pipe.of(100, 90), link_forces=np.full((4, 2), small / np.sqrt(2))))
+    draw_scene(axes, scene(PipeCorner.of(100, 90), link_forces=np.full((4, 2), small / np.sqrt(2))))
     assert not [one for one in axes.patches if hasattr(one, "get_arrowstyle")]
 
 
 @given(st.floats(-0.02, 0.02), st.floats(-0.4, 0.4))
 def test_the_contact_point_is_the_point_of_the_link_nearest_to_a_wall(y: float, heading: float) -> None:
-    pipe = Pipe.of(100, 90)
+    pipe = PipeCorner.of(100, 90)
     square = np.array([[-0.02, -0.01], [0.02, -0.01], [0.02, 0.01], [-0.02, 0.01]])
     turn = np.array([[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]])
     polygon = square @ turn.T + [-0.3, y]
@@ -75,7 +77,7 @@ def test_the_contact_point_is_the_point_of_the_link_nearest_to_a_wall(y: float, 
 
 
 def test_an_inner_edge_that_meets_a_flank_is_the_contact_point() -> None:
-    pipe = Pipe.of(100, 90)
+    pipe = PipeCorner.of(100, 90)
     edge = pipe.walls.inner[1]
     along, across = np.array([1.0, 1.0]) / np.sqrt(2), np.array([1.0, -1.0]) / np.sqrt(2)
     polygon = edge + np.array(

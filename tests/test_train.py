@@ -20,8 +20,8 @@ from pipenav.errors import PipenavError
 from pipenav.learning.callback import TrainingDiverged
 from pipenav.learning.config import TrainConfig, load_config
 from pipenav.learning.run_folder import PROGRESS_COLUMNS, RunFolder, default_run_path
-from pipenav.learning.train import Outcome, train
-from pipenav.pipes.corner import Pipe
+from pipenav.learning.train import TrainingSummary, train
+from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.policy import load_policy
 
 TINY = {
@@ -39,7 +39,7 @@ def tiny(**more: Any) -> TrainConfig:
     return load_config(options={**TINY, "steps": 2048, **more})
 
 
-def trained(path: Path, config: TrainConfig, **more: Any) -> tuple[RunFolder, Outcome]:
+def trained(path: Path, config: TrainConfig, **more: Any) -> tuple[RunFolder, TrainingSummary]:
     folder = RunFolder.create(path, config, "pipenav train")
     return folder, train(config, folder, **more)
 
@@ -196,7 +196,7 @@ def test_a_value_that_is_not_finite_stops_the_training(monkeypatch: pytest.Monke
         train(config, folder)
     cause = json.loads(folder.diverged.read_text(encoding="utf-8"))
     assert cause["robots"] == [0]
-    assert cause["pipes"] == [Pipe.of(100, 90).name]
+    assert cause["pipes"] == [PipeCorner.of(100, 90).name]
     assert "nan" in cause["observations"][0]
     assert np.isfinite(np.array(cause["actions"], float)).all()
     for path in (folder.best, folder.last):

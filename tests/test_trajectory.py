@@ -21,12 +21,12 @@ from pipenav.motions.trajectory import (
     read_trajectory,
     write_trajectory,
 )
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import load_robot
 
 ROBOT = load_robot("basic")
 PIPES = st.builds(
-    Pipe.of,
+    PipeCorner.of,
     st.floats(40, 300),
     st.floats(30, 180),
     st.sampled_from(["left", "right"]),
@@ -75,7 +75,7 @@ def read_arrays(trajectory: Trajectory) -> list[Any]:
 
 def recorded() -> Trajectory:
     """Ten steps forwards in a right turn."""
-    pipe = Pipe.of(100, 75, "right")
+    pipe = PipeCorner.of(100, 75, "right")
     header = TrajectoryHeader(
         robot="basic", pipe=pipe, base_m=-0.6, goal_m=(0.0, 0.0), stage="front", outcome="reached", backend="mujoco"
     )

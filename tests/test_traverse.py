@@ -16,10 +16,10 @@ from pipenav.backends.registry import open_backend
 from pipenav.disturbances.disturbance import Disturbance
 from pipenav.disturbances.disturbed_backend import DisturbedBackend
 from pipenav.errors import PipenavError
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.wall_distance import clearance
 from pipenav.robots.robot import load_robot
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach.config import TaskConfig
 from pipenav.tasks.registry import kind_of, scale_of
 from pipenav.tasks.sampling import random_episodes
@@ -27,18 +27,23 @@ from pipenav.tasks.traverse import observation
 from pipenav.tasks.traverse.batch import TraverseBatch
 from pipenav.tasks.traverse.config import TraverseConfig, TraverseReward
 from pipenav.tasks.traverse.episode import GRAVITY, TraverseEpisodes, sample
-from pipenav.tasks.traverse.outcome import Facts, Judge, reward
-from pipenav.tasks.traverse.progress import Ways, waypoints
+from pipenav.tasks.traverse.outcome import Facts, OutcomeTracker, reward
+from pipenav.tasks.traverse.progress import CentreLines, waypoints
 from pipenav.testing import KinematicBackend
 from pipenav.testing.kinematic import KinematicOptions
 
 ROBOT = load_robot("pirate")
 CONFIG = TraverseConfig(kind="traverse")
-PIPES = [Pipe.of(70, 55), Pipe.of(120, 125, "right"), Pipe.of(90, 90), Pipe.of(100, 70, "right")]
+PIPES = [
+    PipeCorner.of(70, 55),
+    PipeCorner.of(120, 125, "right"),
+    PipeCorner.of(90, 90),
+    PipeCorner.of(100, 70, "right"),
+]
 seeds = st.integers(0, 2**32 - 1)
 
 
-def episodes(config: TraverseConfig = CONFIG, seed: int = 0, pipes: list[Pipe] = PIPES) -> TraverseEpisodes:
+def episodes(config: TraverseConfig = CONFIG, seed: int = 0, pipes: list[PipeCorner] = PIPES) -> TraverseEpisodes:
     return sample(ROBOT, config, pipes, np.random.default_rng(seed))
 
 
@@ -85,7 +90,7 @@ def test_gravity_is_drawn_over_the_whole_circle_or_is_none() -> None:
 
 def test_where_down_is_is_felt_in_the_divided_link_and_mirrored_as_all_else() -> None:
     config = CONFIG.model_copy(update={"inclination_deg": (0.0, 360.0), "start_spread": (1.0, 1.0)})
-    left = episodes(config, 3, [Pipe.of(90, 75), Pipe.of(110, 110)])
+    left = episodes(config, 3, [PipeCorner.of(90, 75), PipeCorner.of(110, 110)])
     mirrored = tuple(pipe.model_copy(update={"turn": "right"}) for pipe in left.pipes)
     mirror = np.array([1.0, -1.0])
     right = left._replace(pipes=mirrored, q=left.q * ROBOT.mirror_coordinates, gravity=left.gravity * mirror)
@@ -105,13 +110,13 @@ def test_where_down_is_is_felt_in_the_divided_link_and_mirrored_as_all_else() ->
 @given(seeds)
 def test_the_way_is_the_pipes_centre_line(seed: int) -> None:
     points = np.random.default_rng(seed).uniform(-1.0, 1.0, (len(PIPES), 6, 2))
-    along = Ways.of(PIPES).along(points)
+    along = CentreLines.of(PIPES).along(points)
     for one, pipe, own in zip(along, PIPES, points, strict=True):
         assert one == pytest.approx(pipe.centre_line_distance(own))
 
 
 def test_left_and_right_are_seen_and_driven_alike() -> None:
-    left = episodes(pipes=[Pipe.of(90, 75), Pipe.of(110, 110)], seed=3)
+    left = episodes(pipes=[PipeCorner.of(90, 75), PipeCorner.of(110, 110)], seed=3)
     mirrored = tuple(pipe.model_copy(update={"turn": "right"}) for pipe in left.pipes)
     right = left._replace(pipes=mirrored, q=left.q * ROBOT.mirror_coordinates)
     rng = np.random.default_rng(0)
@@ -177,11 +182,11 @@ class Course:
 
     def __init__(self, **config: object) -> None:
         self.config = CONFIG.model_copy(update={"patience": 3, **config})
-        self._judge, self._steps = Judge(ROBOT, self.config, 1), np.zeros(1, int)
+        self._judge, self._steps = OutcomeTracker(ROBOT, self.config, 1), np.zeros(1, int)
         self._start = np.linspace(-1.0, -0.4, 8)[None]
         self._judge.start(np.arange(1), self._start)
 
-    def step(self, moved: float, depth: float = 0.0, spin: float = 0.0, q: float = 0.0, fold: bool = False) -> Verdict:
+    def step(self, moved: float, depth: float = 0.0, spin: float = 0.0, q: float = 0.0, fold: bool = False) -> Outcome:
         along = self._start + moved
         if fold:
             along[:, -1] = along[:, 0]
@@ -192,44 +197,44 @@ class Course:
         self.facts, verdict = self._judge.step(
             self._steps, np.array([self.config.max_steps]), along, np.array([0.1]), reading, truth
         )
-        return Verdict(verdict[0])
+        return Outcome(verdict[0])
 
 
 def test_the_tail_beyond_the_corner_ends_an_episode_well() -> None:
     course = Course()
-    assert course.step(1.1) is Verdict.RUNNING
-    assert course.step(1.1 + course.config.through + 1e-6) is Verdict.REACHED
+    assert course.step(1.1) is Outcome.RUNNING
+    assert course.step(1.1 + course.config.through + 1e-6) is Outcome.REACHED
     assert course.facts.passed.all()
     assert course.facts.progress == pytest.approx(course.config.through + 1e-6)
 
 
 def test_an_overlap_fails_even_the_last_step() -> None:
-    assert Course().step(1.2, depth=0.0021) is Verdict.PENETRATION
+    assert Course().step(1.2, depth=0.0021) is Outcome.PENETRATION
 
 
 def test_sliding_back_by_its_length_fails() -> None:
     course = Course()
     course.step(0.3)
-    assert course.step(0.3 - 0.99 * ROBOT.length) is Verdict.RUNNING
-    assert course.step(0.3 - 1.01 * ROBOT.length) is Verdict.SLID_BACK
+    assert course.step(0.3 - 0.99 * ROBOT.length) is Outcome.RUNNING
+    assert course.step(0.3 - 1.01 * ROBOT.length) is Outcome.SLID_BACK
     assert course.facts.failed.all()
 
 
 @pytest.mark.parametrize(
     ("moves", "reason"),
-    [({}, Verdict.JAM), ({"spin": 40.0}, Verdict.SLIP), ({"q": 2.19}, Verdict.LIMIT), ({"fold": True}, Verdict.FOLD)],
+    [({}, Outcome.JAM), ({"spin": 40.0}, Outcome.SLIP), ({"q": 2.19}, Outcome.LIMIT), ({"fold": True}, Outcome.FOLD)],
 )
-def test_being_stuck_has_a_reason_and_is_a_failure(moves: dict[str, float], reason: Verdict) -> None:
+def test_being_stuck_has_a_reason_and_is_a_failure(moves: dict[str, float], reason: Outcome) -> None:
     course = Course()
     for i in range(4):
         verdict = course.step(0.001 * i, **moves)  # type: ignore[arg-type]
-        assert verdict is (Verdict.RUNNING if i < 2 else reason)
+        assert verdict is (Outcome.RUNNING if i < 2 else reason)
         assert course.facts.failed.all() == (i >= 2)
 
 
 def test_time_runs_out_on_one_that_still_comes_on() -> None:
     course = Course(max_steps=5)
-    assert [course.step(0.01 * i) for i in range(1, 6)] == [Verdict.RUNNING] * 4 + [Verdict.TIMEOUT]
+    assert [course.step(0.01 * i) for i in range(1, 6)] == [Outcome.RUNNING] * 4 + [Outcome.TIMEOUT]
     assert not course.facts.failed.any()  # it might have gone on
 
 
@@ -263,7 +268,7 @@ def test_a_backend_without_gravity_is_refused_where_pipes_are_inclined() -> None
 
 @pytest.mark.parametrize("steps", [3, 5])
 def test_unclamped_in_an_upright_pipe_it_falls_freely(steps: int) -> None:
-    pipe, n = Pipe.of(120, 90, leg_mm=3000), 1
+    pipe, n = PipeCorner.of(120, 90, leg_mm=3000), 1
     with closing(open_backend("mujoco", ROBOT, n, {"threads": 1})) as simulator:
         simulator.incline(np.arange(n), np.array([[-GRAVITY, 0.0]]))  # type: ignore[attr-defined]
         simulator.reset(np.arange(n), [pipe], np.zeros((n, 9)), np.array([-1.0]))
@@ -275,7 +280,7 @@ def test_unclamped_in_an_upright_pipe_it_falls_freely(steps: int) -> None:
 
 def test_held_clamped_in_an_upright_pipe_it_stays_and_its_wheels_carry_it_up() -> None:
     upright = {"set_points": "held", "start_spread": (1.0, 1.0), "start_press": 0.16, "inclination_deg": (180.0, 180.0)}
-    config, pipes = CONFIG.model_copy(update=upright), [Pipe.of(70, 90), Pipe.of(100, 90, "right")]
+    config, pipes = CONFIG.model_copy(update=upright), [PipeCorner.of(70, 90), PipeCorner.of(100, 90, "right")]
     with batch(episodes(config, pipes=pipes), config) as robots:
         heights = [robots.q[:, 0]]
         for forwards in (0.0, 0.5):
@@ -298,7 +303,7 @@ def test_a_disturbed_robot_falls_too() -> None:
     simulator = open_backend("mujoco", ROBOT, n, {"threads": 1})
     config = CONFIG.model_copy(update={"inclination_deg": (180.0, 180.0)})
     with closing(DisturbedBackend(simulator, ROBOT, n, Disturbance(mass=(1.5, 1.5)), 0)) as disturbed:
-        one = TraverseBatch(ROBOT, config, disturbed, n, lambda _: episodes(config, pipes=[Pipe.of(120, 90)]))
+        one = TraverseBatch(ROBOT, config, disturbed, n, lambda _: episodes(config, pipes=[PipeCorner.of(120, 90)]))
         one.reset()
         before = one.q[0, 0]
         for _ in range(3):
@@ -309,7 +314,7 @@ def test_a_disturbed_robot_falls_too() -> None:
 def test_both_tasks_are_described_alike() -> None:
     arm = load_robot("basic")
     for robot, task in ((arm, TaskConfig()), (ROBOT, CONFIG)):
-        kind, pipes = kind_of(task), [Pipe.of(90, 90)]
+        kind, pipes = kind_of(task), [PipeCorner.of(90, 90)]
         assert len(kind.action_scale(robot, task)) == len(robot.drives)
         source = random_episodes(robot, task, [pipes], np.random.default_rng(0), sample=kind.sample)
         with closing(kind.batch(robot, task, open_backend("mujoco", robot, 2, {}), 2, source)) as made:

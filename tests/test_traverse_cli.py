@@ -15,7 +15,7 @@ from pipenav.motions.trajectory import read_trajectory
 from pipenav.pipes.route_sets import parse_runs
 from pipenav.policies.policy import load_policy
 from pipenav.robots.robot import load_robot
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 
 TINY = {
     "learner.robots": 4,
@@ -73,7 +73,7 @@ def test_a_view_is_the_evaluations_episode_and_can_be_read_again(trained: Path, 
     assert run("view", "--policy", str(trained / "best.zip"), *args) == 0
     way = read_trajectory(table)
     assert way.q.shape[1] == load_robot("pirate").coordinates
-    assert way.header.outcome == Verdict.TIMEOUT.label
+    assert way.header.outcome == Outcome.TIMEOUT.label
     assert picture.read_bytes().startswith(b"\x89PNG")
     assert run("view", "--trajectory", str(table), "--out", str(tmp_path / "again.png")) == 0
     assert (tmp_path / "again.png").stat().st_size == pytest.approx(picture.stat().st_size, rel=0.1)

@@ -19,35 +19,35 @@ from pipenav.disturbances.disturbed_backend import disturbed
 from pipenav.errors import PipenavError
 from pipenav.evaluation.episode_runner import random_start
 from pipenav.pipes import queries
-from pipenav.pipes.corner import Pipe
-from pipenav.pipes.queries import AnyPipe
-from pipenav.pipes.route import CrossesItself, PipeRun
+from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.queries import Pipe
+from pipenav.pipes.route import CrossesItself, PipeRoute
 from pipenav.pipes.route_sets import parse_any
 from pipenav.robots import kinematics
 from pipenav.robots.robot import load_robot
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.registry import scale_of
 from pipenav.tasks.traverse import observation
 from pipenav.tasks.traverse.batch import TraverseBatch
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import TraverseEpisodes, parse_planar, sample, with_room
-from pipenav.tasks.traverse.progress import Ways, waypoints
+from pipenav.tasks.traverse.progress import CentreLines, waypoints
 
 ROBOT = load_robot("pirate")
 CONFIG = TraverseConfig(kind="traverse", set_points="held", start_press=0.1)
 LEVEL = parse_any(["runs-level"])
-CORNERS = [Pipe.of(90, 75, "right", leg_mm=1600), Pipe.of(110, 110, leg_mm=1600)]
+CORNERS = [PipeCorner.of(90, 75, "right", leg_mm=1600), PipeCorner.of(110, 110, leg_mm=1600)]
 seeds = st.integers(0, 2**32 - 1)
 
 
-def mirrored(run: PipeRun) -> PipeRun:
+def mirrored(run: PipeRoute) -> PipeRoute:
     other = {"left": "right", "right": "left"}
     corners = tuple(corner.model_copy(update={"turn": other[corner.turn]}) for corner in run.corners)
     return run.model_copy(update={"corners": corners})
 
 
 @contextmanager
-def batch(pipes: Sequence[AnyPipe], seed: int = 0, config: TraverseConfig = CONFIG) -> Iterator[TraverseBatch]:
+def batch(pipes: Sequence[Pipe], seed: int = 0, config: TraverseConfig = CONFIG) -> Iterator[TraverseBatch]:
     start = sample(ROBOT, config, pipes, np.random.default_rng(seed))
     with batch_from(start, config) as made:
         yield made
@@ -65,18 +65,18 @@ def batch_from(start: TraverseEpisodes, config: TraverseConfig = CONFIG) -> Iter
 @given(seeds)
 def test_the_way_is_the_centre_line_of_runs_and_corners_alike(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    pipes = [LEVEL[0], CORNERS[0], LEVEL[7], PipeRun.of(100, [(180, "left", 0), (90, "left", 180)])]
-    line = [np.array([[-1.0, 0], [0, 0], [1, 1]]) if isinstance(p, Pipe) else p.centre_line[:, :2] for p in pipes]
+    pipes = [LEVEL[0], CORNERS[0], LEVEL[7], PipeRoute.of(100, [(180, "left", 0), (90, "left", 180)])]
+    line = [np.array([[-1.0, 0], [0, 0], [1, 1]]) if isinstance(p, PipeCorner) else p.centre_line[:, :2] for p in pipes]
     points = np.stack([points[rng.integers(len(points), size=8)] for points in line])
     points += rng.normal(0.0, 0.3, points.shape)
-    along = Ways.of(pipes).along(points)
+    along = CentreLines.of(pipes).along(points)
     for one, pipe, own in zip(along, pipes, points, strict=True):
-        expected = pipe.centre_line_distance(own) if isinstance(pipe, Pipe) else pipe.along(own)
+        expected = pipe.centre_line_distance(own) if isinstance(pipe, PipeCorner) else pipe.along(own)
         assert one == pytest.approx(expected)
 
 
 def test_ways_make_room_for_more_corners() -> None:
-    ways = Ways.of([CORNERS[0], CORNERS[1]]).put(np.array([1]), Ways.of([LEVEL[0]]))
+    ways = CentreLines.of([CORNERS[0], CORNERS[1]]).put(np.array([1]), CentreLines.of([LEVEL[0]]))
     points = np.random.default_rng(0).normal(size=(2, 50, 2))
     assert ways.along(points)[0] == pytest.approx(CORNERS[0].centre_line_distance(points[0]))
     assert ways.along(points)[1] == pytest.approx(LEVEL[0].along(points[1]))
@@ -84,8 +84,8 @@ def test_ways_make_room_for_more_corners() -> None:
 
 
 @given(st.sampled_from(LEVEL))
-def test_corners_end_one_after_the_other_and_turn_to_the_side_that_the_run_turns_to(run: PipeRun) -> None:
-    ways = Ways.of([run])
+def test_corners_end_one_after_the_other_and_turn_to_the_side_that_the_run_turns_to(run: PipeRoute) -> None:
+    ways = CentreLines.of([run])
     assert np.all(np.diff(ways.end[0, :-1]) > 0)
     direction = np.diff(run.centre_line[:, :2], axis=0)
     cross = direction[:-1, 0] * direction[1:, 1] - direction[:-1, 1] * direction[1:, 0]
@@ -94,7 +94,7 @@ def test_corners_end_one_after_the_other_and_turn_to_the_side_that_the_run_turns
 
 
 def test_a_run_of_one_gives_the_episode_of_the_corner() -> None:
-    runs = [PipeRun.from_pipe(pipe) for pipe in CORNERS]
+    runs = [PipeRoute.from_pipe(pipe) for pipe in CORNERS]
     for number in range(3):
         one, other = (random_start(ROBOT, CONFIG, pipes, 3, 5)(number) for pipes in (CORNERS, runs))
         for a, b in zip(one[1:], other[1:], strict=True):
@@ -128,11 +128,11 @@ class Ghost(Backend):
 
     Options = BackendOptions
 
-    def __init__(self, pipes: Sequence[AnyPipe], q: Floats, ranges: Floats) -> None:
+    def __init__(self, pipes: Sequence[Pipe], q: Floats, ranges: Floats) -> None:
         self.pipes, self.tail, self.q, self.ranges = pipes, np.full(len(pipes), -1.0), q, ranges
         self.asked: list[Command] = []
 
-    def reset(self, robots: Ints, pipes: Sequence[AnyPipe], q: Floats, base: Floats) -> Reading:  # noqa: ARG002
+    def reset(self, robots: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:  # noqa: ARG002
         return self.read()
 
     def step(self, command: Command) -> None:
@@ -154,16 +154,16 @@ class Ghost(Backend):
         pass
 
 
-def _on_the_centre_line(pipe: AnyPipe, at: float) -> tuple[float, float, float]:
+def _on_the_centre_line(pipe: Pipe, at: float) -> tuple[float, float, float]:
     """Place and direction of the way where it is `at` long."""
-    assert isinstance(pipe, PipeRun)
+    assert isinstance(pipe, PipeRoute)
     leg = int(np.clip(np.searchsorted(pipe.places, at, side="right") - 1, 0, len(pipe.straights) - 1))
     x, y = pipe.legs.axes[leg][:2, 0]
     place = pipe.centre_line[leg, :2] + (at - pipe.places[leg]) * np.array([x, y])
     return (*place, float(np.arctan2(y, x)))
 
 
-def carried(pipes: Sequence[AnyPipe], config: TraverseConfig = CONFIG, seed: int = 0) -> tuple[Ghost, TraverseBatch]:
+def carried(pipes: Sequence[Pipe], config: TraverseConfig = CONFIG, seed: int = 0) -> tuple[Ghost, TraverseBatch]:
     """Bent at random; the second of two robots is the first one's mirror image."""
     rng = np.random.default_rng(seed)
     q, ranges = rng.uniform(-0.5, 0.5, (1, 6)), rng.uniform(0.01, 0.4, (1, 10))
@@ -179,8 +179,8 @@ def carried(pipes: Sequence[AnyPipe], config: TraverseConfig = CONFIG, seed: int
 
 @settings(max_examples=15, deadline=None)
 @given(st.sampled_from(LEVEL), seeds)
-def test_a_run_and_its_mirror_image_are_seen_and_driven_alike_through_all_corners(run: AnyPipe, seed: int) -> None:
-    assert isinstance(run, PipeRun)
+def test_a_run_and_its_mirror_image_are_seen_and_driven_alike_through_all_corners(run: Pipe, seed: int) -> None:
+    assert isinstance(run, PipeRoute)
     ghost, robots = carried([run, mirrored(run)], seed=seed)
     rng = np.random.default_rng(seed)
     for at in np.linspace(-1.0, run.places[-1], 40):
@@ -194,8 +194,8 @@ def test_a_run_and_its_mirror_image_are_seen_and_driven_alike_through_all_corner
 
 @settings(max_examples=15, deadline=None)
 @given(st.sampled_from(LEVEL))
-def test_the_side_is_that_of_the_first_corner_that_the_middle_has_not_passed(run: AnyPipe) -> None:
-    assert isinstance(run, PipeRun)
+def test_the_side_is_that_of_the_first_corner_that_the_middle_has_not_passed(run: Pipe) -> None:
+    assert isinstance(run, PipeRoute)
     ghost, robots = carried([run])
     sides, scale = queries.turn_sides(run), scale_of(ROBOT, CONFIG)
     ends = run.places[1:-1] + queries.inner_edges(run)
@@ -215,7 +215,7 @@ def test_the_side_is_that_of_the_first_corner_that_the_middle_has_not_passed(run
 
 
 def test_a_corner_that_was_passed_stays_passed_where_the_robot_slides_back() -> None:
-    run = PipeRun.of(100, [(90, "left", 0), (90, "right", 0)], [1000, 800, 1000])
+    run = PipeRoute.of(100, [(90, "left", 0), (90, "right", 0)], [1000, 800, 1000])
     ghost, robots = carried([run])
     still = np.zeros((1, 12))
     first = robots.step(still).observation[0, :6]
@@ -227,16 +227,16 @@ def test_a_corner_that_was_passed_stays_passed_where_the_robot_slides_back() -> 
 
 
 def test_a_run_is_passed_with_the_tail_past_the_last_corner_and_has_time_for_every_corner() -> None:
-    run = PipeRun.of(100, [(90, "left", 0), (90, "right", 0), (70, "left", 0)], [1000, 800, 800, 1000])
+    run = PipeRoute.of(100, [(90, "left", 0), (90, "right", 0), (70, "left", 0)], [1000, 800, 800, 1000])
     end = run.places[-2] + queries.inner_edges(run)[-1] + CONFIG.through
     config = CONFIG.model_copy(update={"max_steps": 20})
-    for last, verdict, steps in ((end + 1e-6, Verdict.REACHED, 50), (end - 1e-6, Verdict.TIMEOUT, 60)):
+    for last, verdict, steps in ((end + 1e-6, Outcome.REACHED, 50), (end - 1e-6, Outcome.TIMEOUT, 60)):
         ghost, robots = carried([run], config)
         found = []
         for at in [*np.linspace(-1.0, end - 0.02, 49), *[last] * 11]:
             ghost.tail[:] = at
-            found.append(Verdict(robots.step(np.zeros((1, 12))).verdict[0]))
-        assert found[: steps - 1] == [Verdict.RUNNING] * (steps - 1)
+            found.append(Outcome(robots.step(np.zeros((1, 12))).verdict[0]))
+        assert found[: steps - 1] == [Outcome.RUNNING] * (steps - 1)
         assert found[steps - 1] is verdict
 
 
@@ -255,22 +255,22 @@ def test_robots_in_runs_and_in_corners_are_stepped_together() -> None:
 
 @settings(max_examples=20, deadline=None)
 @given(st.sampled_from(LEVEL), seeds)
-def test_starts_in_runs_lie_free_in_the_first_straight(run: AnyPipe, seed: int) -> None:
+def test_starts_in_runs_lie_free_in_the_first_straight(run: Pipe, seed: int) -> None:
     start = sample(ROBOT, CONFIG, [run], np.random.default_rng(seed))
     points = waypoints(ROBOT, start.q)[0] + [start.base[0], 0.0]
     assert np.abs(points[:, 1]).max() <= run.radius - ROBOT.width / 2 + 1e-9
     assert -points[-1, 0] - queries.inner_edges(run)[0] == pytest.approx(0.08, abs=0.02 + 1e-9)
     assert start.pipes[0] == run  # whose ends are long enough
-    assert isinstance(run, PipeRun)
+    assert isinstance(run, PipeRoute)
     assert points[0, 0] >= -run.straights[0]
 
 
 def test_ends_that_are_too_short_are_made_longer_or_refused_where_the_run_would_cross_itself() -> None:
     corners = [(90, "left", 0), (90, "right", 0)]
-    longer = with_room(ROBOT, CONFIG, PipeRun.of(100, corners, [400, 500, 300]))
-    assert isinstance(longer, PipeRun)
+    longer = with_room(ROBOT, CONFIG, PipeRoute.of(100, corners, [400, 500, 300]))
+    assert isinstance(longer, PipeRoute)
     assert longer.straights == pytest.approx((0.05 + 0.62 + 0.10, 0.5, 0.05 + 0.62 + 0.10))
-    spiral = PipeRun.of(100, [(90, "left", 0)] * 3, [300, 500, 500, 250])
+    spiral = PipeRoute.of(100, [(90, "left", 0)] * 3, [300, 500, 500, 250])
     with pytest.raises(CrossesItself, match="crosses itself"):
         with_room(ROBOT, CONFIG, spiral)
 
@@ -279,7 +279,7 @@ def test_a_run_that_leaves_the_plane_is_refused() -> None:
     with pytest.raises(PipenavError, match="leaves the plane, in which robots are trained: choose a run without rolls"):
         parse_planar(["runs-rolled"])
     assert len(parse_planar(["runs-level", "d=90,angle=90"])) == 25
-    rolled_over = PipeRun.of(100, [(90, "left", 180)])
+    rolled_over = PipeRoute.of(100, [(90, "left", 180)])
     assert queries.turn_sides(rolled_over) == [-1.0]
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 
 from pipenav.arrays import Floats, Ints, Table
 from pipenav.backends.messages import Command, Reading, Truth
-from pipenav.pipes.queries import AnyPipe
+from pipenav.pipes.queries import Pipe
 from pipenav.robots.robot import RobotSpec
 
 CONTROL_PERIOD = 0.1
@@ -35,7 +35,7 @@ class Backend(ABC):
     def __init__(self, robot: RobotSpec, n: int, options: BackendOptions, wall_segments: int = 4) -> None: ...
 
     @abstractmethod
-    def reset(self, robots: Ints, pipes: Sequence[AnyPipe], q: Floats, base: Floats) -> Reading:
+    def reset(self, robots: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:
         """Put some robots at rest into pipes; the others are untouched. What the k robots' sensors give there.
 
         Args:

@@ -12,7 +12,7 @@ from pipenav.backends.backend import Backend, BackendOptions
 from pipenav.backends.messages import Command, Reading
 from pipenav.backends.registry import load_backend
 from pipenav.errors import BackendUnavailable
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import RobotSpec
 
 
@@ -105,7 +105,7 @@ class Calibrator(ABC):
     def close(self) -> None: ...
 
 
-class Machine(Backend):
+class RealRobot(Backend):
     """One arm. `reset` switches it on where it is, `step` sends set-points and waits for the next tick.
 
     Attributes:
@@ -171,7 +171,7 @@ class Machine(Backend):
     @classmethod
     @abstractmethod
     def emulate(
-        cls, robot: RobotSpec, pipe: Pipe, folder: Path, seed: int, faults: Sequence[Mapping[str, Any]]
+        cls, robot: RobotSpec, pipe: PipeCorner, folder: Path, seed: int, faults: Sequence[Mapping[str, Any]]
     ) -> AbstractContextManager[Emulated]:
         """An arm made of software in a pipe, while the context lasts.
 
@@ -184,13 +184,13 @@ class Machine(Backend):
         """
 
 
-def load_machine(name: str = "hardware") -> type[Machine]:
+def load_real_robot(name: str = "hardware") -> type[RealRobot]:
     """The class of a machine's backend.
 
     Raises:
         UnknownName, BackendUnavailable: there is none of this name, or it cannot be loaded, or it is no machine.
     """
     kind = load_backend(name)
-    if not issubclass(kind, Machine):
+    if not issubclass(kind, RealRobot):
         raise BackendUnavailable(name, "it is a simulator", "use pipenav eval for simulators")
     return kind

@@ -13,7 +13,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import BackendOptions
 from pipenav.backends.messages import Reading
-from pipenav.pipes.route import PipeRun
+from pipenav.pipes.route import PipeRoute
 from pipenav.robots.robot import RobotSpec
 
 HALVES = 2
@@ -68,7 +68,7 @@ class SpaceBackend(ABC):
     """n robots of one kind, each in a run of its own, stepped together."""
 
     @abstractmethod
-    def reset(self, robots: Ints, runs: Sequence[PipeRun], q: Floats, base: Floats, plane: Floats) -> SpaceReading:
+    def reset(self, robots: Ints, runs: Sequence[PipeRoute], q: Floats, base: Floats, plane: Floats) -> SpaceReading:
         """Put some robots at rest into runs; the others are untouched. What the k robots' sensors give there.
 
         Args:

@@ -32,14 +32,14 @@ def calibrate(
 
         pipenav calibrate --port /dev/ttyUSB0 --write-servos
     """
-    from pipenav.backends.real_robot import load_machine
+    from pipenav.backends.real_robot import load_real_robot
     from pipenav.deployment.loop import guarded
     from pipenav.robots.robot import load_robot
     from pipenav.storage.atomic_files import atomic_write
 
     ports = {"servos": port, "scanner": scanner_port} | ({"front": front_port} if front_port else {})
     spec = load_robot(robot)
-    calibrator = load_machine().calibrator(spec, ports)
+    calibrator = load_real_robot().calibrator(spec, ports)
     try:
         with guarded(calibrator):
             _ask(calibrator, spec)

@@ -13,7 +13,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from pipenav.experiments.runner import Job, Plan
+    from pipenav.experiments.runner import ExperimentPlan, Job
 
 
 def experiment(
@@ -54,7 +54,7 @@ def experiment(
     processes = jobs or cores
     threads = max(1, cores // processes)
     console = Console()
-    rounds: Sequence[tuple[str, Callable[[Plan], list[Job]]]] = (
+    rounds: Sequence[tuple[str, Callable[[ExperimentPlan], list[Job]]]] = (
         ("training", lambda p: training_jobs(p, threads)),
         ("measuring the fronts", lambda p: evaluation_jobs(p, threads, ("front",))),
         # These may need the best agent of the fronts.

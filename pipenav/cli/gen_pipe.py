@@ -14,12 +14,12 @@ from pipenav.pipes.corner import (
     DIAMETER_RANGE_MM,
     LEG_MAX_MM,
     WALL_RANGE_MM,
-    Pipe,
+    PipeCorner,
 )
 from pipenav.units import m_to_mm, rad_to_deg
 
 if TYPE_CHECKING:
-    from pipenav.pipes.route import PipeRun
+    from pipenav.pipes.route import PipeRoute
 
 DIAMETER_HELP = f"Inner diameter in mm, {DIAMETER_RANGE_MM[0]:g} to {DIAMETER_RANGE_MM[1]:g}."
 ANGLE_HELP = (
@@ -72,7 +72,7 @@ def gen_pipe(
         raise typer.BadParameter(f"{missing} missing: give --d and --angle for one corner, or --run FILE for a run.")
     from pipenav.export.corner_folder import FILES, write_pipe_folder
 
-    pipe = Pipe.of(d, angle, turn, bend_radius, leg, wall)
+    pipe = PipeCorner.of(d, angle, turn, bend_radius, leg, wall)
     _report(write_pipe_folder(pipe, out), FILES, _key_dimensions(pipe))
 
 
@@ -118,7 +118,7 @@ def _report(folder: Path, purposes: dict[str, str], dimensions: list[tuple[str, 
     console.print(sizes)
 
 
-def _key_dimensions(pipe: Pipe) -> list[tuple[str, str, str]]:
+def _key_dimensions(pipe: PipeCorner) -> list[tuple[str, str, str]]:
     """What, how much and what it means, of the dimensions that decide whether a robot fits."""
     bend = f"{m_to_mm(pipe.bend_radius):.1f} mm" if pipe.bend_radius else "none"
     return [
@@ -132,12 +132,12 @@ def _key_dimensions(pipe: Pipe) -> list[tuple[str, str, str]]:
     ]
 
 
-def _heading(pipe: Pipe) -> str:
+def _heading(pipe: PipeCorner) -> str:
     change = abs(rad_to_deg(pipe.heading_change))
     return f"interior: the heading changes by {change:g} deg to the {pipe.turn}" if change else "a straight pipe"
 
 
-def _key_dimensions_of_run(run: PipeRun) -> list[tuple[str, str, str]]:
+def _key_dimensions_of_run(run: PipeRoute) -> list[tuple[str, str, str]]:
     """As for one corner, of the run and of every corner in it."""
     plane = "in one plane" if run.planar else "in space"
     dimensions = [

@@ -26,10 +26,10 @@ def hw_check(
 
         pipenav hw-check --arm arm.toml
     """
-    from pipenav.backends.real_robot import load_machine
+    from pipenav.backends.real_robot import load_real_robot
     from pipenav.backends.registry import check_options
 
-    kind = load_machine()
+    kind = load_real_robot()
     problems = show_findings(Console(), kind.check(check_options("hardware", kind, {"arm": str(arm)})))
     if problems:
         raise PipenavError(f"the arm has {problems} problem(s), see above.")

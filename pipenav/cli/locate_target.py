@@ -13,7 +13,7 @@ from pipenav.errors import PipenavError
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from pipenav.pipes.corner import Pipe
+    from pipenav.pipes.corner import PipeCorner
     from pipenav.recording.record import Located
 
 VARIANT_HELP = "map: the beams' ends are fitted to a corner; thesis: the method exactly as printed, eq 3.16 to 3.19."
@@ -57,7 +57,7 @@ def locate_target(
 
     from pipenav.backends.registry import check_options, load_backend
     from pipenav.cli.options import parse_options
-    from pipenav.recording.record import Simulator, record_locate
+    from pipenav.recording.record import SimulatorSettings, record_locate
     from pipenav.robots.robot import load_robot
     from pipenav.storage.atomic_files import prepare_folder
     from pipenav.tasks.reach.episode import check_fits
@@ -70,7 +70,7 @@ def locate_target(
     console = table_console()
     found = []
     for pipe in track(wanted, "locating", console=console, transient=True, disable=not console.is_terminal):
-        found.append(record_locate(spec, variant, pipe, seed, 0, Simulator(backend, options)))
+        found.append(record_locate(spec, variant, pipe, seed, 0, SimulatorSettings(backend, options)))
         if folder is not None:
             _write(folder, found[-1])
     console.print(_facts(found[0]) if len(found) == 1 else _table(found))
@@ -80,8 +80,8 @@ def locate_target(
         raise typer.Exit(1)
 
 
-def _pipes(d: float | None, angle: float | None, turn: str | None, sets: list[str]) -> list[Pipe]:
-    from pipenav.pipes.corner import Pipe
+def _pipes(d: float | None, angle: float | None, turn: str | None, sets: list[str]) -> list[PipeCorner]:
+    from pipenav.pipes.corner import PipeCorner
     from pipenav.pipes.corner_sets import parse_pipes
 
     if sets and (d, angle, turn) != (None, None, None):
@@ -90,7 +90,7 @@ def _pipes(d: float | None, angle: float | None, turn: str | None, sets: list[st
         return parse_pipes(sets)
     if d is None or angle is None:
         raise PipenavError("no pipe is named: give both --d and --angle, or --pipes, for example --d 90 --angle 60.")
-    return [Pipe.of(d, angle, turn or "left")]
+    return [PipeCorner.of(d, angle, turn or "left")]
 
 
 def _write(folder: Path, located: Located) -> None:

@@ -14,10 +14,10 @@ from pipenav.errors import PipenavError
 
 if TYPE_CHECKING:
     from pipenav.backends.backend import BackendOptions
-    from pipenav.backends.real_robot import Machine
-    from pipenav.deployment.session import Ending, Plan
-    from pipenav.deployment.trajectories import Place
-    from pipenav.pipes.corner import Pipe, Turn
+    from pipenav.backends.real_robot import RealRobot
+    from pipenav.deployment.session import Ending, MissionPlan
+    from pipenav.deployment.trajectories import ArmPlacement
+    from pipenav.pipes.corner import PipeCorner, Turn
 
 DRY_RUN_TICKS = 100
 """How long a dry run lasts where nobody says [ticks]: ten seconds."""
@@ -78,10 +78,10 @@ def run_real(
 
     Look before you move: pipenav run-real --policy best.zip --dry-run
     """
-    from pipenav.backends.real_robot import load_machine
+    from pipenav.backends.real_robot import load_real_robot
     from pipenav.backends.registry import check_options, open_backend
-    from pipenav.deployment.session import PASSED, Plan, execute, free_folder, policy_for
-    from pipenav.deployment.trajectories import Place
+    from pipenav.deployment.session import PASSED, MissionPlan, execute, free_folder, policy_for
+    from pipenav.deployment.trajectories import ArmPlacement
 
     if patience > 1 and not emulate:
         raise PipenavError("--patience would let a real arm run on when it must stop: it is for --emulate alone.")
@@ -89,20 +89,20 @@ def run_real(
     pipe = _pipe(d, angle, turn, emulate)
     goal, side = _target(target), _turn(turn)
     fault_list = _faults(faults, emulate)
-    kind = load_machine()
+    kind = load_real_robot()
     folder = free_folder(out)
     most = ticks or (DRY_RUN_TICKS if dry_run else None)
-    plan = Plan(loaded, side, goal, retreat, folder, stop_file or folder / "STOP", most)
+    plan = MissionPlan(loaded, side, goal, retreat, folder, stop_file or folder / "STOP", most)
     console = Console()
     with contextlib.ExitStack() as opened:
         opened.callback(_drop_if_empty, folder)
         extra = {"listen_only": dry_run, "allow_slow_bus": allow_slow_bus, "patience": patience}
-        place: Place | None = None
+        place: ArmPlacement | None = None
         options: BackendOptions
         if emulate:
             assert pipe is not None
             emulated = opened.enter_context(kind.emulate(loaded.header.robot, pipe, folder, seed, fault_list))
-            options, place = emulated.options.model_copy(update=extra), Place(pipe, emulated.base)
+            options, place = emulated.options.model_copy(update=extra), ArmPlacement(pipe, emulated.base)
         else:
             options = check_options("hardware", kind, {"arm": str(arm), **extra})
         _check(console, kind, options)
@@ -126,16 +126,16 @@ def _drop_if_empty(folder: Path) -> None:
         folder.rmdir()
 
 
-def _pipe(d: float | None, angle: float | None, turn: str, emulate: bool) -> Pipe | None:
-    from pipenav.pipes.corner import Pipe
+def _pipe(d: float | None, angle: float | None, turn: str, emulate: bool) -> PipeCorner | None:
+    from pipenav.pipes.corner import PipeCorner
 
     if emulate:
-        return Pipe.of(d or 130.0, angle or 90.0, turn)
+        return PipeCorner.of(d or 130.0, angle or 90.0, turn)
     if d is None and angle is None:
         return None
     if d is None or angle is None:
         raise PipenavError("a pipe is known by its diameter and its angle: give --d and --angle, or neither.")
-    return Pipe.of(d, angle, turn)
+    return PipeCorner.of(d, angle, turn)
 
 
 def _turn(text: str) -> Turn:
@@ -176,7 +176,7 @@ def _faults(text: str | None, emulate: bool) -> list[dict[str, Any]]:
     return loaded
 
 
-def _check(console: Console, kind: type[Machine], options: BackendOptions) -> None:
+def _check(console: Console, kind: type[RealRobot], options: BackendOptions) -> None:
     from pipenav.cli.hw_check import show_findings
 
     problems = show_findings(console, kind.check(options))
@@ -184,7 +184,7 @@ def _check(console: Console, kind: type[Machine], options: BackendOptions) -> No
         raise PipenavError(f"the arm has {problems} problem(s), see above: nothing has moved.")
 
 
-def _announce(console: Console, machine: Machine, plan: Plan, dry_run: bool) -> None:
+def _announce(console: Console, machine: RealRobot, plan: MissionPlan, dry_run: bool) -> None:
     where = "a target that it looks for" if plan.goal is None else "the given target"
     what = "would move" if dry_run else "is going to move"
     console.print(
@@ -196,7 +196,7 @@ def _announce(console: Console, machine: Machine, plan: Plan, dry_run: bool) -> 
         console.print(f"warning: {warning}", style="yellow", highlight=False)
 
 
-def _with_view(console: Console, machine: Machine, plan: Plan, hold_on_stop: bool, execute: Any) -> Ending:
+def _with_view(console: Console, machine: RealRobot, plan: MissionPlan, hold_on_stop: bool, execute: Any) -> Ending:
     from pipenav.cli.run_real_view import RunView
 
     with RunView(console, plan.policy.header.robot) as view:
@@ -204,7 +204,9 @@ def _with_view(console: Console, machine: Machine, plan: Plan, hold_on_stop: boo
     return ending
 
 
-def _tell(console: Console, plan: Plan, ending: Ending, pipe: Pipe | None, place: Place | None) -> None:
+def _tell(
+    console: Console, plan: MissionPlan, ending: Ending, pipe: PipeCorner | None, place: ArmPlacement | None
+) -> None:
     """The summary, the picture, and the motions as trajectories."""
     from pipenav.deployment.session import TELEMETRY, located_place, pace, write_motions
     from pipenav.deployment.telemetry import read_telemetry

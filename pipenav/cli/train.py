@@ -19,7 +19,7 @@ from pipenav.learning.config import DEFAULT_PRESET, TrainConfig, load_config, va
 if TYPE_CHECKING:
     from pipenav.learning.callback import Progress as TrainingProgress
     from pipenav.learning.run_folder import RunFolder
-    from pipenav.learning.train import Outcome
+    from pipenav.learning.train import TrainingSummary
 
 
 def train(
@@ -132,7 +132,9 @@ def _check_start(start: Path, config: TrainConfig) -> None:
         )
 
 
-def _run(console: Console, config: TrainConfig, folder: RunFolder, resumed: bool, start: Path | None) -> Outcome:
+def _run(
+    console: Console, config: TrainConfig, folder: RunFolder, resumed: bool, start: Path | None
+) -> TrainingSummary:
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
@@ -161,7 +163,7 @@ def _run(console: Console, config: TrainConfig, folder: RunFolder, resumed: bool
         return run_training(config, folder, resumed, report, stopped, start)
 
 
-def _tell(console: Console, folder: RunFolder, outcome: Outcome) -> None:
+def _tell(console: Console, folder: RunFolder, outcome: TrainingSummary) -> None:
     if outcome.stopped:
         console.print(
             f"stopped after {outcome.steps:,} steps and saved; go on with: pipenav train --resume {folder.path}"

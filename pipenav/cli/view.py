@@ -16,12 +16,12 @@ if TYPE_CHECKING:
 
     from pipenav.locating.locator import Variant
     from pipenav.motions.trajectory import Trajectory
-    from pipenav.pipes.queries import AnyPipe
+    from pipenav.pipes.queries import Pipe
     from pipenav.recording.film import Progress
-    from pipenav.recording.record import Simulator
+    from pipenav.recording.record import SimulatorSettings
 
-    Record = Callable[[AnyPipe, int, Simulator], Trajectory]
-    Parse = Callable[[Sequence[str]], Sequence[AnyPipe]]
+    Record = Callable[[Pipe, int, SimulatorSettings], Trajectory]
+    Parse = Callable[[Sequence[str]], Sequence[Pipe]]
 
 TABLE = ".csv"
 DEFAULT_PIPE = "d=90,angle=60"
@@ -127,22 +127,22 @@ def _checked_outputs(
 
 
 @contextmanager
-def _simulator(backend: str, options: list[str], live: bool) -> Iterator[Simulator]:
+def _simulator(backend: str, options: list[str], live: bool) -> Iterator[SimulatorSettings]:
     from pipenav.backends.registry import check_options, load_backend
     from pipenav.cli.options import parse_options
     from pipenav.recording.live import live_window
-    from pipenav.recording.record import Simulator
+    from pipenav.recording.record import SimulatorSettings
 
     parsed = parse_options(options)
     check_options(backend, load_backend(backend), parsed)
     if not live:
-        yield Simulator(backend, parsed)
+        yield SimulatorSettings(backend, parsed)
         return
     with live_window() as window:
-        yield Simulator(backend, parsed, window)
+        yield SimulatorSettings(backend, parsed, window)
 
 
-def _few(pipes: Sequence[AnyPipe]) -> Sequence[AnyPipe]:
+def _few(pipes: Sequence[Pipe]) -> Sequence[Pipe]:
     from pipenav.recording.film import MAX_ROWS
 
     if len(pipes) > MAX_ROWS:
@@ -164,22 +164,22 @@ def _policy(name: str, robot: str | None, seed: int) -> tuple[Parse, Record]:
 def _view_in_space(
     policy: str,
     robot: str | None,
-    runs: Sequence[AnyPipe],
+    runs: Sequence[Pipe],
     seed: int,
     episode: int,
-    simulator: Simulator,
+    simulator: SimulatorSettings,
     paths: list[Path],
     console: Console,
 ) -> None:
     """Draw one run that leaves the plane."""
-    from pipenav.pipes.route import PipeRun
+    from pipenav.pipes.route import PipeRoute
     from pipenav.policies.controller import open_controller
     from pipenav.recording.film import SUFFIXES, check_suffix
     from pipenav.recording.record_rolling import record_in_space
     from pipenav.recording.rolling_film import draw_in_space
 
     (run, *others) = runs
-    if others or not isinstance(run, PipeRun):
+    if others or not isinstance(run, PipeRoute):
         raise PipenavError("a picture in space shows one run: name one, for example runs-rolled:3.")
     outputs = paths or [Path(f"view-{run.name}.png")]
     for path in outputs:
@@ -208,7 +208,7 @@ def _locating(behaviour: str, robot: str | None, seed: int) -> tuple[Parse, Reco
     )
 
 
-def _read(paths: list[Path], robot: str | None, simulator: Simulator | None) -> list[Trajectory]:
+def _read(paths: list[Path], robot: str | None, simulator: SimulatorSettings | None) -> list[Trajectory]:
     from pipenav.motions.trajectory import read_trajectory
     from pipenav.recording.live import play
     from pipenav.robots.robot import load_robot

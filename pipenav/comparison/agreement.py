@@ -12,12 +12,12 @@ from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Backend
 from pipenav.backends.messages import Command, Control
 from pipenav.backends.registry import open_backend
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.centreline import CentrelineController
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach import action, episode
-from pipenav.tasks.reach.batch import CornerBatch
+from pipenav.tasks.reach.batch import ReachBatch
 from pipenav.tasks.reach.config import TaskConfig
 
 FREE_STEPS = 6
@@ -33,7 +33,8 @@ PRESS_TRAVEL = (0.8, 0.3)
 """Set-point of a hinge [rad] and of a slide [m] that presses: well beyond the wall."""
 
 CORNERS = [
-    Pipe.of(d, a, t) for d, a, t in ((120, 90, "left"), (100, 75, "right"), (100, 120, "left"), (110, 60, "right"))
+    PipeCorner.of(d, a, t)
+    for d, a, t in ((120, 90, "left"), (100, 75, "right"), (100, 120, "left"), (110, 60, "right"))
 ]
 """Pipes of the open-loop passages and of the distance readings."""
 
@@ -112,7 +113,7 @@ def _record(robot: RobotSpec, name: str, options: Mapping[str, Any]) -> _Passage
     n = len(CORNERS)
     start = episode.sample(robot, TaskConfig(start_bend=0.0), CORNERS, np.random.default_rng(0))
     backend = open_backend(name, robot, n, options)
-    batch = CornerBatch(robot, controller.task, backend, n, lambda _: start)
+    batch = ReachBatch(robot, controller.task, backend, n, lambda _: start)
     with closing(batch):
         observation = batch.reset()
         goals: list[Floats] = []
@@ -120,7 +121,7 @@ def _record(robot: RobotSpec, name: str, options: Mapping[str, Any]) -> _Passage
         while not ended.all():
             result = batch.step(controller.act(observation, batch))
             observation = result.observation
-            now = (result.verdict != Verdict.RUNNING) & (ended == 0)
+            now = (result.verdict != Outcome.RUNNING) & (ended == 0)
             goals.append(np.where((ended > 0)[:, None], goals[-1] if goals else 0.0, batch.q))
             ended[now] = len(goals)
     return _Passages(np.stack(goals, axis=1), ended, start)
@@ -147,7 +148,7 @@ def _play(robot: RobotSpec, name: str, options: Mapping[str, Any], passages: _Pa
 def _run(backend: Backend, robot: RobotSpec, control: Control, values: Floats) -> Floats:
     """Joint positions in free space under commands (steps, n, joints): (n, steps, joints)."""
     n = values.shape[1]
-    wide = Pipe.of(300, 180)
+    wide = PipeCorner.of(300, 180)
     backend.reset(np.arange(n), [wide] * n, np.zeros((n, len(robot.joints))), np.full(n, -robot.length))
     return np.stack([_stepped(backend, control, now) for now in values], axis=1)
 
@@ -160,7 +161,7 @@ def _stepped(backend: Backend, control: Control, values: Floats) -> Floats:
 def _press(backend: Backend, robot: RobotSpec, goals: Floats) -> tuple[Floats, Floats]:
     """Each joint presses on a wall: a slide head-on on the far wall of a right angle, a hinge sideways."""
     n = goals.shape[1]
-    pipes = [Pipe.of(120, 180 if hinge else 90) for hinge in robot.hinges]
+    pipes = [PipeCorner.of(120, 180 if hinge else 90) for hinge in robot.hinges]
     gap = pipes[0].radius + 0.05
     backend.reset(np.arange(n), pipes, np.zeros((n, n)), np.full(n, pipes[0].radius - gap - robot.length))
     q, force = [], []

@@ -14,9 +14,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from pipenav.backends.messages import Reading
-from pipenav.backends.real_robot import Machine
+from pipenav.backends.real_robot import RealRobot
 from pipenav.backends.safety import Stopped
-from pipenav.deployment.mission import Decision, Run
+from pipenav.deployment.mission import Decision, Mission
 from pipenav.deployment.telemetry import Telemetry
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1)
@@ -44,7 +44,7 @@ class Interrupted(Stopped):
 
 
 class Stoppable(Protocol):
-    """What torque can be switched off of; see `Machine`."""
+    """What torque can be switched off of; see `RealRobot`."""
 
     def cut(self) -> None: ...
 
@@ -84,8 +84,8 @@ def guarded(machine: Stoppable) -> Iterator[None]:
 
 
 def drive(
-    machine: Machine,
-    run: Run,
+    machine: RealRobot,
+    run: Mission,
     telemetry: Telemetry,
     show: Callable[[dict[str, Any]], None],
     stop_file: Path,
@@ -131,7 +131,7 @@ def drive(
     return "ended"
 
 
-def hold_until(machine: Machine, released: Callable[[], bool]) -> None:
+def hold_until(machine: RealRobot, released: Callable[[], bool]) -> None:
     """Keep the arm where it is, for arms that would fall without torque, until someone holds it.
 
     Whatever stopped it, a lost sensor for example, is no reason to let it fall.
@@ -141,7 +141,7 @@ def hold_until(machine: Machine, released: Callable[[], bool]) -> None:
         time.sleep(HOLD_PERIOD)
 
 
-def _tick(machine: Machine, run: Run, record: dict[str, Any]) -> Decision | None:
+def _tick(machine: RealRobot, run: Mission, record: dict[str, Any]) -> Decision | None:
     """Read, decide, send; None where the reading was not whole and the arm holds."""
     reading = machine.read()
     if not machine.complete:

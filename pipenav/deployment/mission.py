@@ -127,7 +127,7 @@ class Back:
         return Decision("back", Command("position", goal))
 
 
-class Run:
+class Mission:
     """The stages one after another.
 
     Attributes:
@@ -189,8 +189,8 @@ class Run:
             self._stage, self.outcome = None, ended
 
 
-def run_of(policy: Policy, settings: dict[str, Any]) -> Run:
+def mission_of(policy: Policy, settings: dict[str, Any]) -> Mission:
     """The run that a header's `run` describes."""
     goal = None if settings["goal_m"] is None else np.array(settings["goal_m"], float)
     locate = LocateConfig.model_validate(settings["locate"])
-    return Run(policy, settings["side"], settings["period_s"], goal, locate, settings["retreat"])
+    return Mission(policy, settings["side"], settings["period_s"], goal, locate, settings["retreat"])

@@ -11,7 +11,7 @@ from pipenav.arrays import Floats
 from pipenav.drawing.corner import draw_walls
 from pipenav.drawing.scene import BEAM, FORCE, LINK, LINK_EDGE, TARGET
 from pipenav.drawing.style import GRID, INK, MUTED, png
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.robots import kinematics
 from pipenav.robots.outline import link_outlines
 from pipenav.robots.robot import RobotSpec
@@ -30,7 +30,7 @@ MARGIN = 90.0
 
 
 def run_picture(
-    robot: RobotSpec, ticks: Sequence[dict[str, Any]], title: str, pipe: Pipe | None = None, base: float = 0.0
+    robot: RobotSpec, ticks: Sequence[dict[str, Any]], title: str, pipe: PipeCorner | None = None, base: float = 0.0
 ) -> bytes:
     """A PNG of the run: in the pipe's frame where the pipe is known, else in the robot's.
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pipenav.backends.real_robot import Recoder, load_machine
+from pipenav.backends.real_robot import Recoder, load_real_robot
 from pipenav.backends.safety import Stopped
 from pipenav.deployment.loop import RETREATABLE, seen
-from pipenav.deployment.mission import Run, run_of
+from pipenav.deployment.mission import Mission, mission_of
 from pipenav.deployment.telemetry import Recording, TelemetryFileError, read_telemetry
 from pipenav.policies.policy import load_policy
 
@@ -42,14 +42,14 @@ def replay(path: Path) -> tuple[Replay, Recording]:
     policy = load_policy(path.with_name(POLICY_COPY))
     try:
         header = recording.header
-        recoder = load_machine(header["backend"]).recoder(policy.header.robot, header["machine"])
-        run = run_of(policy, header["run"])
+        recoder = load_real_robot(header["backend"]).recoder(policy.header.robot, header["machine"])
+        run = mission_of(policy, header["run"])
         return _compare(recording, recoder, run), recording
     except (KeyError, TypeError, ValueError) as error:
         raise TelemetryFileError(path, f"lacks what a replay needs ({type(error).__name__}: {error})") from error
 
 
-def _compare(recording: Recording, recoder: Recoder, run: Run) -> Replay:
+def _compare(recording: Recording, recoder: Recoder, run: Mission) -> Replay:
     packets = 0
     for tick in recording.ticks:
         try:
@@ -69,7 +69,7 @@ def _compare(recording: Recording, recoder: Recoder, run: Run) -> Replay:
     return Replay(len(recording.ticks), packets, "")
 
 
-def _again(tick: dict[str, Any], recoder: Recoder, run: Run) -> dict[str, Any]:
+def _again(tick: dict[str, Any], recoder: Recoder, run: Mission) -> dict[str, Any]:
     """One tick's record, made anew from its raw bytes."""
     reading = recoder.read(tick["raw"])
     if "stopped" in tick:

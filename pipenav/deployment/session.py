@@ -14,18 +14,18 @@ import numpy as np
 from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.messages import Reading
-from pipenav.backends.real_robot import Machine
+from pipenav.backends.real_robot import RealRobot
 from pipenav.backends.safety import Stopped
 from pipenav.deployment import loop
-from pipenav.deployment.mission import run_of
+from pipenav.deployment.mission import mission_of
 from pipenav.deployment.picture import run_picture
 from pipenav.deployment.replay import POLICY_COPY
 from pipenav.deployment.telemetry import Telemetry
-from pipenav.deployment.trajectories import Place, parts, place_of
+from pipenav.deployment.trajectories import ArmPlacement, parts, place_of
 from pipenav.errors import PipenavError
 from pipenav.locating.locator import LocateConfig, require_arm
 from pipenav.motions.trajectory import write_trajectory
-from pipenav.pipes.corner import Pipe, Turn
+from pipenav.pipes.corner import PipeCorner, Turn
 from pipenav.policies.header import RATE_HZ, installed_versions
 from pipenav.policies.policy import Policy, load_policy, policy_names, resolve_policy
 from pipenav.robots import kinematics
@@ -40,7 +40,7 @@ DEFAULT_ROBOT = "real-setup"
 """The physical arm."""
 
 
-class Plan(NamedTuple):
+class MissionPlan(NamedTuple):
     """What a run shall do.
 
     Attributes:
@@ -136,7 +136,7 @@ def _require_drivable(policy: Policy) -> None:
 
 
 def run_settings(turn: Turn, goal: Floats | None, retreat: bool) -> dict[str, Any]:
-    """What a telemetry's header says of a run, and `run_of` makes it from.
+    """What a telemetry's header says of a run, and `mission_of` makes it from.
 
     Args:
         turn: the side that the pipe turns to.
@@ -153,7 +153,7 @@ def run_settings(turn: Turn, goal: Floats | None, retreat: bool) -> dict[str, An
 
 
 def execute(
-    machine: Machine, plan: Plan, show: Callable[[dict[str, Any]], None], released: Callable[[], bool] | None
+    machine: RealRobot, plan: MissionPlan, show: Callable[[dict[str, Any]], None], released: Callable[[], bool] | None
 ) -> Ending:
     """Switch the arm on, drive it, switch it off; its telemetry is on disk then.
 
@@ -164,7 +164,7 @@ def execute(
         released: with `--hold-on-stop`: whether someone holds the arm now; None to switch off at once.
     """
     settings = run_settings(plan.turn, plan.goal, plan.retreat)
-    run = run_of(plan.policy, settings)
+    run = mission_of(plan.policy, settings)
     content = plan.policy.path.read_bytes()
     atomic_write(plan.folder / POLICY_COPY, content)
     stopped: Stopped | None = None
@@ -204,7 +204,7 @@ def rehearse(policy: Policy, settings: dict[str, Any], reading: Reading) -> None
     """Decide once in every stage, before torque is on: what a first time takes would make a tick late."""
     tip = kinematics.forward(policy.header.robot, reading.q).tip[0]
     for goal in (None, [float(tip[0]) + 0.1, float(tip[1]) + 0.1]):
-        run_of(policy, settings | {"goal_m": goal}).decide(reading)
+        mission_of(policy, settings | {"goal_m": goal}).decide(reading)
 
 
 class Pace(NamedTuple):
@@ -247,7 +247,7 @@ def pace(ticks: Sequence[dict[str, Any]]) -> Pace:
     )
 
 
-def located_place(plan: Plan, ticks: Sequence[dict[str, Any]], pipe: Pipe) -> Place | None:
+def located_place(plan: MissionPlan, ticks: Sequence[dict[str, Any]], pipe: PipeCorner) -> ArmPlacement | None:
     """Where the arm stood in a pipe that is known; None where it located no target."""
     target = next((tick["target"] for tick in reversed(ticks) if tick.get("target")), None)
     if plan.goal is not None or target is None:
@@ -255,7 +255,9 @@ def located_place(plan: Plan, ticks: Sequence[dict[str, Any]], pipe: Pipe) -> Pl
     return place_of(pipe, np.array(target), LocateConfig().depth)
 
 
-def write_motions(plan: Plan, ticks: Sequence[dict[str, Any]], outcome: str, place: Place | None) -> Iterator[Path]:
+def write_motions(
+    plan: MissionPlan, ticks: Sequence[dict[str, Any]], outcome: str, place: ArmPlacement | None
+) -> Iterator[Path]:
     """Write the run's picture, and where its place is known its motions as trajectory files.
 
     Args:

@@ -10,15 +10,15 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.policy import Policy
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 
 
-class Place(NamedTuple):
+class ArmPlacement(NamedTuple):
     """Where an arm stood: the pipe, and x of the robot's frame in the pipe's frame [m]."""
 
-    pipe: Pipe
+    pipe: PipeCorner
     base: float
 
 
@@ -29,7 +29,7 @@ NEXT = {"locate": "reach", "reach": "back"}
 """What follows a stage that succeeded."""
 
 
-def place_of(pipe: Pipe, target: Floats, depth: float) -> Place:
+def place_of(pipe: PipeCorner, target: Floats, depth: float) -> ArmPlacement:
     """Where an arm stands in a known pipe, from the target that it located.
 
     Args:
@@ -37,10 +37,10 @@ def place_of(pipe: Pipe, target: Floats, depth: float) -> Place:
         target: in the robot's own frame, (2,) [m].
         depth: of such targets past the inner edge, along the second leg [m].
     """
-    return Place(pipe, float((pipe.inner_edge + depth) * pipe.second_leg[0] - target[0]))
+    return ArmPlacement(pipe, float((pipe.inner_edge + depth) * pipe.second_leg[0] - target[0]))
 
 
-def parts(policy: Policy, ticks: Sequence[dict[str, Any]], place: Place) -> Iterator[tuple[str, Trajectory]]:
+def parts(policy: Policy, ticks: Sequence[dict[str, Any]], place: ArmPlacement) -> Iterator[tuple[str, Trajectory]]:
     """The parts of a run that succeeded, each with its name; a tick in which the arm held still repeats its pose."""
     names, rows = _filled(ticks)
     for stage, part in PARTS.items():
@@ -55,7 +55,7 @@ def parts(policy: Policy, ticks: Sequence[dict[str, Any]], place: Place) -> Iter
                 "base_m": place.base,
                 "goal_m": _goal(ticks, place) if part == "front" else None,
                 "stage": part,
-                "outcome": Verdict.REACHED.label,
+                "outcome": Outcome.REACHED.label,
                 "backend": "hardware",
                 "controller": str(policy.path) if part == "front" else "locate",
             }
@@ -63,7 +63,7 @@ def parts(policy: Policy, ticks: Sequence[dict[str, Any]], place: Place) -> Iter
         yield part, Trajectory(header, policy.header.robot, rows[first : ends[0] + 2])
 
 
-def _goal(ticks: Sequence[dict[str, Any]], place: Place) -> tuple[float, float] | None:
+def _goal(ticks: Sequence[dict[str, Any]], place: ArmPlacement) -> tuple[float, float] | None:
     """The target in the pipe's frame; None where the arm took a point outside the pipe for one."""
     x, y = next(tick["target"] for tick in reversed(ticks) if tick.get("target"))
     goal = (x + place.base, y)

@@ -15,7 +15,7 @@ from pipenav.backends.backend import Backend, BackendOptions, Inclinable, Variab
 from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.disturbances.disturbance import MAX_LATENCY, Disturbance
 from pipenav.errors import PipenavError
-from pipenav.pipes.queries import AnyPipe, interior_angles, turn_sides
+from pipenav.pipes.queries import Pipe, interior_angles, turn_sides
 from pipenav.robots import laser
 from pipenav.robots.robot import RobotSpec
 
@@ -57,7 +57,7 @@ class DisturbedBackend(Backend):
         self._noise, self._dropouts, self._missing = np.zeros(n), np.zeros(n), np.zeros((n, beams), bool)
         self._ranges = np.zeros((n, beams))
 
-    def reset(self, robots: Ints, pipes: Sequence[AnyPipe], q: Floats, base: Floats) -> Reading:
+    def reset(self, robots: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:
         d, spans = self._disturbance, []
         for row, i in enumerate(robots):
             rng = self._generators[i] = _generator(self._seed, pipes[row], q[row], base[row])
@@ -114,7 +114,7 @@ class DisturbedBackend(Backend):
         self._inner.close()
 
 
-def _generator(seed: int, pipe: AnyPipe, q: Floats, base: float) -> np.random.Generator:
+def _generator(seed: int, pipe: Pipe, q: Floats, base: float) -> np.random.Generator:
     """The generator of one episode."""
     corners = np.stack([interior_angles(pipe), turn_sides(pipe)], axis=1)
     start = np.array([pipe.diameter, *corners.ravel(), base, *q], float)

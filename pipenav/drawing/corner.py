@@ -29,8 +29,8 @@ from pipenav.drawing.dimensions import (
     save_figure,
     write_title,
 )
-from pipenav.pipes.corner import Pipe
-from pipenav.pipes.route import PipeRun
+from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.route import PipeRoute
 from pipenav.units import m_to_mm, rad_to_deg
 
 if TYPE_CHECKING:
@@ -38,12 +38,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def draw_pipe(pipe: Pipe, path: Path) -> None:
+def draw_pipe(pipe: PipeCorner, path: Path) -> None:
     """Draw the pipe into a PNG file."""
     save_figure(pipe_figure(pipe), path)
 
 
-def pipe_figure(pipe: Pipe) -> Figure:
+def pipe_figure(pipe: PipeCorner) -> Figure:
     """The drawing as a matplotlib figure."""
     from matplotlib.figure import Figure
 
@@ -62,7 +62,7 @@ def pipe_figure(pipe: Pipe) -> Figure:
     return figure
 
 
-def draw_walls(axes: Axes, pipe: Pipe | PipeRun) -> None:
+def draw_walls(axes: Axes, pipe: PipeCorner | PipeRoute) -> None:
     """Fill the free space and the walls of a pipe or a planar run, in millimetres of its frame."""
     sides = [(m_to_mm(1.0) * near, m_to_mm(1.0) * far) for near, far in _sides(pipe)]
     axes.fill(*np.concatenate([sides[0][0], sides[1][0][::-1]]).T, color=FREE, zorder=1)
@@ -71,10 +71,10 @@ def draw_walls(axes: Axes, pipe: Pipe | PipeRun) -> None:
         axes.fill(*outline.T, facecolor=WALL, edgecolor=WALL, linewidth=0.8, zorder=3, label=label)
 
 
-def _sides(pipe: Pipe | PipeRun) -> list[tuple[Floats, Floats]]:
+def _sides(pipe: PipeCorner | PipeRoute) -> list[tuple[Floats, Floats]]:
     """Each wall's face towards the free space, and its back, points (k, 2) [m]."""
     outside = pipe.radius + pipe.wall
-    if isinstance(pipe, PipeRun):
+    if isinstance(pipe, PipeRoute):
         backs = pipe.legs.lines(outside, np.array([0.0, math.pi]))[..., :2]
         return list(zip(pipe.walls, backs, strict=True))
     return [(pipe.walls.inner, pipe.line(outside)), (pipe.walls.outer, pipe.line(-outside))]
@@ -83,7 +83,7 @@ def _sides(pipe: Pipe | PipeRun) -> list[tuple[Floats, Floats]]:
 class _Sketch(Drafting):
     """The parts of one drawing. Coordinates are those of a left turn [mm]."""
 
-    def __init__(self, pipe: Pipe, axes: Axes) -> None:
+    def __init__(self, pipe: PipeCorner, axes: Axes) -> None:
         outside = pipe.radius + pipe.wall
         outline = m_to_mm(1.0) * np.concatenate([pipe.line(offset) for offset in (-outside, outside)])
         super().__init__(axes, outline, pipe.side)
@@ -167,14 +167,14 @@ class _Sketch(Drafting):
         self.callout(crown, outside, f"bend radius {number(m_to_mm(self.pipe.bend_radius))}")
 
 
-def _title(pipe: Pipe) -> str:
+def _title(pipe: PipeCorner) -> str:
     if pipe.angle == math.pi:
         return f"Straight pipe, {number(m_to_mm(pipe.diameter))} mm"
     bend = f"bend radius {number(m_to_mm(pipe.bend_radius))} mm" if pipe.bend_radius else "mitre"
     return f"Pipe corner, {number(m_to_mm(pipe.diameter))} mm, {rad_to_deg(pipe.angle):g}°, {pipe.turn} turn, {bend}"
 
 
-def _facts(pipe: Pipe) -> str:
+def _facts(pipe: PipeCorner) -> str:
     if pipe.angle == math.pi:
         return "all lengths in mm"
     gap, edge = m_to_mm(pipe.gap), m_to_mm(pipe.inner_edge)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from pipenav.arrays import Floats
-from pipenav.pipes.route import PipeRun
+from pipenav.pipes.route import PipeRoute
 from pipenav.units import m_to_mm
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ class View(NamedTuple):
         return cls(np.array([ce * c, ce * s, se]), np.array([-s, c, 0.0]), np.array([-se * c, -se * s, ce]))
 
     @classmethod
-    def of(cls, run: PipeRun) -> View:
+    def of(cls, run: PipeRoute) -> View:
         """That in which few straights hide others, and the one that is shortened most is shortened least."""
 
         def worth(view: View) -> float:
@@ -60,7 +60,7 @@ class View(NamedTuple):
 
         return max((cls.towards(azimuth) for azimuth in AZIMUTHS), key=worth)
 
-    def hidden(self, run: PipeRun) -> int:
+    def hidden(self, run: PipeRoute) -> int:
         """How many pairs of straights that are no neighbours lie over each other in the picture."""
         share = np.linspace(0, 1, SAMPLES)[:, None]
         line = self.flat(run.centre_line)
@@ -74,7 +74,7 @@ class View(NamedTuple):
         return np.stack([points @ self.right, points @ self.up], axis=-1)
 
 
-def draw_tube(axes: Axes, run: PipeRun, view: View) -> Floats:
+def draw_tube(axes: Axes, run: PipeRoute, view: View) -> Floats:
     """Draw the tube and its shadow, in millimetres of the picture; returns all their points, (k, 2) [mm]."""
     from matplotlib.collections import PolyCollection
 
@@ -96,7 +96,7 @@ def draw_tube(axes: Axes, run: PipeRun, view: View) -> Floats:
     return np.concatenate([shadow, tube]).reshape(-1, 2)
 
 
-def wall_quads(run: PipeRun) -> Floats:
+def wall_quads(run: PipeRoute) -> Floats:
     """The outer surface in small pieces, corners in order, counter-clockwise seen from outside, (q, 4, 3) [m]."""
     lines = run.legs.lines(run.radius + run.wall, np.arange(AROUND) * 2 * math.pi / AROUND)  # (AROUND, p, 3)
     pieces = []

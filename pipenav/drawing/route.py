@@ -30,7 +30,7 @@ from pipenav.drawing.dimensions import (
     write_title,
 )
 from pipenav.drawing.projection import View, draw_tube
-from pipenav.pipes.route import Corner, PipeRun
+from pipenav.pipes.route import Corner, PipeRoute
 from pipenav.units import m_to_mm, rad_to_deg
 
 if TYPE_CHECKING:
@@ -54,12 +54,12 @@ STRAIGHT = 1e-6
 """A bend, and a roll in deg, that is smaller than this is none."""
 
 
-def draw_run(run: PipeRun, name: str, path: Path) -> None:
+def draw_run(run: PipeRoute, name: str, path: Path) -> None:
     """Draw the run into a PNG file, under a name."""
     save_figure(run_figure(run, name), path)
 
 
-def run_figure(run: PipeRun, name: str) -> Figure:
+def run_figure(run: PipeRoute, name: str) -> Figure:
     """The drawing as a matplotlib figure."""
     from matplotlib.figure import Figure
 
@@ -83,7 +83,7 @@ def run_figure(run: PipeRun, name: str) -> Figure:
     return figure
 
 
-def _plan(run: PipeRun, axes: Axes) -> float:
+def _plan(run: PipeRoute, axes: Axes) -> float:
     """The run from above; returns the height of the drawing at full width [in]."""
     draw_walls(axes, run)
     line = m_to_mm(1.0) * run.centre_line[:, :2]
@@ -100,7 +100,7 @@ def _plan(run: PipeRun, axes: Axes) -> float:
     return frame_axes(axes, *sketch.frame())
 
 
-def _in_space(run: PipeRun, axes: Axes) -> float:
+def _in_space(run: PipeRoute, axes: Axes) -> float:
     """The run in space; returns the height of the drawing at full width [in]."""
     view = View.of(run)
     drawn = draw_tube(axes, run, view)
@@ -119,7 +119,7 @@ def _in_space(run: PipeRun, axes: Axes) -> float:
 class _Sketch(Drafting):
     """Dimensions along the centre line as it lies in the picture, (corners + 2, 2) [mm]."""
 
-    def __init__(self, run: PipeRun, axes: Axes, line: Floats) -> None:
+    def __init__(self, run: PipeRoute, axes: Axes, line: Floats) -> None:
         self.run, self.centre = run, line
         self.outside = m_to_mm(run.radius + run.wall)
         super().__init__(axes, np.concatenate([line - self.outside, line + self.outside]))
@@ -192,7 +192,7 @@ def _words(corner: Corner) -> str:
     return f"{rad_to_deg(corner.angle):g}° {corner.turn}{rolled}"
 
 
-def _schedule(run: PipeRun, axes: Axes) -> float:
+def _schedule(run: PipeRoute, axes: Axes) -> float:
     """Every corner as a dial that shows to which side the pipe bends; returns the height of all [in]."""
     phi = np.linspace(0, 2 * math.pi, 60)
     rows = math.ceil(len(run.corners) / PER_ROW)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pipenav.arrays import Floats
 from pipenav.drawing.corner import draw_walls
 from pipenav.drawing.dimensions import INK
-from pipenav.pipes.queries import AnyPipe
+from pipenav.pipes.queries import Pipe
 from pipenav.robots import kinematics
 from pipenav.robots.outline import link_outlines
 from pipenav.robots.robot import RobotSpec
@@ -51,7 +51,7 @@ class Scene(NamedTuple):
         link_forces: forces of the pipe on the links, (links, 2) [N]; None where they are not known.
     """
 
-    pipe: AnyPipe
+    pipe: Pipe
     robot: RobotSpec
     base: float
     q: Floats
@@ -91,7 +91,7 @@ def _draw_beams(axes: Axes, scene: Scene, tip: Floats, heading: float) -> None:
     axes.plot(*met.T, ".", color=BEAM, markersize=4.5, zorder=4)
 
 
-def contact_point(polygons: list[Floats], pipe: AnyPipe) -> Floats:
+def contact_point(polygons: list[Floats], pipe: Pipe) -> Floats:
     """The point of a link that is nearest to a wall, (2,) [m]: a corner of the link, or where a wall's edge is.
 
     Args:

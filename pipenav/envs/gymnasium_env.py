@@ -20,18 +20,18 @@ from pipenav.errors import ConfigError, PipenavError
 from pipenav.pipes.corner_sets import parse_pipes
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.batch import StepResult, TaskBatch
-from pipenav.tasks.outcome import Verdict
-from pipenav.tasks.reach.batch import CornerBatch
+from pipenav.tasks.outcome import Outcome
+from pipenav.tasks.reach.batch import ReachBatch
 from pipenav.tasks.reach.config import RewardConfig, TaskConfig
 from pipenav.tasks.reach.episode import Episodes
 from pipenav.tasks.sampling import random_episodes
 
 Float32s = NDArray[np.float32]
 
-VERDICT_LABELS = np.array([verdict.label for verdict in Verdict])
+VERDICT_LABELS = np.array([verdict.label for verdict in Outcome])
 
 
-class Corners:
+class SeededEpisodes:
     """n robots of one batch, each drawing its episodes from a generator of its own.
 
     So robot i of many lives through the same episodes as a single one with the same seed.
@@ -61,7 +61,7 @@ class Corners:
             raise PipenavError("no pipes given: name a pipe set, a TOML file, or a pipe such as d=90,angle=60.")
         slots = max(len(pipe.segments) for one in self._sets for pipe in one)
         opened = open_backend(backend, self._robot, n, dict(options or {}), slots)
-        self.batch = CornerBatch(self._robot, self._config, opened, n, self._draw)
+        self.batch = ReachBatch(self._robot, self._config, opened, n, self._draw)
 
     def _draw(self, robots: Ints) -> Episodes:
         for i in robots:
@@ -96,7 +96,7 @@ def step_info(result: StepResult, robots: Ints | slice = slice(None)) -> dict[st
     verdict = result.verdict[robots]
     return {
         "verdict": VERDICT_LABELS[verdict],
-        "is_success": verdict == Verdict.REACHED.value,
+        "is_success": verdict == Outcome.REACHED.value,
         "clearance_m": result.clearance[robots],
         "contact_force_n": result.truth.contact_force[robots],
         "penetration_m": result.truth.penetration[robots],
@@ -159,7 +159,7 @@ class CornerEnv(gymnasium.Env[Float32s, Float32s]):
         render_mode: str | None = None,
     ) -> None:
         self.render_mode = render_mode
-        self._corners = Corners(1, robot, pipes, backend, task, options)
+        self._corners = SeededEpisodes(1, robot, pipes, backend, task, options)
         self.batch = self._corners.batch
         self.observation_space = observation_space(self.batch)
         self.action_space = action_space(self.batch)
@@ -176,9 +176,9 @@ class CornerEnv(gymnasium.Env[Float32s, Float32s]):
 
     def step(self, action: Float32s) -> tuple[Float32s, float, bool, bool, dict[str, Any]]:
         result = self.batch.step(np.asarray(action, float)[None])
-        verdict = Verdict(result.verdict[0])
-        truncated = verdict is Verdict.TIMEOUT
-        terminated = verdict is not Verdict.RUNNING and not truncated
+        verdict = Outcome(result.verdict[0])
+        truncated = verdict is Outcome.TIMEOUT
+        terminated = verdict is not Outcome.RUNNING and not truncated
         observation = result.observation[0].astype(np.float32)
         return observation, float(result.reward[0]), terminated, truncated, one_info(step_info(result), 0)
 
@@ -208,7 +208,7 @@ class CornerVectorEnv(VectorEnv[Float32s, Float32s, NDArray[Any]]):
         options: Mapping[str, Any] | None = None,
     ) -> None:
         self.num_envs = num_envs
-        self._corners = Corners(num_envs, robot, pipes, backend, task, options)
+        self._corners = SeededEpisodes(num_envs, robot, pipes, backend, task, options)
         self.batch = self._corners.batch
         self.single_observation_space = observation_space(self.batch)
         self.single_action_space = action_space(self.batch)
@@ -241,10 +241,10 @@ class CornerVectorEnv(VectorEnv[Float32s, Float32s, NDArray[Any]]):
 
     def step(self, actions: Float32s) -> tuple[Float32s, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
         anew, result = self._ended, self.batch.step(np.asarray(actions, float))
-        verdict = np.where(anew, Verdict.RUNNING, result.verdict)
+        verdict = np.where(anew, Outcome.RUNNING, result.verdict)
         reward = np.where(anew, 0.0, result.reward)
-        truncated = verdict == Verdict.TIMEOUT
-        self._ended = verdict != Verdict.RUNNING
+        truncated = verdict == Outcome.TIMEOUT
+        self._ended = verdict != Outcome.RUNNING
         observation = self.batch.reset(np.flatnonzero(anew)) if anew.any() else result.observation
         info = step_info(result)
         valid = {f"_{key}": ~anew for key in info}
@@ -254,7 +254,7 @@ class CornerVectorEnv(VectorEnv[Float32s, Float32s, NDArray[Any]]):
         self.batch.close()
 
 
-def top_view(batch: CornerBatch, episodes: Episodes, pixels: int = 480) -> NDArray[np.uint8]:
+def top_view(batch: ReachBatch, episodes: Episodes, pixels: int = 480) -> NDArray[np.uint8]:
     """A picture of the first robot from above, (pixels, pixels, 3): walls, links, beams and target.
 
     Args:

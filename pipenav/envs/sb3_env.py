@@ -11,7 +11,7 @@ from stable_baselines3.common.vec_env import VecEnv
 
 from pipenav.envs.gymnasium_env import action_space, observation_space, one_info, step_info
 from pipenav.tasks.batch import TaskBatch
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 
 
 class TaskVecEnv(VecEnv):  # type: ignore[misc]  # Stable-Baselines3 is imported untyped
@@ -42,7 +42,7 @@ class TaskVecEnv(VecEnv):  # type: ignore[misc]  # Stable-Baselines3 is imported
         observation = result.observation.astype(np.float32)
         self._returns += result.reward
         self.clearance = result.clearance
-        done = result.verdict != Verdict.RUNNING.value
+        done = result.verdict != Outcome.RUNNING.value
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         ended = np.flatnonzero(done)
         info = step_info(result, ended)

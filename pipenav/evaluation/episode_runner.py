@@ -13,9 +13,9 @@ from pipenav.arrays import Flags, Floats, Ints
 from pipenav.backends.backend import Backend
 from pipenav.backends.registry import open_backend
 from pipenav.evaluation.stage import Stage, StageStep
-from pipenav.pipes.queries import AnyPipe, interior_angles, turn_sides
+from pipenav.pipes.queries import Pipe, interior_angles, turn_sides
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach import episode
 from pipenav.tasks.reach.episode import Episodes
 from pipenav.tasks.registry import AnyTask, kind_of
@@ -38,7 +38,7 @@ class EpisodeResults(NamedTuple):
     """One entry per episode, in order: all episodes of the first pipe, then of the next.
 
     Attributes:
-        verdict: a `Verdict` each, (k,).
+        verdict: a `Outcome` each, (k,).
         steps: control steps, (k,).
         clearance: smallest laser reading, (k,) [m].
         penetration: deepest overlap with the wall, (k,) [m].
@@ -104,7 +104,7 @@ def joined(parts: Sequence[Starting]) -> Starting:
 
 
 def random_start(
-    robot: RobotSpec, task: AnyTask, pipes: Sequence[AnyPipe], episodes: int, seed: int
+    robot: RobotSpec, task: AnyTask, pipes: Sequence[Pipe], episodes: int, seed: int
 ) -> Callable[[int], Any]:
     """Episodes by number: all of the first pipe, then of the next.
 
@@ -136,7 +136,7 @@ def run_stage(
     make: Callable[[Backend, EpisodeQueue[Episode]], Stage],
     robot: RobotSpec,
     start: Callable[[int], Episode],
-    pipes: Sequence[AnyPipe],
+    pipes: Sequence[Pipe],
     backend: str = "mujoco",
     options: dict[str, Any] | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -211,7 +211,7 @@ def drain(
     while finished < total:
         step = stage.step()
         peaks.add(step)
-        ended = np.flatnonzero(step.verdict != Verdict.RUNNING)
+        ended = np.flatnonzero(step.verdict != Outcome.RUNNING)
         if not len(ended):
             continue
         counted = ended[queue.running[ended] >= 0]
@@ -223,7 +223,7 @@ def drain(
         finished += len(counted)
         peaks.forget(ended)
         if progress is not None:
-            progress(finished, int((results.verdict == Verdict.REACHED).sum()))
+            progress(finished, int((results.verdict == Outcome.REACHED).sum()))
         if finished < total:
             stage.start(ended)
     return results

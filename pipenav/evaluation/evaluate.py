@@ -10,16 +10,16 @@ import numpy as np
 from pipenav.backends.registry import check_options, load_backend
 from pipenav.disturbances.disturbance import UNDISTURBED, load_disturbance
 from pipenav.errors import PipenavError
-from pipenav.evaluation.passage import Part, Passages, Progress
+from pipenav.evaluation.passage import Passages, Progress, StageResult
 from pipenav.evaluation.results import Evaluation, PipeRecord
 from pipenav.evaluation.rolling_stage import check_in_space
 from pipenav.evaluation.thesis import thesis_best
 from pipenav.locating.locator import Variant
-from pipenav.pipes.queries import AnyPipe, leaves_plane
-from pipenav.pipes.route import PipeRun
+from pipenav.pipes.queries import Pipe, leaves_plane
+from pipenav.pipes.route import PipeRoute
 from pipenav.policies.controller import open_controller
 from pipenav.robots.robot import load_robot
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach.config import TaskConfig
 from pipenav.tasks.reach.episode import check_fits
 from pipenav.tasks.registry import AnyTask, kind_of
@@ -104,7 +104,7 @@ class EvaluationRun:
             progress,
             self._disturbance,
         )
-        parts: dict[str, Part] = {}
+        parts: dict[str, StageResult] = {}
         if self._stage in ("locate", "passage"):
             parts["locate"] = runs.locate(self._variant)
         if controller is not None:
@@ -129,7 +129,7 @@ class EvaluationRun:
         )
 
 
-def _pipe_record(pipe: AnyPipe, parts: dict[str, Part], first: int, episodes: int) -> PipeRecord:
+def _pipe_record(pipe: Pipe, parts: dict[str, StageResult], first: int, episodes: int) -> PipeRecord:
     """The record of one pipe, whose episodes are `first` and the ones after it."""
     counts: dict[str, int] = {}
     failures: dict[str, int] = {}
@@ -143,18 +143,18 @@ def _pipe_record(pipe: AnyPipe, parts: dict[str, Part], first: int, episodes: in
         else:
             counts |= {f"{name}_attempts": len(passed), f"{name}_successes": int(passed.sum())}
         for verdict in results.verdict[~passed]:
-            reason = Verdict(verdict).label if name in ("front", "traverse") else f"{name} {Verdict(verdict).label}"
+            reason = Outcome(verdict).label if name in ("front", "traverse") else f"{name} {Outcome(verdict).label}"
             failures[reason] = failures.get(reason, 0) + 1
     main = parts.get("front") or parts.get("traverse") or parts["locate"]
     timed = main.results.select((main.jobs >= first) & (main.jobs < first + episodes))
-    reached = timed.verdict == Verdict.REACHED
+    reached = timed.verdict == Outcome.REACHED
     steps = np.concatenate([results.steps for results in seen])
     shares = np.concatenate([results.contact_share for results in seen])
     return PipeRecord(
         diameter_mm=round(m_to_mm(pipe.diameter), 6),
-        angle_deg=None if isinstance(pipe, PipeRun) else round(rad_to_deg(pipe.angle), 6),
-        turn=None if isinstance(pipe, PipeRun) else pipe.turn,
-        run=pipe.name if isinstance(pipe, PipeRun) else None,
+        angle_deg=None if isinstance(pipe, PipeRoute) else round(rad_to_deg(pipe.angle), 6),
+        turn=None if isinstance(pipe, PipeRoute) else pipe.turn,
+        run=pipe.name if isinstance(pipe, PipeRoute) else None,
         episodes=episodes,
         failures=failures,
         mean_steps=float(timed.steps[reached].mean()) if reached.any() else None,

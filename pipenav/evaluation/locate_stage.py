@@ -9,9 +9,9 @@ from pipenav.backends.backend import Backend
 from pipenav.backends.messages import Command, Reading
 from pipenav.evaluation.stage import Stage, StageStep
 from pipenav.locating.locator import LOCATORS, LocateConfig, Variant, require_arm
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach.batch import EpisodeSource
 from pipenav.tasks.reach.config import TaskConfig
 from pipenav.tasks.reach.episode import at_limit
@@ -54,7 +54,7 @@ class LocateStage(Stage):
         self._task, self._backend, self._source = task, backend, source
         self._locator = LOCATORS[variant](robot, config, n)
         self._steps = np.zeros(n, int)
-        self._pipes: list[Pipe | None] = [None] * n
+        self._pipes: list[PipeCorner | None] = [None] * n
         self._base, self._side = np.zeros(n), np.ones(n)
         self.target, self.beam = np.full((n, 2), np.nan), np.full(n, -1)
         q, qd = np.zeros((2, n, len(robot.joints)))
@@ -83,12 +83,12 @@ class LocateStage(Stage):
         self.reading, truth = self._backend.read(), self._backend.truth()
         if truth is None:
             raise TypeError("this stage needs a simulator: this backend knows no truth")
-        verdict = np.full(self.n, Verdict.RUNNING, np.int8)
-        verdict[self._steps >= self._task.max_steps] = Verdict.TIMEOUT
+        verdict = np.full(self.n, Outcome.RUNNING, np.int8)
+        verdict[self._steps >= self._task.max_steps] = Outcome.TIMEOUT
         for i in map(int, np.flatnonzero(decision.done)):
-            verdict[i] = Verdict.REACHED if self._well_placed(i, decision.target[i]) else Verdict.MISPLACED
-        verdict[at_limit(self.robot, self._task, self.reading.q)] = Verdict.LIMIT
-        verdict[truth.penetration > self._task.max_penetration] = Verdict.PENETRATION
+            verdict[i] = Outcome.REACHED if self._well_placed(i, decision.target[i]) else Outcome.MISPLACED
+        verdict[at_limit(self.robot, self._task, self.reading.q)] = Outcome.LIMIT
+        verdict[truth.penetration > self._task.max_penetration] = Outcome.PENETRATION
         return StageStep(verdict, self.reading.ranges.min(axis=1), truth, self.reading.q)
 
     def close(self) -> None:
@@ -99,7 +99,7 @@ class LocateStage(Stage):
         return pipe is not None and inside_second_leg(pipe, target + np.array([self._base[robot], 0.0]))
 
 
-def inside_second_leg(pipe: Pipe, point: Floats) -> bool:
+def inside_second_leg(pipe: PipeCorner, point: Floats) -> bool:
     """Whether a point (2,) of the pipe's frame lies inside the pipe and past the end of the inner wall's bend."""
     along = float(pipe.along_second_leg(point)[0])
     return along > pipe.inner_edge and bool(pipe.contains(point))

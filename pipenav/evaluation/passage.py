@@ -25,10 +25,10 @@ from pipenav.evaluation.stage import Stage, StageStep, TaskStage
 from pipenav.locating.locator import LocateConfig, Variant, robot_for
 from pipenav.motions.mirror import join, rear_motion
 from pipenav.motions.trajectory import Motion
-from pipenav.pipes.queries import AnyPipe, corner_count, leaves_plane, single_corner
+from pipenav.pipes.queries import Pipe, corner_count, leaves_plane, single_corner
 from pipenav.policies.controller import Controller
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach.episode import Episodes
 from pipenav.tasks.registry import AnyTask, kind_of, reaching
 
@@ -37,7 +37,7 @@ Progress = Callable[[str, int, int, int], None]
 """Called with the part that runs, its episodes, how many are done, and how many of those succeeded."""
 
 
-class Part(NamedTuple):
+class StageResult(NamedTuple):
     """What came of one stage.
 
     Attributes:
@@ -55,7 +55,7 @@ class Part(NamedTuple):
     @property
     def passed(self) -> Flags:
         """Which of its episodes succeeded, (k,)."""
-        return np.asarray(self.results.verdict == Verdict.REACHED)
+        return np.asarray(self.results.verdict == Outcome.REACHED)
 
 
 class _Recorded(Stage):
@@ -84,7 +84,7 @@ class _Recorded(Stage):
         # A robot without work is stepped on beyond its time; its rows are nobody's.
         count = np.minimum(self._stage.steps, self._rows.shape[1] - 1)
         self._rows[np.arange(self.n), count] = step.q
-        for robot in np.flatnonzero(step.verdict != Verdict.RUNNING):
+        for robot in np.flatnonzero(step.verdict != Outcome.RUNNING):
             job = int(self._queue.running[robot])
             self.motions.setdefault(job, self._rows[robot, : count[robot] + 1].copy())
             if isinstance(self._stage, LocateStage):
@@ -114,7 +114,7 @@ class Passages:
         self,
         robot: RobotSpec,
         task: AnyTask,
-        pipes: Sequence[AnyPipe],
+        pipes: Sequence[Pipe],
         episodes: int,
         seed: int,
         backend: str = "mujoco",
@@ -128,7 +128,7 @@ class Passages:
         self._given = random_start(robot, disturbance.starts(task), pipes, episodes, seed)
         self._backend, self._options, self._progress = backend, dict(options or {}), progress
 
-    def locate(self, variant: Variant = "map") -> Part:
+    def locate(self, variant: Variant = "map") -> StageResult:
         """Approach I in every episode."""
         robot, config, task = robot_for(self._robot, variant), LocateConfig(), reaching(self._task, "locating a target")
 
@@ -138,7 +138,7 @@ class Passages:
 
         return self._run("locating", make, robot, np.arange(len(self._pipes)), self._given)
 
-    def task(self, controller: Controller, located: Part | None = None) -> Part:
+    def task(self, controller: Controller, located: StageResult | None = None) -> StageResult:
         """The task, a front passage or a traverse, in every episode, or in those where a target was located."""
         jobs = np.arange(len(self._pipes)) if located is None else located.jobs[located.passed]
         rolled = np.array([leaves_plane(self._pipes[job]) for job in jobs], bool)
@@ -155,7 +155,7 @@ class Passages:
 
         return self._run(self._kind.stage, self._make(controller), self._robot, jobs, start)
 
-    def _with_space(self, controller: Controller, flat: Jobs, rolled: Jobs) -> Part:
+    def _with_space(self, controller: Controller, flat: Jobs, rolled: Jobs) -> StageResult:
         """The task in pipes of which some leave the plane; nothing comes after it, so no motions are kept."""
         jobs = np.sort(np.concatenate([flat, rolled]))
         results = EpisodeResults.empty(len(jobs), self._robot)
@@ -173,7 +173,7 @@ class Passages:
             lambda done, successes: self._progress(f"{self._kind.stage} in space", len(rolled), done, successes),
         )
         results.put(np.searchsorted(jobs, rolled), in_space)
-        return Part(jobs, results, [], np.full((len(jobs), 2), np.nan))
+        return StageResult(jobs, results, [], np.full((len(jobs), 2), np.nan))
 
     def _make(self, controller: Controller) -> Callable[[Backend, EpisodeQueue[Any]], Stage]:
         def make(simulator: Backend, queue: EpisodeQueue[Any]) -> Stage:
@@ -183,7 +183,7 @@ class Passages:
 
         return make
 
-    def rear(self, front: Part, located: Part | None = None) -> Part:
+    def rear(self, front: StageResult, located: StageResult | None = None) -> StageResult:
         """The rear half after every successful front."""
         task = reaching(self._task, "the rear half's passage")
         jobs = front.jobs[front.passed]
@@ -211,7 +211,7 @@ class Passages:
             self._options,
             lambda done, successes: self._progress("rear", len(jobs), done, successes),
         )
-        return Part(jobs, results, [], np.full((len(jobs), 2), np.nan))
+        return StageResult(jobs, results, [], np.full((len(jobs), 2), np.nan))
 
     def _disturbed(self, simulator: Backend, n: int) -> Backend:
         return disturbed(simulator, self._robot, n, self._disturbance, self._seed)
@@ -223,7 +223,7 @@ class Passages:
         robot: RobotSpec,
         jobs: Jobs,
         start: Callable[[int], Episodes],
-    ) -> Part:
+    ) -> StageResult:
         if not len(jobs):
             return _nothing(robot)
         recorded: list[_Recorded] = []
@@ -249,21 +249,21 @@ class Passages:
         )
         (kept,) = recorded
         targets = [kept.targets.get(i, np.full(2, np.nan)) for i in range(len(jobs))]
-        return Part(jobs, results, [kept.motions[i] for i in range(len(jobs))], np.reshape(targets, (-1, 2)))
+        return StageResult(jobs, results, [kept.motions[i] for i in range(len(jobs))], np.reshape(targets, (-1, 2)))
 
 
-def _nothing(robot: RobotSpec) -> Part:
+def _nothing(robot: RobotSpec) -> StageResult:
     """The part of a stage that no episode came to."""
     none = np.zeros(0)
     results = EpisodeResults(
         none.astype(np.int8), none.astype(np.intp), none, none, none, none, np.zeros((0, robot.coordinates))
     )
-    return Part(none.astype(np.intp), results, [], np.zeros((0, 2)))
+    return StageResult(none.astype(np.intp), results, [], np.zeros((0, 2)))
 
 
 def run_task(
     controller: Controller,
-    pipes: Sequence[AnyPipe],
+    pipes: Sequence[Pipe],
     episodes: int,
     seed: int,
     backend: str = "mujoco",

@@ -14,7 +14,7 @@ from pipenav.motions.follower import Follower
 from pipenav.motions.trajectory import Motion
 from pipenav.robots.outline import foremost
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach.config import TaskConfig
 from pipenav.tasks.reach.episode import at_limit
 
@@ -63,11 +63,11 @@ class RearStage(Stage):
         if truth is None:
             raise TypeError("a rear passage needs a simulator: this backend knows no truth")
         edges = np.array([motion.base + motion.pipe.inner_edge for motion in self._motions])
-        verdict = np.full(self.n, Verdict.RUNNING, np.int8)
-        verdict[self._steps >= self._follower.patience] = Verdict.TIMEOUT
-        verdict[foremost(self.robot, reading.q) + edges <= 0] = Verdict.REACHED
-        verdict[at_limit(self.robot, self._config, reading.q)] = Verdict.LIMIT
-        verdict[truth.penetration > self._config.max_penetration] = Verdict.PENETRATION
+        verdict = np.full(self.n, Outcome.RUNNING, np.int8)
+        verdict[self._steps >= self._follower.patience] = Outcome.TIMEOUT
+        verdict[foremost(self.robot, reading.q) + edges <= 0] = Outcome.REACHED
+        verdict[at_limit(self.robot, self._config, reading.q)] = Outcome.LIMIT
+        verdict[truth.penetration > self._config.max_penetration] = Outcome.PENETRATION
         return StageStep(verdict, reading.ranges.min(axis=1), truth, reading.q)
 
     def close(self) -> None:

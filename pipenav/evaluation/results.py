@@ -72,7 +72,7 @@ class PipeRecord(_Record):
         diameter_mm: inner diameter [mm].
         angle_deg: interior corner angle [deg]; None of a run.
         turn: side of the corner, seen by the robot; None of a run.
-        run: name of a run of corners, as `PipeRun.name`; None of a single corner.
+        run: name of a run of corners, as `PipeRoute.name`; None of a single corner.
         episodes: episodes run.
         located: episodes in which the robot found a target itself.
         front_attempts: front passages begun.

@@ -20,7 +20,7 @@ class StageStep(NamedTuple):
     """One control step of n robots.
 
     Attributes:
-        verdict: a `Verdict` for each, (n,); other than RUNNING ends the episode, REACHED is the stage's success.
+        verdict: a `Outcome` for each, (n,); other than RUNNING ends the episode, REACHED is the stage's success.
         clearance: smallest laser reading, (n,) [m].
         truth: what the simulator knows.
         q: configurations after the step in the robot's own frame, (n, coordinates): where a next stage starts.

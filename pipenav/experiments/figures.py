@@ -11,7 +11,7 @@ from pipenav.arrays import Floats
 from pipenav.drawing.style import INK, MARKERS, heading, plain
 from pipenav.errors import FileProblem
 from pipenav.evaluation.results import Evaluation, PipeRecord
-from pipenav.experiments.runner import Plan, resolved_agent
+from pipenav.experiments.runner import ExperimentPlan, resolved_agent
 from pipenav.experiments.tables import PHASES, Phase, Result
 from pipenav.learning.figures import progress_columns
 from pipenav.learning.run_folder import RunFolder
@@ -30,7 +30,7 @@ COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#0
 PHASE_WORDS: dict[Phase, str] = {"located": "target located", "front": "front", "rear": "rear of the successful fronts"}
 
 
-def training_figure(plan: Plan, results: Sequence[Result], title: str) -> Figure | None:
+def training_figure(plan: ExperimentPlan, results: Sequence[Result], title: str) -> Figure | None:
     """Success and clearance over the thesis's iterations, mean over seeds with their range; None without trainings."""
     from matplotlib.figure import Figure
 
@@ -55,7 +55,7 @@ def training_figure(plan: Plan, results: Sequence[Result], title: str) -> Figure
     return figure
 
 
-def _curves(plan: Plan, agent: str) -> tuple[Floats, Floats, Floats]:
+def _curves(plan: ExperimentPlan, agent: str) -> tuple[Floats, Floats, Floats]:
     """Iterations (k,), success and clearance [m], both (seeds, k); NaN where an iteration saw no episode end."""
     columns = [_columns(plan, agent, seed) for seed in plan.seeds]
     count = max(int(max(c["steps"], default=0.0)) // ITERATION for c in columns)
@@ -72,7 +72,7 @@ def _curves(plan: Plan, agent: str) -> tuple[Floats, Floats, Floats]:
     return x, curves[0], curves[1]
 
 
-def _columns(plan: Plan, agent: str, seed: int) -> dict[str, list[float]]:
+def _columns(plan: ExperimentPlan, agent: str, seed: int) -> dict[str, list[float]]:
     file = RunFolder(plan.run_folder(agent, seed)).progress
     try:
         return progress_columns(file.read_text(encoding="utf-8"))

@@ -14,7 +14,7 @@ NOTICEABLE = 2.0
 """Difference in percentage points below which two agents count as alike: about what seeds differ by."""
 
 
-class Verdict(NamedTuple):
+class Outcome(NamedTuple):
     """Whether a finding held, and the numbers that say so."""
 
     held: bool
@@ -32,7 +32,7 @@ def paragraph(name: str, results: Sequence[Result]) -> str:
     return f"The thesis: {load_experiment(name).finding} {opening}: {verdict.because} {end}"
 
 
-def _sweet_spot(results: Sequence[Result]) -> Verdict:
+def _sweet_spot(results: Sequence[Result]) -> Outcome:
     means = [result.line("front").mean for result in results]
     best = means.index(max(means))
     inside = 0 < best < len(means) - 1
@@ -45,10 +45,10 @@ def _sweet_spot(results: Sequence[Result]) -> Verdict:
             f" The weights are {max(means) - min(means):.1f} points apart, against 79.8 in the thesis. The learner here"
             " explores by a schedule; whether that is why the weight decides so little was not measured."
         )
-    return Verdict(inside and drops, because)
+    return Outcome(inside and drops, because)
 
 
-def _change_reward_helps(results: Sequence[Result]) -> Verdict:
+def _change_reward_helps(results: Sequence[Result]) -> Outcome:
     basic, without, _, full = (result.line("front").mean for result in results[:4])
     held = full - without > NOTICEABLE and full - basic > NOTICEABLE
     narrow = [result.line("front") for result in results[:4]]
@@ -62,10 +62,10 @@ def _change_reward_helps(results: Sequence[Result]) -> Verdict:
         because += f" The others leave it {100 - max(basic, without):.1f} points to add."
     elif not held:
         because += f" It added {full - without:+.1f} and {full - basic:+.1f} points to them."
-    return Verdict(held, because)
+    return Outcome(held, because)
 
 
-def _rear_fails_in_narrow_pipes(results: Sequence[Result]) -> Verdict:
+def _rear_fails_in_narrow_pipes(results: Sequence[Result]) -> Outcome:
     rear = results[0].line("rear").ours
     listed = ", ".join(f"{spread.mean:.1f} % at {d:g} mm" for d, spread in sorted(rear.items(), reverse=True))
     narrow = rear.get(min(rear)) if rear else None
@@ -76,7 +76,7 @@ def _rear_fails_in_narrow_pipes(results: Sequence[Result]) -> Verdict:
             " The rear replays what the front's joints did, not what they were told, through controllers that follow it"
             f" closely; its largest contact force was {max(_peak_forces(results)):.0f} N over all stages."
         )
-    return Verdict(held, because)
+    return Outcome(held, because)
 
 
 def _peak_forces(results: Sequence[Result]) -> list[float]:
@@ -84,17 +84,17 @@ def _peak_forces(results: Sequence[Result]) -> list[float]:
     return [record.peak_force_n for record in pipes if record.peak_force_n is not None] or [0.0]
 
 
-def _always_located(results: Sequence[Result]) -> Verdict:
+def _always_located(results: Sequence[Result]) -> Outcome:
     printed, ours = (result.line("located").mean for result in results)
     because = (
         f"as printed, the behaviour found a target inside the second leg in {printed:.1f} % of the episodes; ours did"
         f" in {ours:.1f} %. The thesis gives neither its starts nor which beams lie ahead (eq 3.18); here those within"
         f" {rad_to_deg(LocateConfig().front):.0f} deg do; docs/locate-target.md tells what that decides."
     )
-    return Verdict(printed == 100.0, because)
+    return Outcome(printed == 100.0, because)
 
 
-def _locating_helps(results: Sequence[Result]) -> Verdict:
+def _locating_helps(results: Sequence[Result]) -> Outcome:
     given, located = results
     fronts = given.line("front").mean, located.line("front").mean
     rears = given.line("rear").mean, located.line("rear").mean
@@ -105,10 +105,10 @@ def _locating_helps(results: Sequence[Result]) -> Verdict:
     )
     if not held:
         because += f" With the target given only {100 - fronts[0]:.1f} points were left to gain."
-    return Verdict(held, because)
+    return Outcome(held, because)
 
 
-_JUDGES: dict[str, Callable[[Sequence[Result]], Verdict]] = {
+_JUDGES: dict[str, Callable[[Sequence[Result]], Outcome]] = {
     "a": _sweet_spot,
     "b": _change_reward_helps,
     "c": _change_reward_helps,

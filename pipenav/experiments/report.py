@@ -11,7 +11,7 @@ from pipenav.drawing.style import png
 from pipenav.experiments.definition import agents_of, load_agents, load_experiment
 from pipenav.experiments.figures import success_figure, training_figure
 from pipenav.experiments.findings import paragraph
-from pipenav.experiments.runner import TRAINED_FILE, Plan, elapsed, read_number
+from pipenav.experiments.runner import TRAINED_FILE, ExperimentPlan, elapsed, read_number
 from pipenav.experiments.tables import Line, Result, results
 from pipenav.storage.atomic_files import Content, atomic_write_all
 
@@ -42,7 +42,7 @@ class Section(NamedTuple):
     pictures: dict[str, bytes]
 
 
-def write_report(plan: Plan) -> list[str]:
+def write_report(plan: ExperimentPlan) -> list[str]:
     """Write the report of what the plan's folder holds; the names of its files.
 
     Args:
@@ -60,7 +60,7 @@ def write_report(plan: Plan) -> list[str]:
     return list(files)
 
 
-def _section(plan: Plan, name: str) -> Section:
+def _section(plan: ExperimentPlan, name: str) -> Section:
     found, experiment = results(plan, name), load_experiment(name)
     title = f"({name}) {experiment.title}"
     pictures = {f"{name}-success.png": png(success_figure(found, title))}
@@ -69,7 +69,7 @@ def _section(plan: Plan, name: str) -> Section:
     return Section(name, title, experiment.question, paragraph(name, found), found, pictures)
 
 
-def _summary(plan: Plan) -> str:
+def _summary(plan: ExperimentPlan) -> str:
     """What was run, in how long, against the time that the robots lived through."""
     folders = [plan.run_folder(agent, seed) for agent in agents_of(list(plan.experiments)) for seed in plan.seeds]
     steps = sum(int(read_number(folder / TRAINED_FILE, "steps")) for folder in folders)

@@ -48,7 +48,7 @@ class Settings(Table):
     backend: str = "mujoco"
 
 
-class Plan(NamedTuple):
+class ExperimentPlan(NamedTuple):
     """What is to be run: experiments, seeds, and where the results are kept."""
 
     experiments: tuple[str, ...]
@@ -141,7 +141,7 @@ def _with_threads(config: TrainConfig, threads: int) -> dict[str, Any]:
     return {**config.options, "threads": threads} if config.backend == "mujoco" else dict(config.options)
 
 
-def open_plan(experiments: Sequence[str], seeds: int, settings: Settings, out: Path) -> Plan:
+def open_plan(experiments: Sequence[str], seeds: int, settings: Settings, out: Path) -> ExperimentPlan:
     """The plan for a folder, new or of an earlier run with the same settings.
 
     Raises:
@@ -163,10 +163,10 @@ def open_plan(experiments: Sequence[str], seeds: int, settings: Settings, out: P
             )
     else:
         atomic_write(file, settings.model_dump_json(indent=1) + "\n")
-    return Plan(tuple(experiments), tuple(range(seeds)), settings, out)
+    return ExperimentPlan(tuple(experiments), tuple(range(seeds)), settings, out)
 
 
-def elapsed(plan: Plan) -> float:
+def elapsed(plan: ExperimentPlan) -> float:
     """Seconds that all runs have worked in the folder."""
     file = plan.out / ELAPSED_FILE
     return read_number(file, "seconds") if file.exists() else 0.0
@@ -189,7 +189,7 @@ def read_number(file: Path, key: str) -> float:
         ) from None
 
 
-def add_elapsed(plan: Plan, seconds: float) -> None:
+def add_elapsed(plan: ExperimentPlan, seconds: float) -> None:
     """Count the seconds of some jobs."""
     if seconds > 0:
         atomic_write(plan.out / ELAPSED_FILE, json.dumps({"seconds": round(elapsed(plan) + seconds, 1)}) + "\n")
@@ -200,7 +200,7 @@ def _words(settings: Settings) -> str:
     return f"{steps}, {settings.episodes} episodes per pipe, backend {settings.backend}"
 
 
-def training_jobs(plan: Plan, threads: int) -> list[Job]:
+def training_jobs(plan: ExperimentPlan, threads: int) -> list[Job]:
     """The trainings that are not whole yet."""
     jobs = []
     for agent in agents_of(list(plan.experiments)):
@@ -213,7 +213,7 @@ def training_jobs(plan: Plan, threads: int) -> list[Job]:
     return jobs
 
 
-def evaluation_jobs(plan: Plan, threads: int, stages: Sequence[str]) -> list[Job]:
+def evaluation_jobs(plan: ExperimentPlan, threads: int, stages: Sequence[str]) -> list[Job]:
     """The evaluations of some stages that are not there yet; their policies must be."""
     jobs: dict[Path, Job] = {}
     for name in plan.experiments:
@@ -237,7 +237,7 @@ def _control_steps(work: Measurement) -> int:
     return len(parse_pipes([work.pipes])) * work.settings.episodes * STEPS_PER_EPISODE
 
 
-def resolved_agent(plan: Plan, row: Row) -> str | None:
+def resolved_agent(plan: ExperimentPlan, row: Row) -> str | None:
     """The agent of a row; of `best of c` the one whose fronts succeeded most, over all seeds and pipes of (c)."""
     if row.agent is None or not row.agent.startswith(BEST_OF):
         return row.agent
@@ -249,7 +249,7 @@ def _mean_success(found: Sequence[Evaluation]) -> float:
     return sum(one.success for one in found) / len(found)
 
 
-def evaluations(plan: Plan, row: Row) -> list[Evaluation]:
+def evaluations(plan: ExperimentPlan, row: Row) -> list[Evaluation]:
     """A row's evaluations, one for each seed."""
     agent = resolved_agent(plan, row)
     seeds = plan.seeds if row.agent else (EVALUATION_SEED,)

@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple
 from pipenav.evaluation.results import DiameterRecord, Evaluation
 from pipenav.evaluation.thesis import thesis_rows
 from pipenav.experiments.definition import Row, load_experiment
-from pipenav.experiments.runner import Plan, evaluations
+from pipenav.experiments.runner import ExperimentPlan, evaluations
 
 Phase = Literal["located", "front", "rear", "whole"]
 
@@ -85,7 +85,7 @@ class Result(NamedTuple):
         return sum(evaluation.episodes for evaluation in self.found)
 
 
-def results(plan: Plan, name: str) -> list[Result]:
+def results(plan: ExperimentPlan, name: str) -> list[Result]:
     """The results of an experiment, row by row."""
     return [_result(row, evaluations(plan, row)) for row in load_experiment(name).rows]
 

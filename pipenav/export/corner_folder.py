@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from pipenav.errors import ConfigError
 from pipenav.export.scene_xml import COLOUR, Shape, add, mjcf, sdf, text, urdf, write_xml
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.corner_solids import Box, Mesh, boards_mesh, tube_mesh, wall_boxes
 from pipenav.pipes.json_keys import FIELD_KEYS
 from pipenav.storage.atomic_folder import read_record, refuse_contradictions, write_record, write_whole_folder
@@ -31,7 +31,7 @@ FILES = {
 """The files of a pipe folder, each with one line of what it is."""
 
 
-def write_pipe_folder(pipe: Pipe, out_root: Path) -> Path:
+def write_pipe_folder(pipe: PipeCorner, out_root: Path) -> Path:
     """Write `<out_root>/<pipe.name>/`, whole or not at all, in place of an older folder of the same pipe.
 
     Files that others put into the older folder are kept.
@@ -45,7 +45,7 @@ def write_pipe_folder(pipe: Pipe, out_root: Path) -> Path:
     return folder
 
 
-def _write_files(pipe: Pipe, folder: Path) -> None:
+def _write_files(pipe: PipeCorner, folder: Path) -> None:
     from pipenav.drawing.corner import draw_pipe
 
     boxes = wall_boxes(pipe)
@@ -59,7 +59,7 @@ def _write_files(pipe: Pipe, folder: Path) -> None:
     draw_pipe(pipe, folder / "pipe.png")
 
 
-def pipe_record(pipe: Pipe) -> dict[str, Any]:
+def pipe_record(pipe: PipeCorner) -> dict[str, Any]:
     """The content of pipe.json. The SI numbers count; the ones in mm and deg repeat them for people."""
     return {
         "schema": SCHEMA,
@@ -83,7 +83,7 @@ def pipe_record(pipe: Pipe) -> dict[str, Any]:
     }
 
 
-def read_pipe(path: Path) -> Pipe:
+def read_pipe(path: Path) -> PipeCorner:
     """The pipe of a pipe folder, or of its pipe.json, exactly as it was written.
 
     Raises:
@@ -94,7 +94,7 @@ def read_pipe(path: Path) -> Pipe:
     file = path / "pipe.json" if path.is_dir() else path
     record = read_record(file, "pipe file", SCHEMA, list(FIELD_KEYS.values()))
     try:
-        pipe = Pipe.model_validate({field: record[key] for field, key in FIELD_KEYS.items()})
+        pipe = PipeCorner.model_validate({field: record[key] for field, key in FIELD_KEYS.items()})
     except ValidationError as error:
         raise ConfigError.from_validation(str(file), error) from error
     refuse_contradictions(file, record, pipe_record(pipe))
@@ -108,7 +108,7 @@ def write_stl(path: Path, mesh: Mesh) -> None:
     trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).export(path)
 
 
-def _mjcf(pipe: Pipe, boxes: list[Box]) -> ET.Element:
+def _mjcf(pipe: PipeCorner, boxes: list[Box]) -> ET.Element:
     """A static MuJoCo model: one geom per box, and a camera that sees the corner from above."""
     root, body = mjcf(pipe.name, (0.0, 0.0, 2 * pipe.leg))
     for box in boxes:
@@ -118,5 +118,5 @@ def _mjcf(pipe: Pipe, boxes: list[Box]) -> ET.Element:
     return root
 
 
-def _shape(box: Box, pipe: Pipe) -> Shape:
+def _shape(box: Box, pipe: PipeCorner) -> Shape:
     return Shape(box.name, "box", text(box.length, box.thickness, pipe.diameter), (box.x, box.y, 0.0, box.yaw))

@@ -14,7 +14,7 @@ from pipenav.errors import ConfigError
 from pipenav.export.corner_folder import write_stl
 from pipenav.export.scene_xml import COLOUR, Shape, add, mjcf, sdf, text, urdf, write_xml
 from pipenav.pipes.json_keys import run_fields
-from pipenav.pipes.route import PipeRun
+from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_solids import PRISM_FACES, run_boards_mesh, run_tube_mesh, wall_prisms
 from pipenav.storage.atomic_folder import read_record, refuse_contradictions, write_record, write_whole_folder
 from pipenav.units import m_to_mm, rad_to_deg
@@ -38,12 +38,12 @@ KEYS = ("diameter_m", "wall_m", "corners", "straights_m")
 """The keys of run.json that a run is read from; the others follow from these."""
 
 
-def run_files(run: PipeRun) -> dict[str, str]:
+def run_files(run: PipeRoute) -> dict[str, str]:
     """The files of this run's folder, each with one line of what it is."""
     return {name: purpose for name, purpose in FILES.items() if run.planar or name != "boards.stl"}
 
 
-def write_run_folder(run: PipeRun, name: str, out_root: Path) -> Path:
+def write_run_folder(run: PipeRoute, name: str, out_root: Path) -> Path:
     """Write `<out_root>/<name>/`, whole or not at all, in place of an older folder of a run.
 
     Files that others put into the older folder are kept.
@@ -57,7 +57,7 @@ def write_run_folder(run: PipeRun, name: str, out_root: Path) -> Path:
     return folder
 
 
-def _write_files(run: PipeRun, name: str, folder: Path) -> None:
+def _write_files(run: PipeRoute, name: str, folder: Path) -> None:
     from pipenav.drawing.route import draw_run
 
     prisms = wall_prisms(run)
@@ -73,7 +73,7 @@ def _write_files(run: PipeRun, name: str, folder: Path) -> None:
     draw_run(run, name, folder / "pipe.png")
 
 
-def run_record(run: PipeRun, name: str) -> dict[str, Any]:
+def run_record(run: PipeRoute, name: str) -> dict[str, Any]:
     """The content of run.json. The SI numbers count; the ones in mm and deg repeat them for people."""
     return {
         "schema": SCHEMA,
@@ -101,7 +101,7 @@ def run_record(run: PipeRun, name: str) -> dict[str, Any]:
     }
 
 
-def read_run_folder(path: Path) -> PipeRun:
+def read_run_folder(path: Path) -> PipeRoute:
     """The run of a run folder, or of its run.json, exactly as it was written.
 
     Raises:
@@ -112,14 +112,14 @@ def read_run_folder(path: Path) -> PipeRun:
     file = path / "run.json" if path.is_dir() else path
     record = read_record(file, "run file", SCHEMA, KEYS)
     try:
-        run = PipeRun.model_validate(run_fields(record))
+        run = PipeRoute.model_validate(run_fields(record))
     except ValidationError as error:
         raise ConfigError.from_validation(str(file), error) from error
     refuse_contradictions(file, record, run_record(run, str(record.get("name"))))
     return run
 
 
-def _mjcf(run: PipeRun, name: str, prisms: Floats) -> ET.Element:
+def _mjcf(run: PipeRoute, name: str, prisms: Floats) -> ET.Element:
     """A static MuJoCo model: one convex mesh per prism, and a camera that sees the whole run from above."""
     low, high = run.centre_line.min(axis=0), run.centre_line.max(axis=0)
     x, y, _ = (low + high) / 2

@@ -23,7 +23,7 @@ from pipenav.policies.header import PolicyHeader, header_for
 from pipenav.policies.policy import load_policy, save_policy
 from pipenav.robots.robot import load_robot
 from pipenav.storage.atomic_files import atomic_write
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.registry import kind_of
 
 NOISE_SETTLED = 0.9
@@ -64,7 +64,7 @@ def noise_at(config: TrainConfig, steps: int) -> float:
     return config.learner.noise_start + (config.learner.noise_stop - config.learner.noise_start) * done
 
 
-class Watch(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3 is imported untyped
+class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3 is imported untyped
     """Sets the noise, counts, checks, saves; stops on request and on non-finite values."""
 
     def __init__(
@@ -111,7 +111,7 @@ class Watch(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3 is importe
         for info in self.locals["infos"]:
             if info:
                 self._episodes += 1
-                self._successes += info["verdict"] == Verdict.REACHED.label
+                self._successes += info["verdict"] == Outcome.REACHED.label
                 self._episode_steps += info["episode"]["l"]
         self.stopped = self.stopped or self._should_stop()
         return not self.stopped
@@ -198,7 +198,7 @@ class Watch(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3 is importe
         controller = PolicyController(load_policy(self._folder.last))
         config = self._config
         results = run_task(controller, chosen, each, seed, config.backend, config.options, config.randomise)
-        return float((results.verdict == Verdict.REACHED).mean())
+        return float((results.verdict == Outcome.REACHED).mean())
 
     def _header(self) -> PolicyHeader:
         config = self._config

@@ -15,7 +15,7 @@ from pipenav.backends.registry import open_backend
 from pipenav.disturbances.disturbed_backend import disturbed
 from pipenav.envs.sb3_env import TaskVecEnv
 from pipenav.learning import checkpoint
-from pipenav.learning.callback import Progress, Watch
+from pipenav.learning.callback import Progress, TrainingCallback
 from pipenav.learning.config import TrainConfig
 from pipenav.learning.run_folder import RunFolder
 from pipenav.learning.schedule import LearningRate
@@ -27,7 +27,7 @@ EPISODE_STOCK = 512
 """How many episodes are drawn at a time."""
 
 
-class Outcome(NamedTuple):
+class TrainingSummary(NamedTuple):
     """How a run ended."""
 
     steps: int
@@ -43,7 +43,7 @@ def train(
     report: Callable[[Progress], None] | None = None,
     should_stop: Callable[[], bool] = lambda: False,
     start: Path | None = None,
-) -> Outcome:
+) -> TrainingSummary:
     """Run PPO to `config.steps`, or until `should_stop`; then the folder holds best.zip, last.zip and the rest.
 
     Args:
@@ -78,11 +78,11 @@ def train(
         if resumed:  # other episodes than those that the run has had already
             rng.bit_generator.state = np.random.default_rng([config.seed, state.steps]).bit_generator.state
         model.set_logger(configure(str(folder.path), ["tensorboard"]))
-        watch = Watch(config, folder, state, report, should_stop)
+        watch = TrainingCallback(config, folder, state, report, should_stop)
         batch.stagger(rng)
         model.learn(max(config.steps - state.steps, 0), callback=watch, reset_num_timesteps=False)
         watch.finish()
-        return Outcome(model.num_timesteps, watch.seconds, watch.stopped, watch.best_success)
+        return TrainingSummary(model.num_timesteps, watch.seconds, watch.stopped, watch.best_success)
     finally:
         env.close()
 

@@ -55,7 +55,7 @@ CHUNK = 32
 """Robots worked on at once: their tables stay in the processor's cache."""
 
 
-class Corner(NamedTuple):
+class CornerEstimate(NamedTuple):
     """The best guess of n robots' corners; NaN where nothing can be said yet.
 
     Attributes:
@@ -127,7 +127,7 @@ class CornerMap:
         kept.near[robots, slot] = near
         self._scans[robots] += 1
 
-    def corner(self, robots: Ints, depth: float) -> Corner:
+    def corner(self, robots: Ints, depth: float) -> CornerEstimate:
         """The corners that fit best.
 
         Args:
@@ -135,9 +135,9 @@ class CornerMap:
             depth: of the target past the inner edge, along the second leg [m].
         """
         parts = [self._corner(robots[i : i + CHUNK], depth) for i in range(0, len(robots), CHUNK)]
-        return Corner(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+        return CornerEstimate(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
-    def _corner(self, robots: Ints, depth: float) -> Corner:
+    def _corner(self, robots: Ints, depth: float) -> CornerEstimate:
         rays = self._rays(robots)
         radius = RADII[self._radius_votes(rays, RADII[None]).argmax(axis=1)]
         radii = radius[:, None] + NEAR_RADII
@@ -250,7 +250,7 @@ class CornerMap:
         return votes.reshape(places, radii, headings).swapaxes(0, 1), beyond + far
 
 
-def _best(radii: Floats, edges: Floats, votes: Floats, agree: Floats, share: Floats, depth: float) -> Corner:
+def _best(radii: Floats, edges: Floats, votes: Floats, agree: Floats, share: Floats, depth: float) -> CornerEstimate:
     """The corner with the most votes, averaged with those that lose to it by less than `TIE`.
 
     Args:
@@ -276,7 +276,7 @@ def _best(radii: Floats, edges: Floats, votes: Floats, agree: Floats, share: Flo
     off = _target(tried[0, row, column], tried[1, row, column], tried[2, row, column], depth) - target[row]
     away[row, column] = np.sqrt((off * off).sum(axis=-1))
     unknown = np.where(known, 0.0, np.nan)
-    return Corner(
+    return CornerEstimate(
         radius=radius + unknown,
         edge=edge + unknown,
         heading=heading + unknown,

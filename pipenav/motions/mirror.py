@@ -17,7 +17,7 @@ import numpy as np
 from pipenav.arrays import Flags, Floats
 from pipenav.errors import PipenavError
 from pipenav.motions.trajectory import Motion, Trajectory, TrajectoryHeader
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.robots import kinematics
 from pipenav.robots.outline import foremost
 from pipenav.robots.robot import RobotSpec
@@ -51,7 +51,7 @@ class HandOver(NamedTuple):
     joint: float
 
 
-def mirror_pipe(pipe: Pipe) -> Pipe:
+def mirror_pipe(pipe: PipeCorner) -> PipeCorner:
     """The pipe that turns to the other side."""
     return pipe.model_copy(update={"turn": "right" if pipe.turn == "left" else "left"})
 
@@ -169,7 +169,7 @@ def _middle(robot: RobotSpec, base: float, q: Floats) -> Floats:
     return np.array([base + pose.joints[0, 0, 0], pose.joints[0, 0, 1], pose.headings[0, 0]])
 
 
-def is_out(robot: RobotSpec, pipe: Pipe, base: float, q: Floats) -> Flags:
+def is_out(robot: RobotSpec, pipe: PipeCorner, base: float, q: Floats) -> Flags:
     """Whether the whole arm lies in the first leg, before the inner wall begins to turn, (n,).
 
     Args:

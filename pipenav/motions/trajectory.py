@@ -28,13 +28,13 @@ from pydantic import (
 from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.errors import FileProblem, PipenavError
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.json_keys import FIELD_KEYS, run_fields, run_keys
-from pipenav.pipes.queries import AnyPipe, single_corner
-from pipenav.pipes.route import PipeRun
+from pipenav.pipes.queries import Pipe, single_corner
+from pipenav.pipes.route import PipeRoute
 from pipenav.robots.robot import RobotSpec, load_robot
 from pipenav.storage.atomic_files import atomic_write
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 
 PREFIX = "# pipenav-trajectory "
 TIME, FORCE = "t_s", "contact_force_n"
@@ -65,20 +65,20 @@ class Motion(NamedTuple):
         q: joint positions in the robot's own frame, one row per control step, the start pose first, (rows, joints).
     """
 
-    pipe: Pipe
+    pipe: PipeCorner
     base: float
     q: Floats
 
 
 def _known_verdict(outcome: str | None) -> str | None:
-    known = [verdict.label for verdict in Verdict]
+    known = [verdict.label for verdict in Outcome]
     if outcome is not None and outcome not in known:
         raise ValueError(f"is none of {', '.join(known)}, null")
     return outcome
 
 
 def _pipe_of_keys(given: Any) -> Any:
-    """The keys of pipe.json as those of `Pipe`, those of run.json as those of `PipeRun`."""
+    """The keys of pipe.json as those of `PipeCorner`, those of run.json as those of `PipeRoute`."""
     if not isinstance(given, Mapping):
         return given
     if "corners" in given:
@@ -87,18 +87,22 @@ def _pipe_of_keys(given: Any) -> Any:
     return {ours.get(key, key): value for key, value in given.items()}
 
 
-def _keys_of_pipe(pipe: AnyPipe) -> dict[str, Any]:
+def _keys_of_pipe(pipe: Pipe) -> dict[str, Any]:
     return (
-        run_keys(pipe) if isinstance(pipe, PipeRun) else {key: getattr(pipe, name) for name, key in FIELD_KEYS.items()}
+        run_keys(pipe)
+        if isinstance(pipe, PipeRoute)
+        else {key: getattr(pipe, name) for name, key in FIELD_KEYS.items()}
     )
 
 
 def _tag(given: Any) -> str:
-    return "<run>" if isinstance(given, PipeRun) or (isinstance(given, Mapping) and "corners" in given) else "<corner>"
+    return (
+        "<run>" if isinstance(given, PipeRoute) or (isinstance(given, Mapping) and "corners" in given) else "<corner>"
+    )
 
 
 PipeInFile = Annotated[
-    Annotated[Annotated[Pipe, Tag("<corner>")] | Annotated[PipeRun, Tag("<run>")], Discriminator(_tag)],
+    Annotated[Annotated[PipeCorner, Tag("<corner>")] | Annotated[PipeRoute, Tag("<run>")], Discriminator(_tag)],
     BeforeValidator(_pipe_of_keys),
     PlainSerializer(_keys_of_pipe),
 ]
@@ -114,7 +118,7 @@ class TrajectoryHeader(BaseModel):
         base_m: x of the robot's frame in the pipe's frame [m].
         goal_m: the target in the pipe's frame [m]; None where there is none.
         stage: the part of a passage that this is.
-        outcome: a `Verdict` as its label; None for a motion that was planned and not run.
+        outcome: a `Outcome` as its label; None for a motion that was planned and not run.
         backend: on what it ran; None for a plan.
         controller: policy, baseline or behaviour that acted.
         options: the backend's settings.
@@ -167,7 +171,7 @@ class Trajectory:
 
     @property
     def succeeded(self) -> bool:
-        return self.header.outcome == Verdict.REACHED.label
+        return self.header.outcome == Outcome.REACHED.label
 
 
 def coordinate_columns(robot: RobotSpec) -> list[str]:
@@ -257,7 +261,7 @@ def _header(path: Path, text: str) -> TrajectoryHeader:
         raise TrajectoryFileError(path, f"line 1: {key}: {message[0].lower()}{message[1:]}{given}") from error
     except PipenavError as error:  # of the pipe's own checks
         raise TrajectoryFileError(path, f"line 1: pipe: {str(error).rstrip('.')}") from error
-    wrong = header.outcome == Verdict.MISPLACED.label  # a target that was located in a wrong place may be anywhere
+    wrong = header.outcome == Outcome.MISPLACED.label  # a target that was located in a wrong place may be anywhere
     if header.goal_m is not None and not wrong and not header.pipe.contains(np.array(header.goal_m)):
         x, y = header.goal_m
         raise TrajectoryFileError(path, f"line 1: the target goal_m ({x:g}, {y:g}) lies outside the pipe")

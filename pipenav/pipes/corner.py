@@ -52,8 +52,8 @@ class Lines(NamedTuple):
     outer: Floats
 
 
-class Pipe(Table):
-    """One corner. All lengths in metres, angles in radians; `Pipe.of` takes millimetres and degrees.
+class PipeCorner(Table):
+    """One corner. All lengths in metres, angles in radians; `PipeCorner.of` takes millimetres and degrees.
 
     Attributes:
         diameter: inner diameter of both legs [m].
@@ -226,7 +226,7 @@ class Pipe(Table):
 # Kept beside the pipes and not in them: a cached array inside a model breaks its equality and outlives a copy's update.
 # Large enough for every pipe of the largest shipped training set.
 @lru_cache(maxsize=4096)
-def _walls(pipe: Pipe) -> Lines:
+def _walls(pipe: PipeCorner) -> Lines:
     lines = Lines(pipe.line(pipe.radius), pipe.line(-pipe.radius))
     for line in lines:
         line.setflags(write=False)
@@ -234,7 +234,7 @@ def _walls(pipe: Pipe) -> Lines:
 
 
 @lru_cache(maxsize=4096)
-def _segments(pipe: Pipe) -> Floats:
+def _segments(pipe: PipeCorner) -> Floats:
     # A left turn's outer wall has the pipe on its left as it runs forwards, its inner wall as it runs backwards.
     walls = [pipe.walls.outer, pipe.walls.inner[::-1]]
     stacked = np.concatenate([np.stack([line[:-1], line[1:]], axis=1) for line in walls])

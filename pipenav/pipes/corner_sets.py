@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, Validatio
 from pydantic_core import PydanticCustomError
 
 from pipenav.errors import ConfigError, PipenavError, UnknownName
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.storage import shipped
 from pipenav.storage.atomic_files import read_toml
 
@@ -65,10 +65,12 @@ class PipeSetFile(BaseModel):
     turns: list[str] = Field(["left"], min_length=1)
     bend_radius_mm: float = 0.0
 
-    def pipes(self) -> list[Pipe]:
+    def pipes(self) -> list[PipeCorner]:
         """Every diameter with every angle, first to one side, then to the other."""
         diameters, angles = values_of(self.diameters_mm), values_of(self.angles_deg)
-        return [Pipe.of(d, a, turn, self.bend_radius_mm) for turn in self.turns for d in diameters for a in angles]
+        return [
+            PipeCorner.of(d, a, turn, self.bend_radius_mm) for turn in self.turns for d in diameters for a in angles
+        ]
 
 
 def values_of(given: Values) -> list[float]:
@@ -81,7 +83,7 @@ def pipe_set_names() -> list[str]:
     return sorted(path.stem for path in shipped.pipes_dir().glob("*.toml"))
 
 
-def parse_pipes(given: Sequence[str]) -> list[Pipe]:
+def parse_pipes(given: Sequence[str]) -> list[PipeCorner]:
     """All pipes of the given sets, in order, each once.
 
     Args:
@@ -94,7 +96,7 @@ def parse_pipes(given: Sequence[str]) -> list[Pipe]:
     return list(dict.fromkeys(pipes))
 
 
-def _parse_one(text: str) -> list[Pipe]:
+def _parse_one(text: str) -> list[PipeCorner]:
     if text.endswith(".toml"):
         return _read(Path(text))
     if "=" in text:
@@ -104,7 +106,7 @@ def _parse_one(text: str) -> list[Pipe]:
     return _read(shipped.pipes_dir() / f"{text}.toml")
 
 
-def _typed_pipe(text: str) -> Pipe:
+def _typed_pipe(text: str) -> PipeCorner:
     allowed = {"d": None, "angle": None, "turn": "left", "bend_radius": "0"}
     values = {}
     for part in text.split(","):
@@ -117,10 +119,10 @@ def _typed_pipe(text: str) -> Pipe:
         numbers = {key: float(given[key] or "missing") for key in ("d", "angle", "bend_radius")}
     except ValueError:
         raise PipenavError(f"pipe {text!r} is incomplete: write it as d=90,angle=60[,turn=right].") from None
-    return Pipe.of(numbers["d"], numbers["angle"], given["turn"] or "left", numbers["bend_radius"])
+    return PipeCorner.of(numbers["d"], numbers["angle"], given["turn"] or "left", numbers["bend_radius"])
 
 
-def _read(path: Path) -> list[Pipe]:
+def _read(path: Path) -> list[PipeCorner]:
     return read_as(PipeSetFile, path).pipes()
 
 

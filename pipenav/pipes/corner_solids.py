@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipenav.arrays import Floats
-from pipenav.pipes.corner import ARC_TOLERANCE, Pipe
+from pipenav.pipes.corner import ARC_TOLERANCE, PipeCorner
 from pipenav.units import m_to_mm
 
 MESH_GRID_MM = 1e-3
@@ -58,7 +58,7 @@ class Stair(NamedTuple):
     thickness: float
 
 
-def boards_mesh(pipe: Pipe) -> Mesh:
+def boards_mesh(pipe: PipeCorner) -> Mesh:
     """The two boards: the inner and the outer wall, as high as the diameter."""
     chords = _chords(pipe)
     boards = [
@@ -68,7 +68,7 @@ def boards_mesh(pipe: Pipe) -> Mesh:
     return boards_between(boards, pipe.radius, mirrored=pipe.turn == "right")
 
 
-def tube_mesh(pipe: Pipe) -> Mesh:
+def tube_mesh(pipe: PipeCorner) -> Mesh:
     """The hollow tube: every generator, at offset r cos(phi) and height r sin(phi), is a line along the pipe."""
     chords, outside = _chords(pipe), pipe.radius + pipe.wall
     inner, outer = (
@@ -122,7 +122,7 @@ def at_height(line: Floats, z: float) -> Floats:
     return np.column_stack([line, np.full(len(line), z)])
 
 
-def wall_boxes(pipe: Pipe) -> list[Box]:
+def wall_boxes(pipe: PipeCorner) -> list[Box]:
     """The walls as boxes; only the last `EDGE_TOLERANCE` of a sharp inner edge stays unfilled."""
     count = len(pipe.walls.outer) - 1
     order = 1 if pipe.turn == "left" else -1  # segments keep the pipe on their left: those of a right turn run back
@@ -132,7 +132,7 @@ def wall_boxes(pipe: Pipe) -> list[Box]:
     return _outer_boxes(outer, pipe.wall) + _inner_boxes(inner, pipe.wall)
 
 
-def _chords(pipe: Pipe) -> int:
+def _chords(pipe: PipeCorner) -> int:
     """Chords for every arc of a mesh: twice as many as the largest arc needs, for a quarter of the tolerance."""
     return 2 * (len(pipe.line(-pipe.radius - pipe.wall)) - 3)
 

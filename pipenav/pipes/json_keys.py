@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from pipenav.pipes.route import PipeRun
+from pipenav.pipes.route import PipeRoute
 
 FIELD_KEYS = {
     "turn": "turn",
@@ -26,7 +26,7 @@ def run_fields(record: Mapping[str, Any]) -> dict[str, Any]:
     return {field: _tuple(value, of[field]) if field in of else value for field, value in found.items()}
 
 
-def run_keys(run: PipeRun) -> dict[str, Any]:
+def run_keys(run: PipeRoute) -> dict[str, Any]:
     """A run under `KEYS` of run.json, in SI alone."""
     fields = {"turn": "turn", "angle": "angle_rad", "roll": "roll_rad"}
     corners = [{key: getattr(corner, field) for field, key in fields.items()} for corner in run.corners]

@@ -1,6 +1,6 @@
 """A run of pipe: several mitred corners in a row, with straights between them, in one plane or in space.
 
-Frame: as of `Pipe`. The first corner is the origin, the first leg lies along -x, the robot comes from -x moving towards
+Frame: as of `PipeCorner`. The first corner is the origin, the first leg lies along -x, the robot comes from -x moving towards
 +x, a left turn of the first corner goes towards +y, z points up. Every corner bends in a plane of its own, which is the
 plane of the corner before, turned by `roll` about the direction of travel by the right-hand rule: from the left
 upwards, clockwise for the robot that looks ahead. The first corner's plane is turned from the x-y plane. A roll of
@@ -25,7 +25,7 @@ from pipenav.pipes.corner import (
     DIAMETER_RANGE_MM,
     LEG_MAX_MM,
     WALL_RANGE_MM,
-    Pipe,
+    PipeCorner,
     Turn,
     check_range,
     check_turn,
@@ -87,8 +87,8 @@ class Sides(NamedTuple):
     right: Floats
 
 
-class PipeRun(Table):
-    """Corners in a row. All lengths in metres, angles in radians; `PipeRun.of` takes millimetres and degrees.
+class PipeRoute(Table):
+    """Corners in a row. All lengths in metres, angles in radians; `PipeRoute.of` takes millimetres and degrees.
 
     Attributes:
         diameter: inner diameter [m].
@@ -140,7 +140,7 @@ class PipeRun(Table):
         return cls(diameter=diameter, corners=made, straights=straights, wall=wall)
 
     @classmethod
-    def from_pipe(cls, pipe: Pipe) -> Self:
+    def from_pipe(cls, pipe: PipeCorner) -> Self:
         """A corner as a run of one.
 
         Raises:
@@ -164,7 +164,7 @@ class PipeRun(Table):
         return self
 
     def __hash__(self) -> int:
-        """Over the fields, as `Pipe`: runs are keys of what is worked out once for each."""
+        """Over the fields, as `PipeCorner`: runs are keys of what is worked out once for each."""
         corners = tuple((corner.angle, corner.turn, corner.roll) for corner in self.corners)
         return hash((self.diameter, corners, self.straights, self.wall))
 
@@ -269,19 +269,19 @@ class PipeRun(Table):
 
 # Kept beside the runs and not in them, as for pipes.
 @lru_cache(maxsize=4096)
-def _legs(run: PipeRun) -> Legs:
+def _legs(run: PipeRoute) -> Legs:
     angles = np.array([corner.angle for corner in run.corners])
     return make_legs(angles, _inside(run.corners), np.array(run.straights))
 
 
 @lru_cache(maxsize=4096)
-def _frames(run: PipeRun) -> Frames:
+def _frames(run: PipeRoute) -> Frames:
     rolls = np.cumsum([0.0, *(corner.roll for corner in run.corners)])
     return Frames(run.legs.start, frozen(run.legs.axes @ np.stack([about_x(roll) for roll in rolls])))
 
 
 @lru_cache(maxsize=4096)
-def _walls(run: PipeRun) -> Sides:
+def _walls(run: PipeRoute) -> Sides:
     if not run.planar:
         raise PipenavError(f"{run.name} leaves the plane, so it has no walls in the plane: choose a run without rolls.")
     left, right = run.legs.lines(run.radius, np.array([0.0, math.pi]))[..., :2]
@@ -289,7 +289,7 @@ def _walls(run: PipeRun) -> Sides:
 
 
 @lru_cache(maxsize=4096)
-def _segments(run: PipeRun) -> Floats:
+def _segments(run: PipeRoute) -> Floats:
     walls = [run.walls.right, run.walls.left[::-1]]
     return frozen(np.concatenate([np.stack([line[:-1], line[1:]], axis=1) for line in walls]))
 

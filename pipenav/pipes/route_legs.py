@@ -26,7 +26,7 @@ ROUND = 32
 """Sides of the prism around a leg, in the test whether legs are apart."""
 
 
-class Place(NamedTuple):
+class LegCoordinates(NamedTuple):
     """Where points (...) are.
 
     Attributes:
@@ -74,7 +74,7 @@ class Legs(NamedTuple):
         end = self.start[-1] + self.length[-1] * along[-1]
         return np.concatenate([self.start[0] + sideways[:, :1], mitred, end + sideways[:, -1:]], axis=1)
 
-    def place(self, points: Floats, radius: float) -> Place:
+    def place(self, points: Floats, radius: float) -> LegCoordinates:
         """The leg of points (..., 3) [m].
 
         That is the leg in whose bore a point lies, and of a point in none the nearest of those between whose mitres it
@@ -98,7 +98,7 @@ class Legs(NamedTuple):
         leg = np.where(between, distance, np.inf).argmin(axis=-1)
         chosen = leg[..., None]
         local = np.take_along_axis(local, chosen[..., None], axis=-2)[..., 0, :]
-        return Place(leg, local, np.take_along_axis(beyond, chosen, axis=-1)[..., 0])
+        return LegCoordinates(leg, local, np.take_along_axis(beyond, chosen, axis=-1)[..., 0])
 
     def meeting(self, radius: float) -> tuple[int, int] | None:
         """Two legs that are no neighbours and yet meet, or nearly so (`SPACING`), as solid rods of a radius [m]."""

@@ -11,10 +11,10 @@ from typing import Literal, TypeVar
 from pydantic import BaseModel, ConfigDict, Field
 
 from pipenav.errors import ConfigError, PipenavError, UnknownName
-from pipenav.pipes.corner import DEFAULT_WALL, Pipe
+from pipenav.pipes.corner import DEFAULT_WALL, PipeCorner
 from pipenav.pipes.corner_sets import Values, parse_pipes, pipe_set_names, read_as, values_of
-from pipenav.pipes.queries import AnyPipe
-from pipenav.pipes.route import MAX_CORNERS, CrossesItself, PipeRun
+from pipenav.pipes.queries import Pipe
+from pipenav.pipes.route import MAX_CORNERS, CrossesItself, PipeRoute
 from pipenav.storage import shipped
 from pipenav.storage.atomic_files import read_toml
 from pipenav.units import m_to_mm
@@ -49,11 +49,11 @@ class RunFile(BaseModel):
     first_straight_mm: float | None = None
     corners: list[CornerEntry] = Field(min_length=1, max_length=MAX_CORNERS)
 
-    def run(self) -> PipeRun:
-        """Raises PipenavError where `PipeRun.of` does."""
+    def run(self) -> PipeRoute:
+        """Raises PipenavError where `PipeRoute.of` does."""
         corners = [(corner.angle_deg, corner.turn, corner.roll_deg) for corner in self.corners]
         straights = [self.first_straight_mm, *(corner.straight_mm for corner in self.corners)]
-        return PipeRun.of(self.diameter_mm, corners, straights, self.wall_mm)
+        return PipeRoute.of(self.diameter_mm, corners, straights, self.wall_mm)
 
 
 class RunSetFile(BaseModel):
@@ -73,7 +73,7 @@ class RunSetFile(BaseModel):
     straights_mm: Values
     ends_mm: float
 
-    def draw(self) -> list[PipeRun]:
+    def draw(self) -> list[PipeRoute]:
         """The diameters take turns; all else of a run is drawn, and drawn anew where the run would cross itself.
 
         Raises:
@@ -83,7 +83,7 @@ class RunSetFile(BaseModel):
         diameters = values_of(self.diameters_mm)
         return [self._draw_one(diameters[i % len(diameters)], draw) for i in range(self.runs)]
 
-    def _draw_one(self, diameter_mm: float, draw: Callable[[], float]) -> PipeRun:
+    def _draw_one(self, diameter_mm: float, draw: Callable[[], float]) -> PipeRoute:
         def one_of(values: Sequence[T]) -> T:
             return values[int(draw() * len(values))]
 
@@ -93,7 +93,7 @@ class RunSetFile(BaseModel):
             bends[0] = (*bends[0][:2], 0.0)  # whose plane is the x-y plane
             lengths = [self.ends_mm, *(one_of(straights) for _ in bends[1:]), self.ends_mm]
             with suppress(CrossesItself):
-                return PipeRun.of(diameter_mm, bends, lengths)
+                return PipeRoute.of(diameter_mm, bends, lengths)
         raise PipenavError(
             f"{MAX_DRAWS} runs of {self.corners} corners drawn one after the other cross themselves: "
             "choose wider angles, other straights or fewer corners."
@@ -105,7 +105,7 @@ def run_set_names() -> list[str]:
     return sorted(path.stem for path in _folder().glob("*.toml"))
 
 
-def parse_runs(given: Sequence[str]) -> list[PipeRun]:
+def parse_runs(given: Sequence[str]) -> list[PipeRoute]:
     """All runs of the given sets, in order, each once; a corner counts as a run of one.
 
     Args:
@@ -116,15 +116,15 @@ def parse_runs(given: Sequence[str]) -> list[PipeRun]:
         PipenavError: something that is none of these, or a run that is not possible.
     """
     pipes = parse_any(given)
-    return list(dict.fromkeys(PipeRun.from_pipe(pipe) if isinstance(pipe, Pipe) else pipe for pipe in pipes))
+    return list(dict.fromkeys(PipeRoute.from_pipe(pipe) if isinstance(pipe, PipeCorner) else pipe for pipe in pipes))
 
 
-def parse_any(given: Sequence[str]) -> list[AnyPipe]:
+def parse_any(given: Sequence[str]) -> list[Pipe]:
     """As `parse_runs`, but a corner stays a pipe."""
     return list(dict.fromkeys(pipe for text in given for pipe in _parse_one(text)))
 
 
-def parse_run(text: str) -> tuple[str, PipeRun]:
+def parse_run(text: str) -> tuple[str, PipeRoute]:
     """One run and a name for it: that of its TOML file, or `runs-level-3` for the third run of that shipped set.
 
     Raises:
@@ -140,7 +140,7 @@ def parse_run(text: str) -> tuple[str, PipeRun]:
     return Path(text).stem, read_run(Path(text))
 
 
-def read_run(path: Path) -> PipeRun:
+def read_run(path: Path) -> PipeRoute:
     """The run of a TOML file, corner by corner.
 
     Raises:
@@ -156,7 +156,7 @@ def read_run(path: Path) -> PipeRun:
         raise ConfigError(f"{path}: {error}") from error
 
 
-def _parse_one(text: str) -> Sequence[AnyPipe]:
+def _parse_one(text: str) -> Sequence[Pipe]:
     name, colon, number = text.partition(":")
     if name in run_set_names():
         runs = _read_set(_folder() / f"{name}.toml")
@@ -178,7 +178,7 @@ def _index(text: str, number: str, count: int) -> int:
     return int(number) - 1
 
 
-def _read_set(path: Path) -> list[PipeRun]:
+def _read_set(path: Path) -> list[PipeRoute]:
     file = read_as(RunSetFile, path)
     try:
         return file.draw()

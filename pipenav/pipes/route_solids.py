@@ -14,7 +14,7 @@ import numpy as np
 from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner_solids import Faces, Mesh, boards_between, round_angles, tube_between
-from pipenav.pipes.route import PipeRun
+from pipenav.pipes.route import PipeRoute
 from pipenav.units import m_to_mm
 
 FACETS = 16
@@ -28,7 +28,7 @@ PRISM_FACES: Faces = np.array(
 """Triangles of a prism of `wall_prisms`, counter-clockwise seen from outside, (12, 3)."""
 
 
-def wall_prisms(run: PipeRun, facets: int = FACETS, thickness: float | None = None) -> Floats:
+def wall_prisms(run: PipeRoute, facets: int = FACETS, thickness: float | None = None) -> Floats:
     """The wall as convex prisms, (legs, facets, 8, 3) [m] in the run's frame.
 
     Each lies behind one side of the polygon, from mitre to mitre or to an open end. Its corners: on the bore and
@@ -56,14 +56,14 @@ def wall_prisms(run: PipeRun, facets: int = FACETS, thickness: float | None = No
     return np.concatenate([ring[:, :-1], ring[:, 1:]], axis=2).swapaxes(0, 1)
 
 
-def run_tube_mesh(run: PipeRun) -> Mesh:
+def run_tube_mesh(run: PipeRoute) -> Mesh:
     """The hollow tube."""
     outside = run.radius + run.wall
     inner, outer = (run.legs.lines(r, round_angles(outside)) for r in (run.radius, outside))
     return tube_between(inner, outer)
 
 
-def run_boards_mesh(run: PipeRun) -> Mesh:
+def run_boards_mesh(run: PipeRoute) -> Mesh:
     """The two boards of a planar run: its left and its right wall, as high as the diameter.
 
     Raises:

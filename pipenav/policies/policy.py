@@ -50,7 +50,7 @@ class Policy:
     Attributes:
         path: the file it came from.
         header: see `PolicyHeader`.
-        observation_scale: what each observed value was divided by before it came to `act`, (size,). `CornerBatch`
+        observation_scale: what each observed value was divided by before it came to `act`, (size,). `ReachBatch`
             divides already; who builds observations without it divides himself.
     """
 
@@ -65,7 +65,7 @@ class Policy:
         shape of the whole, einsum sums each row in the order of its inputs.
 
         Args:
-            observation: scaled, as `CornerBatch` gives it, (n, size).
+            observation: scaled, as `ReachBatch` gives it, (n, size).
         """
         x = np.asarray(observation, np.float32)
         for weight, bias in self._layers[:-1]:

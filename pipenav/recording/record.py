@@ -18,26 +18,26 @@ from pipenav.evaluation.rear_stage import RearStage
 from pipenav.evaluation.stage import Stage, TaskStage
 from pipenav.locating.locator import LocateConfig, Variant, robot_for
 from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
-from pipenav.pipes.corner import Pipe
-from pipenav.pipes.queries import AnyPipe
+from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.queries import Pipe
 from pipenav.policies.controller import Controller
 from pipenav.robots import kinematics
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach.config import TaskConfig
 from pipenav.tasks.reach.episode import Episodes
 from pipenav.tasks.registry import kind_of
 
-Watch = Callable[[Backend], None]
+OnLooker = Callable[[Backend], None]
 """Called with the backend at the start and after every control step, for whoever looks on."""
 
 
-class Simulator(NamedTuple):
+class SimulatorSettings(NamedTuple):
     """On what an episode runs: a backend's name, its own settings, and who looks on."""
 
     backend: str = "mujoco"
     options: Mapping[str, Any] = {}
-    watch: Watch | None = None
+    watch: OnLooker | None = None
 
 
 class Located(NamedTuple):
@@ -70,7 +70,9 @@ class Tracking(NamedTuple):
     slide: float
 
 
-def record(stage: Stage, backend: Backend, header: TrajectoryHeader, start: Floats, watch: Watch | None) -> Trajectory:
+def record(
+    stage: Stage, backend: Backend, header: TrajectoryHeader, start: Floats, watch: OnLooker | None
+) -> Trajectory:
     """Run one episode of a stage that was made for one robot.
 
     Args:
@@ -78,18 +80,18 @@ def record(stage: Stage, backend: Backend, header: TrajectoryHeader, start: Floa
         backend: what the stage runs on.
         header: what is known of the episode; its outcome is filled in.
         start: the configuration that the episode starts in, (coordinates,).
-        watch: see `Watch`.
+        watch: see `OnLooker`.
     """
     look = watch or (lambda _: None)
     q, force, links = [start], [0.0], [np.zeros((len(stage.robot.links), 2))]
-    verdict = Verdict.RUNNING
+    verdict = Outcome.RUNNING
     with closing(stage):
         stage.start(np.arange(1))
         look(backend)
-        while verdict is Verdict.RUNNING:
+        while verdict is Outcome.RUNNING:
             step = stage.step()
             look(backend)
-            verdict = Verdict(step.verdict[0])
+            verdict = Outcome(step.verdict[0])
             q.append(step.q[0])
             force.append(float(step.truth.contact_force[0]))
             links.append(step.truth.link_forces[0])
@@ -98,7 +100,7 @@ def record(stage: Stage, backend: Backend, header: TrajectoryHeader, start: Floa
 
 
 def record_task(
-    controller: Controller, name: str, pipe: AnyPipe, seed: int, episode: int, simulator: Simulator
+    controller: Controller, name: str, pipe: Pipe, seed: int, episode: int, simulator: SimulatorSettings
 ) -> Trajectory:
     """A controller's task: the episode that an evaluation with this seed runs as its number `episode` in this pipe.
 
@@ -135,7 +137,7 @@ def record_task(
 
 
 def record_locate(
-    robot: RobotSpec, variant: Variant, pipe: Pipe, seed: int, episode: int, simulator: Simulator
+    robot: RobotSpec, variant: Variant, pipe: PipeCorner, seed: int, episode: int, simulator: SimulatorSettings
 ) -> Located:
     """Approach I: the same episode that an evaluation with this seed runs as its number `episode` in this pipe.
 
@@ -181,7 +183,7 @@ def record_locate(
     return Located(replace(trajectory, header=header), np.array(ranges), found, beams[-1])
 
 
-def record_rear(plan: Trajectory, simulator: Simulator) -> Trajectory:
+def record_rear(plan: Trajectory, simulator: SimulatorSettings) -> Trajectory:
     """A rear passage: the plan's motion under the position controllers of a backend."""
     changes = {"backend": simulator.backend, "options": dict(simulator.options)}
     backend = open_backend(simulator.backend, plan.robot, 1, simulator.options, len(plan.header.pipe.segments))

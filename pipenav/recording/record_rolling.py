@@ -14,11 +14,11 @@ from pipenav.errors import PipenavError
 from pipenav.evaluation.episode_runner import random_start
 from pipenav.evaluation.rolling_stage import check_in_space, gravity_of
 from pipenav.evaluation.stage import TaskStage
-from pipenav.pipes.route import PipeRun
+from pipenav.pipes.route import PipeRoute
 from pipenav.policies.controller import Controller
-from pipenav.recording.record import Simulator
+from pipenav.recording.record import SimulatorSettings
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.rolling.batch import SpaceBatch
 from pipenav.tasks.traverse.config import TraverseConfig
 
@@ -32,14 +32,14 @@ class SpaceRecording:
         robot: what moved.
         controller: name of what acted.
         backend: on what.
-        outcome: label of its `Verdict`.
+        outcome: label of its `Outcome`.
         points: rear end, joints and tip, (rows, links + 1, 3) [m].
         normals: of the halves' planes, (rows, halves, 3).
         contact_force: largest net force of the pipe on any one link, (rows,) [N].
         doing: who drives, a `Mode` each, as words.
     """
 
-    run: PipeRun
+    run: PipeRoute
     robot: RobotSpec
     controller: str
     backend: str
@@ -56,11 +56,11 @@ class SpaceRecording:
 
     @property
     def succeeded(self) -> bool:
-        return self.outcome == Verdict.REACHED.label
+        return self.outcome == Outcome.REACHED.label
 
 
 def record_in_space(
-    controller: Controller, name: str, run: PipeRun, seed: int, episode: int, simulator: Simulator
+    controller: Controller, name: str, run: PipeRoute, seed: int, episode: int, simulator: SimulatorSettings
 ) -> SpaceRecording:
     """The episode that an evaluation with this seed runs as its number `episode` in this run: as `record_task`.
 
@@ -75,13 +75,13 @@ def record_in_space(
     one = random_start(robot, task, [run], episode + 1, seed)(episode)
     world = open_space(simulator.backend, robot, 1, simulator.options, gravity_of(task))
     batch = SpaceBatch(robot, task, world, 1, lambda _: one)
-    verdict = Verdict.RUNNING
+    verdict = Outcome.RUNNING
     with closing(TaskStage(batch, controller)) as stage:
         stage.start(np.arange(1))
         truth = batch.truth()
         points, normals, force, doing = [truth.points[0]], [truth.normals[0]], [0.0], [batch.doing[0]]
-        while verdict is Verdict.RUNNING:
-            verdict = Verdict(stage.step().verdict[0])
+        while verdict is Outcome.RUNNING:
+            verdict = Outcome(stage.step().verdict[0])
             truth = batch.truth()
             points.append(truth.points[0])
             normals.append(truth.normals[0])

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pipenav.arrays import Flags, Floats, Ints
 from pipenav.backends.messages import Truth
 from pipenav.backends.spatial import SpaceTruth
-from pipenav.pipes.queries import AnyPipe
+from pipenav.pipes.queries import Pipe
 from pipenav.robots.robot import RobotSpec
 
 
@@ -21,7 +21,7 @@ class StepResult(NamedTuple):
     Attributes:
         observation: scaled, (n, size).
         reward: (n,).
-        verdict: a `Verdict` for each, (n,); other than RUNNING ends the episode.
+        verdict: a `Outcome` for each, (n,); other than RUNNING ends the episode.
         clearance: smallest laser reading, (n,) [m].
         truth: what the simulator knows.
         cut_off: whether the episode ended for want of time alone, so that it might have gone on, (n,).
@@ -58,7 +58,7 @@ class TaskBatch(Protocol):
     steps: Ints
 
     @property
-    def pipes(self) -> Sequence[AnyPipe | None]:
+    def pipes(self) -> Sequence[Pipe | None]:
         """The pipe of each robot."""
         ...
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from pipenav.arrays import Floats
 
 
-class Part(NamedTuple):
+class ObservationField(NamedTuple):
     """One named stretch of the observation vector."""
 
     name: str

@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import IntEnum
 
 
-class Verdict(IntEnum):
+class Outcome(IntEnum):
     """How an episode stands or ended."""
 
     RUNNING = 0

@@ -11,14 +11,14 @@ from pydantic import Discriminator, Tag
 from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner_sets import parse_pipes
-from pipenav.pipes.queries import AnyPipe
+from pipenav.pipes.queries import Pipe
 from pipenav.pipes.route_sets import parse_any
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.batch import TaskBatch
-from pipenav.tasks.layout import Part
+from pipenav.tasks.layout import ObservationField
 from pipenav.tasks.reach import action, episode
 from pipenav.tasks.reach import observation as corner_observation
-from pipenav.tasks.reach.batch import CornerBatch
+from pipenav.tasks.reach.batch import ReachBatch
 from pipenav.tasks.reach.config import TaskConfig
 from pipenav.tasks.traverse import episode as traverse_episode
 from pipenav.tasks.traverse import observation as traverse_observation
@@ -52,10 +52,10 @@ class Kind(NamedTuple):
     """
 
     stage: Literal["front", "traverse"]
-    parse: Callable[[Sequence[str]], Sequence[AnyPipe]]
-    parse_tried: Callable[[Sequence[str]], Sequence[AnyPipe]]
+    parse: Callable[[Sequence[str]], Sequence[Pipe]]
+    parse_tried: Callable[[Sequence[str]], Sequence[Pipe]]
     check_robot: Callable[[RobotSpec], None]
-    layout: Callable[..., list[Part]]
+    layout: Callable[..., list[ObservationField]]
     action_scale: Callable[..., Floats]
     sample: Callable[..., Any]
     batch: Callable[..., TaskBatch]
@@ -70,7 +70,7 @@ KINDS: dict[type, Kind] = {
         corner_observation.layout,
         action.full_action,
         episode.sample,
-        CornerBatch,
+        ReachBatch,
     ),
     TraverseConfig: Kind(
         "traverse",

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from pipenav.arrays import Ints
-from pipenav.pipes.queries import AnyPipe
+from pipenav.pipes.queries import Pipe
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.reach import episode
 
@@ -16,7 +16,7 @@ from pipenav.tasks.reach import episode
 def random_episodes(
     robot: RobotSpec,
     config: Any,
-    sets: Sequence[Sequence[AnyPipe]],
+    sets: Sequence[Sequence[Pipe]],
     rng: np.random.Generator,
     stock: int = 1,
     sample: Callable[..., Any] = episode.sample,

@@ -13,7 +13,7 @@ from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Backend
 from pipenav.backends.messages import Command, Control
 from pipenav.backends.registry import check_options, open_backend
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import RobotSpec, load_robot
 
 
@@ -54,7 +54,7 @@ class Start(NamedTuple):
     """Arguments of `Backend.reset`."""
 
     robots: Ints
-    pipes: list[Pipe]
+    pipes: list[PipeCorner]
     q: Floats
     base: Floats
 
@@ -62,7 +62,7 @@ class Start(NamedTuple):
 def starts(bench: Bench, seed: int = 0) -> Start:
     """Every robot before a corner of its own, its tip 80 mm or less from where the corner begins, nearly straight."""
     rng = np.random.default_rng(seed)
-    corners = [Pipe.of(90, 90), Pipe.of(110, 75, "right"), Pipe.of(100, 120)]
+    corners = [PipeCorner.of(90, 90), PipeCorner.of(110, 75, "right"), PipeCorner.of(100, 120)]
     pipes = [corners[(i + seed) % len(corners)] for i in range(bench.n)]
     q = rng.uniform(-0.02, 0.02, (bench.n, bench.robot.coordinates))
     edges = np.array([pipe.inner_edge for pipe in pipes])

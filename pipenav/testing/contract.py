@@ -10,7 +10,7 @@ from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD, Backend
 from pipenav.backends.messages import Command
 from pipenav.errors import PipenavError
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.robots import kinematics, laser
 from pipenav.testing.bench import Bench, starts
 
@@ -251,7 +251,7 @@ def check_left_and_right_mirror(bench: Bench) -> None:
 
 def check_too_many_walls_refused(bench: Bench) -> None:
     """A pipe with more wall segments than the backend was opened for is refused in one sentence."""
-    bend = Pipe.of(100, 90, bend_radius_mm=100)
+    bend = PipeCorner.of(100, 90, bend_radius_mm=100)
     start = starts(bench)
     with bench.open(wall_segments=4) as subject:
         try:

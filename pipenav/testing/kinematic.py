@@ -12,7 +12,7 @@ from pipenav.backends import backend
 from pipenav.backends.backend import CONTROL_PERIOD, Backend
 from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.errors import PipenavError
-from pipenav.pipes.queries import AnyPipe
+from pipenav.pipes.queries import Pipe
 from pipenav.robots import kinematics, laser
 from pipenav.robots.robot import RobotSpec
 
@@ -37,7 +37,7 @@ class KinematicBackend(Backend):
         self._time, self._base = np.zeros(n), np.zeros(n)
         self._segments = np.full((n, wall_segments, 2, 2), np.inf)
 
-    def reset(self, robots: Ints, pipes: Sequence[AnyPipe], q: Floats, base: Floats) -> Reading:
+    def reset(self, robots: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:
         slots = self._segments.shape[1]
         for i, pipe in zip(robots, pipes, strict=True):
             count = len(pipe.segments)

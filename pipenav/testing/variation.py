@@ -12,7 +12,7 @@ import numpy as np
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Backend, Variable, Variation
 from pipenav.backends.messages import Command
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.testing.bench import Bench, starts
 
 WEAKER = 0.8
@@ -28,7 +28,7 @@ def check_variation_of_one_changes_nothing(bench: Bench) -> None:
         varied.vary(robots, factors(bench, friction=2.0, mass=WEAKER, strength=WEAKER, gain=WEAKER))
         start = starts(bench, seed=1)
         small = [
-            Pipe.of(60, 150, leg_mm=150)
+            PipeCorner.of(60, 150, leg_mm=150)
         ] * bench.n  # what a simulator derived from its walls must not outlive them
         varied.reset(robots, small, start.q, start.base - 0.5)
         for command in bench.commands(3):
@@ -58,7 +58,7 @@ def check_weak_actuators_push_less(bench: Bench) -> None:
         changed = factors(bench)
         changed.strength[:] = strength[:, None]
         subject.vary(np.arange(bench.n), changed)
-        pipe, q = Pipe.of(120, 90), np.zeros((bench.n, len(robot.joints)))
+        pipe, q = PipeCorner.of(120, 90), np.zeros((bench.n, len(robot.joints)))
         base = np.full(bench.n, pipe.radius - 0.01 - robot.length)
         subject.reset(np.arange(bench.n), [pipe] * bench.n, q, base)
         drive = np.zeros_like(q)
@@ -74,7 +74,7 @@ def check_weak_actuators_push_less(bench: Bench) -> None:
 def check_each_factor_acts_the_right_way(bench: Bench) -> None:
     """Against an unchanged robot: heavy or weak joints start slower, soft controllers lag behind."""
     robot, n = bench.robot, bench.n
-    wide = Pipe.of(300, 180)
+    wide = PipeCorner.of(300, 180)
     joints, wheels = 0.2 * np.where(robot.hinges, robot.upper, 0.1), np.zeros(len(robot.wheels))
     ahead, straight = np.tile(np.concatenate([joints, wheels]), (n, 1)), np.zeros((n, robot.coordinates))
     trials: list[tuple[dict[str, float], Command]] = [
@@ -106,7 +106,7 @@ def check_friction_holds_what_slides(bench: Bench) -> None:
         changed = factors(bench)
         changed.friction[:] = np.linspace(0.0, 3.0, n)
         subject.vary(np.arange(n), changed)
-        pipe = Pipe.of(100, 180)
+        pipe = PipeCorner.of(100, 180)
         subject.reset(np.arange(n), [pipe] * n, np.zeros((n, len(robot.joints))), np.full(n, -robot.length))
         drive = np.zeros((n, len(robot.joints)))
         drive[:, 1] = 1.0

@@ -16,11 +16,11 @@ from pydantic import Field
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import CONTROL_PERIOD, BackendOptions
 from pipenav.backends.messages import Command, Reading, Truth
-from pipenav.backends.real_robot import Calibrator, Emulated, Finding, Machine, Recoder, Sent
+from pipenav.backends.real_robot import Calibrator, Emulated, Finding, RealRobot, Recoder, Sent
 from pipenav.backends.safety import Deadlines, Stopped
 from pipenav.errors import PipenavError
-from pipenav.pipes.corner import Pipe
-from pipenav.pipes.queries import AnyPipe
+from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.queries import Pipe
 from pipenav.robots.robot import RobotSpec
 from pipenav_hardware import packets, table
 from pipenav_hardware.arm_config import ArmConfig, load_arm
@@ -53,7 +53,7 @@ class HardwareOptions(BackendOptions):
     )
 
 
-class HardwareBackend(Machine):
+class HardwareBackend(RealRobot):
     """See `pipenav.backends.real_robot.Machine`. Connecting only asks; `reset` switches torque on where the arm is."""
 
     Options = HardwareOptions
@@ -89,7 +89,7 @@ class HardwareBackend(Machine):
         """Median answer time of the servo bus [s]."""
         return self._servos.latency
 
-    def reset(self, robots: Ints, pipes: Sequence[AnyPipe], q: Floats, base: Floats) -> Reading:  # noqa: ARG002
+    def reset(self, robots: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:  # noqa: ARG002
         """Switch torque on where the arm is.
 
         Raises:
@@ -156,7 +156,7 @@ class HardwareBackend(Machine):
         self._taken()
 
     def wait(self) -> None:
-        """See `Machine.wait`; raises `Stopped` where the tick, with its recording, was late twice in a row or much."""
+        """See `RealRobot.wait`; raises `Stopped` where the tick, with its recording, was late twice in a row or much."""
         self._deadlines.check(time.monotonic() - self._due)
         self._deadlines.begin()
         self._due += CONTROL_PERIOD - late_for_scan(self._due, self._scanner.latest())
@@ -234,7 +234,7 @@ class HardwareBackend(Machine):
     @classmethod
     @contextlib.contextmanager
     def emulate(
-        cls, robot: RobotSpec, pipe: Pipe, folder: Path, seed: int, faults: Sequence[Mapping[str, Any]]
+        cls, robot: RobotSpec, pipe: PipeCorner, folder: Path, seed: int, faults: Sequence[Mapping[str, Any]]
     ) -> Iterator[Emulated]:
         from pipenav.tasks.reach import episode
         from pipenav.tasks.reach.config import TaskConfig

@@ -16,7 +16,7 @@ from pipenav.backends.contact_force import Windows, strongest
 from pipenav.backends.messages import Command, Control, Reading, Truth
 from pipenav.backends.wall_boxes import wall_boxes
 from pipenav.errors import PipenavError
-from pipenav.pipes.queries import AnyPipe
+from pipenav.pipes.queries import Pipe
 from pipenav.robots import kinematics, laser
 from pipenav.robots.robot import BASE, RobotSpec
 from pipenav_mujoco.model import Contact, build_spec
@@ -92,7 +92,7 @@ class MujocoBackend(backend.Backend):
         self._masses = np.tile(model.body_mass, (n, 1))
         self._windows = Windows(self._substeps, model.opt.timestep)
 
-    def reset(self, robots: Ints, pipes: Sequence[AnyPipe], q: Floats, base: Floats) -> Reading:
+    def reset(self, robots: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:
         walls = wall_boxes(pipes, self._slots, base)
         self._wall_position[robots], self._wall_quaternion[robots] = walls.position, walls.quaternion
         self._wall_half_size[robots], self._segments[robots] = walls.half_size, walls.segments

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from pipenav.backends.wall_boxes import OUTER_THICKNESS, PARKED, WALL_HALF_HEIGHT, wall_boxes
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.parts import Actuator, BoxPart, Joint, Link, Wheel
 from pipenav.robots.robot import BASE, RobotSpec
 
@@ -60,7 +60,7 @@ def build_spec(robot: RobotSpec, slots: int, timestep: float, contact: Contact) 
     return spec
 
 
-def static_spec(robot: RobotSpec, pipe: Pipe, timestep: float, contact: Contact, base: float = 0.0) -> Any:
+def static_spec(robot: RobotSpec, pipe: PipeCorner, timestep: float, contact: Contact, base: float = 0.0) -> Any:
     """The same model with this pipe's walls as static geoms: the reference that the mocap walls are tested against."""
     spec = build_spec(robot, 0, timestep, contact)
     boxes = wall_boxes([pipe], len(pipe.segments), np.array([base]))

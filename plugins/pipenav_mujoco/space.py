@@ -16,7 +16,7 @@ from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.contact_force import Windows, strongest
 from pipenav.backends.messages import Reading
 from pipenav.backends.spatial import HALVES, SpaceBackend, SpaceReading, SpaceTruth
-from pipenav.pipes.route import PipeRun
+from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_legs import about_x
 from pipenav.robots import laser
 from pipenav.robots.robot import BASE, RobotSpec
@@ -50,11 +50,11 @@ class MujocoSpace(SpaceBackend):
         self._compiled = lru_cache(maxsize=max(64, n))(self._compile)
         self._windows = Windows(settings.substeps, settings.timestep)
 
-    def _compile(self, run: PipeRun) -> Any:
+    def _compile(self, run: PipeRoute) -> Any:
         settings = self._settings
         return space_spec(self._robot, run, settings.timestep, settings.contact, settings.gravity).compile()
 
-    def reset(self, robots: Ints, runs: Sequence[PipeRun], q: Floats, base: Floats, plane: Floats) -> SpaceReading:
+    def reset(self, robots: Ints, runs: Sequence[PipeRoute], q: Floats, base: Floats, plane: Floats) -> SpaceReading:
         for robot, run, *start in zip(robots, runs, q, base, plane, strict=True):
             world = _World(self._robot, self._compiled(run), self._settings, self._windows)
             world.put(*start)

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from pipenav.backends.wall_boxes import OUTER_THICKNESS
-from pipenav.pipes.route import PipeRun
+from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_solids import wall_prisms
 from pipenav.robots.parts import BoxPart, Link, Roll, Wheel
 from pipenav.robots.robot import RobotSpec
@@ -32,7 +32,7 @@ FRONT = "_front"
 """What is added to the divided link's name for its front half."""
 
 
-def space_spec(robot: RobotSpec, run: PipeRun, timestep: float, contact: Contact, gravity: float) -> Any:
+def space_spec(robot: RobotSpec, run: PipeRoute, timestep: float, contact: Contact, gravity: float) -> Any:
     """An MjSpec of the robot in the run; gravity [m/s^2] pulls along -z."""
     assert robot.roll is not None
     spec = new_spec(robot, timestep)
@@ -75,7 +75,7 @@ def roll_actuator(robot: RobotSpec) -> Any:
     return robot.actuators[robot.roll.joint.actuator]
 
 
-def _add_walls(spec: Any, robot: RobotSpec, run: PipeRun, contact: Contact) -> None:
+def _add_walls(spec: Any, robot: RobotSpec, run: PipeRoute, contact: Contact) -> None:
     prisms = wall_prisms(run, thickness=OUTER_THICKNESS)
     for leg, side in np.ndindex(prisms.shape[:2]):
         name = f"wall{leg}_{side}"

@@ -13,7 +13,7 @@ from pipenav.backends import backend
 from pipenav.backends.contact_force import Windows, strongest
 from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.errors import PipenavError
-from pipenav.pipes.queries import AnyPipe
+from pipenav.pipes.queries import Pipe
 from pipenav.robots import kinematics, laser
 from pipenav.robots.robot import RobotSpec
 from pipenav_pybullet.crew import Crew
@@ -57,7 +57,7 @@ class PybulletBackend(backend.Backend):
         self._depth, self._contact_share = np.zeros(n), np.zeros(n)
         self._link_forces = np.zeros((n, len(robot.links), 2))
 
-    def reset(self, robots: Ints, pipes: Sequence[AnyPipe], q: Floats, base: Floats) -> Reading:
+    def reset(self, robots: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:
         for pipe in pipes:
             if len(pipe.segments) > self._slots:
                 raise PipenavError(

@@ -16,7 +16,7 @@ import numpy as np
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Variation
 from pipenav.backends.messages import Control
-from pipenav.pipes.queries import AnyPipe
+from pipenav.pipes.queries import Pipe
 from pipenav.robots.robot import RobotSpec
 from pipenav_pybullet.world import WORLD_SIZE, Motion, Setting, World, shares
 
@@ -28,7 +28,7 @@ class Share:
         self._bounds = [*range(0, count, WORLD_SIZE), count]
         self._worlds = [World(robot, last - first, setting) for first, last in pairwise(self._bounds)]
 
-    def reset(self, robots: Ints, pipes: list[AnyPipe], q: Floats, base: Floats) -> Floats:
+    def reset(self, robots: Ints, pipes: list[Pipe], q: Floats, base: Floats) -> Floats:
         """As `World.reset`."""
         distances = []
         for world, first, rows in zip(self._worlds, self._bounds, shares(robots, self._bounds), strict=False):

@@ -14,7 +14,7 @@ from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import CONTROL_PERIOD, Variation
 from pipenav.backends.messages import Control
 from pipenav.backends.wall_boxes import WALL_HALF_HEIGHT, Edge, wall_boxes
-from pipenav.pipes.queries import AnyPipe
+from pipenav.pipes.queries import Pipe
 from pipenav.robots import kinematics
 from pipenav.robots.robot import RobotSpec
 from pipenav_pybullet.quiet import silenced_stderr
@@ -114,7 +114,7 @@ class World:
             self._prepare(arm)
         self._storey = {arm: i for i, arm in enumerate(self._arms)}
         self._around: list[list[int]] = [[] for _ in range(k)]
-        self._shapes: dict[AnyPipe, tuple[int, int]] = {}
+        self._shapes: dict[Pipe, tuple[int, int]] = {}
         efforts = [(a.effort_limit, a.controller_gain) for a in robot.drives]
         self._motors = np.array(efforts).T[:, None]  # (2, 1, drives)
         self._effort, self._stiffness = np.repeat(self._motors, k, axis=1)
@@ -197,7 +197,7 @@ class World:
                     changes |= {"mass": itself.mass, "localInertiaDiagonal": [itself.inertia] * 3}
                 pybullet.changeDynamics(self._arms[i], link, physicsClientId=self._client, **changes)
 
-    def reset(self, arms: Sequence[int], pipes: Sequence[AnyPipe], q: Floats, base: Floats) -> Floats:
+    def reset(self, arms: Sequence[int], pipes: Sequence[Pipe], q: Floats, base: Floats) -> Floats:
         """As `Backend.reset`; distances along the beams of those robots, (len(arms), beams)."""
         for row, i in enumerate(arms):
             self._surround(i, pipes[row], base[row])
@@ -207,7 +207,7 @@ class World:
             self._configuration[i], self._speeds[i] = q[row], 0.0
         return self._distances(list(arms))
 
-    def _surround(self, i: int, pipe: AnyPipe, base: float) -> None:
+    def _surround(self, i: int, pipe: Pipe, base: float) -> None:
         """Put a pipe around robot i. With the bodies that stood there go the contacts that Bullet remembers."""
         for wall in self._around[i]:
             pybullet.removeBody(wall, physicsClientId=self._client)
@@ -232,7 +232,7 @@ class World:
             pybullet.setCollisionFilterGroupMask(body, -1, *groups, physicsClientId=self._client)
         return body
 
-    def _box_shape(self, pipe: AnyPipe) -> int:
+    def _box_shape(self, pipe: Pipe) -> int:
         """The walls of a pipe as boxes. Bullet writes the scalar part of a quaternion last."""
         position, quaternion, half_size, _ = (
             part[0] for part in wall_boxes([pipe], len(pipe.segments), np.zeros(1), INNER_EDGE)
@@ -246,7 +246,7 @@ class World:
         )
         return shape
 
-    def _face_shape(self, pipe: AnyPipe) -> int:
+    def _face_shape(self, pipe: Pipe) -> int:
         """The faces of a pipe's walls, two triangles each."""
         low, high = (np.insert(pipe.segments, 2, z, axis=2) for z in (-WALL_HALF_HEIGHT, 2 * WALL_HALF_HEIGHT))
         corners = np.concatenate([low, high], axis=1)  # (s, 4, 3)

@@ -15,13 +15,13 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.wall_distance import clearance
 from pipenav.robots import kinematics
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.batch import TaskBatch
 from pipenav.tasks.reach import action
-from pipenav.tasks.reach.batch import CornerBatch
+from pipenav.tasks.reach.batch import ReachBatch
 from pipenav.tasks.reach.config import TaskConfig
 
 ENTRY = 0.12
@@ -52,7 +52,7 @@ TARGET_COST = 0.5
 """What a millimetre of the tip's distance to the target costs, in millimetres of clearance."""
 
 
-class Way(NamedTuple):
+class PlannedMotion(NamedTuple):
     """A motion through one pipe.
 
     Attributes:
@@ -79,11 +79,11 @@ class CentrelineController:
             )
         self.robot = robot
         self.task = task or TaskConfig(control="position")
-        self._lines: dict[Pipe, tuple[float, ...]] = {}
+        self._lines: dict[PipeCorner, tuple[float, ...]] = {}
         self._ways: dict[int, tuple[object, Floats]] = {}
 
     def act(self, observation: Floats, batch: TaskBatch) -> Floats:  # noqa: ARG002  # it knows more than that
-        assert isinstance(batch, CornerBatch)  # its task is no other
+        assert isinstance(batch, ReachBatch)  # its task is no other
         """Canonical actions in [-1, 1], (n, joints)."""
         q, goal, edge = batch.snapshot.q, batch.goal, batch.edge
         step = action.position_step(self.robot, self.task)
@@ -93,7 +93,7 @@ class CentrelineController:
                 actions[i] = _towards(self._way(i, pipe, goal[i], edge[i]), q[i], step)
         return actions
 
-    def _way(self, robot: int, pipe: Pipe, goal: Floats, edge: Floats) -> Floats:
+    def _way(self, robot: int, pipe: PipeCorner, goal: Floats, edge: Floats) -> Floats:
         """The waypoints of one robot's episode, planned when its pipe or its target is new: (k, joints)."""
         key = (pipe, *goal, *edge)
         known = self._ways.get(robot)
@@ -103,7 +103,7 @@ class CentrelineController:
             known = self._ways[robot] = key, self._plan(left, base, goal + np.array([base, 0.0]))
         return known[1]
 
-    def _plan(self, pipe: Pipe, base: float, goal: Floats) -> Floats:
+    def _plan(self, pipe: PipeCorner, base: float, goal: Floats) -> Floats:
         if pipe not in self._lines:
             self._lines[pipe] = self._choose_line(pipe)
         way = _follow_line(self.robot, pipe, base, goal, self._lines[pipe])
@@ -111,7 +111,7 @@ class CentrelineController:
             return _improve(self.robot, pipe, base, goal, way.q)
         return way.q
 
-    def _choose_line(self, pipe: Pipe) -> tuple[float, ...]:
+    def _choose_line(self, pipe: PipeCorner) -> tuple[float, ...]:
         """A good line for the middle of the target area, from the farthest start: one width after the other, twice."""
         depth = pipe.inner_edge + sum(self.task.target_depth) / 2
         base = -pipe.inner_edge - self.task.start_gap[1] - self.robot.length
@@ -134,7 +134,9 @@ def _towards(way: Floats, q: Floats, step: Floats) -> Floats:
     return np.asarray((way[target] - q) / step / max(1.0, away[target]))
 
 
-def _follow_line(robot: RobotSpec, pipe: Pipe, base: float, goal: Floats, widths: tuple[float, ...]) -> Way:
+def _follow_line(
+    robot: RobotSpec, pipe: PipeCorner, base: float, goal: Floats, widths: tuple[float, ...]
+) -> PlannedMotion:
     """The motion of a chain whose hinges follow the leader along one line, up to where the tip reaches the target.
 
     Args:
@@ -166,10 +168,10 @@ def _follow_line(robot: RobotSpec, pipe: Pipe, base: float, goal: Floats, widths
     missing = 0.0 if len(arrived) else 1.0 + end - float(at[-1])
     room = float(clearance(robot, pipe, q, base).min())
     too_bent = float((np.abs(q[:, 1:]) > np.minimum(top, -robot.lower)[1:]).any())
-    return Way(q, room - missing - too_bent)
+    return PlannedMotion(q, room - missing - too_bent)
 
 
-def _line(pipe: Pipe, goal: Floats, widths: tuple[float, ...]) -> tuple[Floats, int]:
+def _line(pipe: PipeCorner, goal: Floats, widths: tuple[float, ...]) -> tuple[Floats, int]:
     """The line around a left turn's corner, (p, 2) [m], and the index of the point at the target."""
     before, at, after = pipe.diameter * np.array(widths)
     turn = math.pi - pipe.angle
@@ -207,7 +209,7 @@ def reach(line: Floats, hinge: Floats, at: Floats, length: float) -> tuple[Float
     return a + t[:, None] * d, i - 1 + t
 
 
-def _improve(robot: RobotSpec, pipe: Pipe, base: float, goal: Floats, q: Floats) -> Floats:
+def _improve(robot: RobotSpec, pipe: PipeCorner, base: float, goal: Floats, q: Floats) -> Floats:
     """More clearance where it is below `WIDE_ENOUGH`, by small changes of one hinge at a time: (k, joints).
 
     Every other waypoint moves in a round, so that each can count on its neighbours. The first one, where the robot

@@ -17,10 +17,10 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.queries import single_corner
 from pipenav.policies.baselines.sequence_arm import HINGES, FrontArm
-from pipenav.policies.baselines.sequence_plan import PRESS, Corner, Poses, plan
+from pipenav.policies.baselines.sequence_plan import PRESS, CornerPlan, Poses, plan
 from pipenav.policies.policy import Policy
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.batch import TaskBatch
@@ -49,7 +49,7 @@ REAR, FRONT = 1, 4
 """The joint in the middle of either half, which presses."""
 
 
-class Phase(IntEnum):
+class TurnPhase(IntEnum):
     """What a robot is doing; the letters are those of the thesis (1.2)."""
 
     CLAMP_REAR = 0
@@ -67,16 +67,16 @@ class Phase(IntEnum):
 
 
 PRESSING = {
-    Phase.CLAMP_REAR: [REAR],
-    Phase.FRONT_TO_TARGET: [REAR],
-    Phase.FRONT_ON: [REAR],
-    Phase.CLAMP_FRONT: [REAR, FRONT],
-    Phase.REAR_THROUGH: [FRONT],
-    Phase.CLAMP_REAR_AGAIN: [REAR, FRONT],
+    TurnPhase.CLAMP_REAR: [REAR],
+    TurnPhase.FRONT_TO_TARGET: [REAR],
+    TurnPhase.FRONT_ON: [REAR],
+    TurnPhase.CLAMP_FRONT: [REAR, FRONT],
+    TurnPhase.REAR_THROUGH: [FRONT],
+    TurnPhase.CLAMP_REAR_AGAIN: [REAR, FRONT],
 }
 """The joints that press."""
 
-CLAMPING = (Phase.CLAMP_REAR, Phase.CLAMP_FRONT)
+CLAMPING = (TurnPhase.CLAMP_REAR, TurnPhase.CLAMP_FRONT)
 """In these the wheels stand."""
 
 
@@ -92,11 +92,11 @@ class _Course:
     """
 
     def __init__(self) -> None:
-        self.phase, self.since, self.start = Phase.CLAMP_REAR, 0, 0.0
+        self.phase, self.since, self.start = TurnPhase.CLAMP_REAR, 0, 0.0
         self.ahead: Poses | None = None
         self.rows: list[Floats] = []
 
-    def begin(self, phase: Phase) -> None:
+    def begin(self, phase: TurnPhase) -> None:
         self.phase, self.since = phase, 0
 
     def keep(self, along: float, bends: Floats) -> None:
@@ -126,10 +126,10 @@ class SequenceController:
         self.robot, self.task = robot, task or TraverseConfig(kind="traverse")
         self._arm = None if arm is None else FrontArm(robot, self.task, arm)
         self._courses: list[_Course] = []
-        self._corners: dict[Pipe, Corner] = {}
+        self._corners: dict[PipeCorner, CornerPlan] = {}
 
     @property
-    def phases(self) -> list[Phase]:
+    def phases(self) -> list[TurnPhase]:
         """What each robot is doing."""
         return [course.phase for course in self._courses]
 
@@ -158,14 +158,14 @@ class SequenceController:
             actions[i] = self._drive(self._courses[i], pipe, observation[i], bends, place, along[i])
         return actions
 
-    def _corner(self, pipe: Pipe) -> Corner:
+    def _corner(self, pipe: PipeCorner) -> CornerPlan:
         left = pipe.model_copy(update={"turn": "left"})
         if left not in self._corners:
             self._corners[left] = plan(self.robot, left)
         return self._corners[left]
 
     def _drive(
-        self, course: _Course, pipe: Pipe, observation: Floats, bends: Floats, points: Floats, along: Floats
+        self, course: _Course, pipe: PipeCorner, observation: Floats, bends: Floats, points: Floats, along: Floats
     ) -> Floats:
         """One robot's action, (drives,), after it has gone on to its next phase where it is ready to.
 
@@ -186,55 +186,57 @@ class SequenceController:
         speed = SPEED * max(0.0, 1.0 - float(np.abs(away[press == 0]).max()) / LAG)
         if course.phase in CLAMPING:
             speed = 0.0
-        if course.phase is Phase.FRONT_TO_TARGET and self._arm is not None:
+        if course.phase is TurnPhase.FRONT_TO_TARGET and self._arm is not None:
             speed, *step[HINGES] = self._arm.act(observation, points, self._arm.target(pipe), course.start)
-        if course.phase in (Phase.FRONT_TO_TARGET, Phase.FRONT_ON):
+        if course.phase in (TurnPhase.FRONT_TO_TARGET, TurnPhase.FRONT_ON):
             course.keep(float(along[3]), _pose(corner, bends))
         return np.concatenate([step, speed * _forwards(pipe, bends, points[1:-1])])
 
-    def _go_on(self, course: _Course, corner: Corner, pipe: Pipe, bends: Floats, points: Floats, along: Floats) -> None:
+    def _go_on(
+        self, course: _Course, corner: CornerPlan, pipe: PipeCorner, bends: Floats, points: Floats, along: Floats
+    ) -> None:
         """Begin the next phase where this one is done."""
         phase = course.phase
         if phase in CLAMPING:
             away = np.abs(self._set_points(course, corner, along) - bends)
             done = float(away.max()) <= SETTLED or course.since >= DWELL
-        elif phase is Phase.FRONT_TO_TARGET:
+        elif phase is TurnPhase.FRONT_TO_TARGET:
             done = self._arm is None or self._arm.reached(points[-1], self._arm.target(pipe))
-        elif phase is Phase.FRONT_ON:
+        elif phase is TurnPhase.FRONT_ON:
             half_way = corner.line.along[-1]  # one end of the middle link may slip past the corner before the other
             done = along[3] >= half_way or along[4] >= -half_way
         else:
-            done = phase is Phase.REAR_THROUGH and along[1] >= corner.edge
+            done = phase is TurnPhase.REAR_THROUGH and along[1] >= corner.edge
         if done:
-            course.begin(Phase(phase + 1))
-            if course.phase is Phase.FRONT_TO_TARGET:
+            course.begin(TurnPhase(phase + 1))
+            if course.phase is TurnPhase.FRONT_TO_TARGET:
                 course.start = float(points[4, 0])
                 if self._arm is None:
-                    course.begin(Phase.FRONT_ON)
-            elif course.phase is Phase.FRONT_ON:
+                    course.begin(TurnPhase.FRONT_ON)
+            elif course.phase is TurnPhase.FRONT_ON:
                 course.ahead = corner.onto_line(float(along[3]), _pose(corner, bends), float(along[-1]))
 
-    def _set_points(self, course: _Course, corner: Corner, along: Floats) -> Floats:
+    def _set_points(self, course: _Course, corner: CornerPlan, along: Floats) -> Floats:
         """Joint angles that a robot in this phase shall have in a left turn, (6,) [rad]."""
         steep, phase = corner.steep, course.phase
         clamped = np.array([steep, -2 * steep, steep])
-        if phase is Phase.CLAMP_FRONT:
+        if phase is TurnPhase.CLAMP_FRONT:
             middle = float(corner.line.bends[-1, 0])
             return np.concatenate([clamped, clamped[::-1]]) + middle * np.array([0, 0, 1, 1, 0, 0])
-        if phase is Phase.CLAMP_REAR_AGAIN:
+        if phase is TurnPhase.CLAMP_REAR_AGAIN:
             return np.concatenate([clamped, clamped[::-1]])
-        if phase is Phase.REAR_THROUGH:
+        if phase is TurnPhase.REAR_THROUGH:
             # The front's poses from the last to the first, the joints counted from the other end.
             middle, *moving = course.front_motion.at(-float(along[4]) - LOOK_AHEAD)
             return np.array([*moving[::-1], steep + middle, *clamped[1::-1]])
-        if phase is Phase.FRONT_ON or self._arm is None:
+        if phase is TurnPhase.FRONT_ON or self._arm is None:
             middle, *moving = (course.ahead or corner.line).at(float(along[3]) + LOOK_AHEAD)
         else:  # as the arm starts: straight along the axis, where its mount is
             middle, *moving = corner.slant, -corner.slant, 0.0, 0.0
         return np.array([*clamped[:2], steep + middle, *moving])
 
 
-def _forwards(pipe: Pipe, bends: Floats, wheels: Floats) -> Floats:
+def _forwards(pipe: PipeCorner, bends: Floats, wheels: Floats) -> Floats:
     """Which actions roll the wheels forwards on the wall that each is nearest to, +1 or -1, (wheels,).
 
     An action takes a wheel for standing on the outside of its bend. One that is led past the inner edge is not.
@@ -250,7 +252,7 @@ def _forwards(pipe: Pipe, bends: Floats, wheels: Floats) -> Floats:
     return np.where((offset > 0) == (bends < 0), 1.0, -1.0)
 
 
-def _pose(corner: Corner, bends: Floats) -> Floats:
+def _pose(corner: CornerPlan, bends: Floats) -> Floats:
     """As `Poses.bends`, (4,), of a robot whose rear half clamps."""
     return np.array([bends[2] - corner.steep, *bends[HINGES]])
 

@@ -11,7 +11,7 @@ import numpy as np
 from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.errors import PipenavError
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.policy import Policy
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.reach.action import position_step
@@ -61,7 +61,7 @@ class FrontArm:
         rim = full[-1] * robot.wheels[DRIVING].radius * CONTROL_PERIOD  # way of a wheel at full speed in a step [m]
         self._step = np.array([SLOWER * self._scale * step[0] / rim, *(step[1:] / full[HINGES])])
 
-    def target(self, pipe: Pipe) -> Floats:
+    def target(self, pipe: PipeCorner) -> Floats:
         """Where the front half's tip shall go: the middle of the arm's target area, in a left turn, (2,) [m]."""
         left = pipe.model_copy(update={"turn": "left"})
         return (pipe.inner_edge + self._scale * sum(self._task.target_depth) / 2) * left.second_leg

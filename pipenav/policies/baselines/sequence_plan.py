@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pipenav.arrays import Floats
-from pipenav.pipes.corner import BEND_RADIUS_MAX_MM, Pipe
+from pipenav.pipes.corner import BEND_RADIUS_MAX_MM, PipeCorner
 from pipenav.policies.baselines.centreline import reach
 from pipenav.robots.robot import RobotSpec
 from pipenav.units import mm_to_m
@@ -40,7 +40,7 @@ class Poses(NamedTuple):
         return np.array([np.interp(along, self.along, column) for column in self.bends.T])
 
 
-class Corner(NamedTuple):
+class CornerPlan(NamedTuple):
     """What the sequence knows of one pipe.
 
     Attributes:
@@ -69,7 +69,7 @@ class Corner(NamedTuple):
         return Poses(np.append(along, self.line.along[rest]), np.concatenate([bends[None], self.line.bends[rest]]))
 
 
-def plan(robot: RobotSpec, pipe: Pipe) -> Corner:
+def plan(robot: RobotSpec, pipe: PipeCorner) -> CornerPlan:
     """How to clamp in a pipe and how to go round its corner.
 
     A half clamps with its middle wheel on the inner wall and its other ones on the outer wall. The line keeps to the
@@ -85,10 +85,10 @@ def plan(robot: RobotSpec, pipe: Pipe) -> Corner:
     steep = min(math.asin(min(2 * room / float(robot.lengths[1]), 1.0)), steepest)
     slant = math.asin(min(room / float(robot.lengths[3]), 1.0))
     line, tip = _follow_line(robot, pipe, room)
-    return Corner(steep, slant, line, tip, pipe.inner_edge)
+    return CornerPlan(steep, slant, line, tip, pipe.inner_edge)
 
 
-def _follow_line(robot: RobotSpec, pipe: Pipe, room: float) -> tuple[Poses, Floats]:
+def _follow_line(robot: RobotSpec, pipe: PipeCorner, room: float) -> tuple[Poses, Floats]:
     """Poses with the front half's joints and its tip on the line, and where the tip is along the pipe."""
     line = _line(robot, pipe, max(room - SPARE, 0.0))
     along = np.linspace(-pipe.inner_edge - REACH, 0.0, WAY_POINTS)
@@ -106,7 +106,7 @@ def _follow_line(robot: RobotSpec, pipe: Pipe, room: float) -> tuple[Poses, Floa
     return Poses(along[kept], np.stack(bends, axis=1)[kept]), pipe.centre_line_distance(ends[-1])[kept]
 
 
-def _line(robot: RobotSpec, pipe: Pipe, lane: float) -> Floats:
+def _line(robot: RobotSpec, pipe: PipeCorner, lane: float) -> Floats:
     """The line at `lane` from the centre line, on the outer side, (p, 2) [m]."""
     chord = float(robot.lengths[3])
     half_turn = (math.pi - pipe.angle) / 2

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from pipenav.arrays import Floats
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.robots import kinematics
 from pipenav.robots.kinematics import ChainPose
 from pipenav.robots.parts import BoxPart, DiscPart
 from pipenav.robots.robot import RobotSpec
 
 
-def clearance(robot: RobotSpec, pipe: Pipe, q: Floats, base: float) -> Floats:
+def clearance(robot: RobotSpec, pipe: PipeCorner, q: Floats, base: float) -> Floats:
     """Smallest signed distance of any link or wheel to any wall, (...) [m]; negative where they overlap.
 
     The outer wall bounds a convex space: every point of a part is on the near side of each of its lines. The inner wall
@@ -43,7 +43,7 @@ def _place(chain: ChainPose, link: int, part: BoxPart | DiscPart, base: float) -
     return chain.joints[:, link] + [base, 0.0] + part.x * along + part.y * across, along, across
 
 
-def _box_clearance(pipe: Pipe, middle: Floats, along: Floats, across: Floats, part: BoxPart) -> Floats:
+def _box_clearance(pipe: PipeCorner, middle: Floats, along: Floats, across: Floats, part: BoxPart) -> Floats:
     half = np.array([part.length, part.width]) / 2
     signs = np.array([[-1, -1], [-1, 1], [1, 1], [1, -1]]) * half
     corners = middle[:, None] + signs[:, :1] * along[:, None] + signs[:, 1:] * across[:, None]  # (p, 4, 2)
@@ -58,7 +58,7 @@ def _box_clearance(pipe: Pipe, middle: Floats, along: Floats, across: Floats, pa
     return np.asarray(np.minimum(outer, np.maximum(inner, apart.max(axis=1))))
 
 
-def _disc_clearance(pipe: Pipe, middle: Floats, part: DiscPart) -> Floats:
+def _disc_clearance(pipe: PipeCorner, middle: Floats, part: DiscPart) -> Floats:
     lines = _inside(middle, pipe.segments)  # (p, segments)
     count = len(pipe.walls.outer) - 1
     start, end = pipe.segments[count:, 0], pipe.segments[count:, 1]

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Backend
 from pipenav.backends.messages import Truth
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.batch import Sized, StepResult
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach import action as actions
 from pipenav.tasks.reach import episode, observation, reward
 from pipenav.tasks.reach.config import TaskConfig
@@ -23,7 +23,7 @@ EpisodeSource = Callable[[Ints], Episodes]
 """Given the robots that start anew, their next episodes."""
 
 
-class CornerBatch(Sized):
+class ReachBatch(Sized):
     """n episodes of the corner task, stepped together. Who calls `step` also says, by `reset`, who starts anew.
 
     Raises:
@@ -36,7 +36,7 @@ class CornerBatch(Sized):
         self._backend, self._source = backend, source
         self._scale = observation.scale_of(robot, config)
         joints = len(robot.joints)
-        self.pipes: list[Pipe | None] = [None] * n
+        self.pipes: list[PipeCorner | None] = [None] * n
         self.steps, self._ages = np.zeros(n, int), np.zeros(n, int)
         self._side, self._goal, self._edge = np.ones(n), np.zeros((n, 2)), np.zeros((n, 2))
         self._way = np.zeros(n)
@@ -113,7 +113,7 @@ class CornerBatch(Sized):
         result = reward.total(self.config.reward, facts)
         observed = observation.observe(self.config, self._now, self._before, self._action, self._goal)
         self._observation = observed / self._scale
-        cut_off = verdict == Verdict.TIMEOUT.value
+        cut_off = verdict == Outcome.TIMEOUT.value
         return StepResult(self._observation, result, verdict, self._now.ranges.min(axis=1), truth, cut_off)
 
     def close(self) -> None:
@@ -127,11 +127,11 @@ class CornerBatch(Sized):
         sank = truth.penetration > self.config.max_penetration
         failed = failed_at_limit | sank
         reached = (error <= self.config.reach_tolerance) & ~failed
-        verdict = np.full(self.n, Verdict.RUNNING.value, np.int8)
-        verdict[self.steps >= self.config.max_steps] = Verdict.TIMEOUT.value
-        verdict[reached] = Verdict.REACHED.value
-        verdict[failed_at_limit] = Verdict.LIMIT.value
-        verdict[sank] = Verdict.PENETRATION.value
+        verdict = np.full(self.n, Outcome.RUNNING.value, np.int8)
+        verdict[self.steps >= self.config.max_steps] = Outcome.TIMEOUT.value
+        verdict[reached] = Outcome.REACHED.value
+        verdict[failed_at_limit] = Outcome.LIMIT.value
+        verdict[sank] = Outcome.PENETRATION.value
         facts = reward.StepFacts(
             error=error,
             ranges=self._now.ranges,

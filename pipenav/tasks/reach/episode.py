@@ -10,8 +10,8 @@ import numpy as np
 
 from pipenav.arrays import Flags, Floats
 from pipenav.errors import PipenavError
-from pipenav.pipes.corner import Pipe
-from pipenav.pipes.queries import AnyPipe
+from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.queries import Pipe
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.reach.config import TaskConfig
 from pipenav.units import m_to_mm
@@ -29,7 +29,7 @@ class Episodes(NamedTuple):
         edge: the inner wall's edge, of a bend the point where it starts, in the canonical frame, (k, 2) [m].
     """
 
-    pipes: tuple[Pipe, ...]
+    pipes: tuple[PipeCorner, ...]
     q: Floats
     base: Floats
     side: Floats
@@ -42,7 +42,7 @@ class Episodes(NamedTuple):
         return Episodes(pipes[which], *(column[which] for column in columns))
 
 
-def sample(robot: RobotSpec, config: TaskConfig, pipes: Sequence[Pipe], rng: np.random.Generator) -> Episodes:
+def sample(robot: RobotSpec, config: TaskConfig, pipes: Sequence[PipeCorner], rng: np.random.Generator) -> Episodes:
     """Random start poses and targets, one episode for each of the given pipes."""
     k = len(pipes)
     bend = np.where(robot.hinges, rng.uniform(-config.start_bend, config.start_bend, (k, len(robot.joints))), 0.0)
@@ -60,8 +60,8 @@ def sample(robot: RobotSpec, config: TaskConfig, pipes: Sequence[Pipe], rng: np.
 
 
 @lru_cache(maxsize=4096)  # every pipe of the largest shipped training set
-def _corner(pipe: Pipe) -> tuple[float, ...]:
-    """Side, absolute change of heading, radius and inner edge, as `Pipe` says."""
+def _corner(pipe: PipeCorner) -> tuple[float, ...]:
+    """Side, absolute change of heading, radius and inner edge, as `PipeCorner` says."""
     return pipe.side, abs(pipe.heading_change), pipe.radius, pipe.inner_edge
 
 
@@ -81,7 +81,7 @@ START_CLEARANCE = 0.002
 """Least room between the robot and the wall at the start [m]."""
 
 
-def check_fits(robot: RobotSpec, pipes: Sequence[AnyPipe]) -> None:
+def check_fits(robot: RobotSpec, pipes: Sequence[Pipe]) -> None:
     """Refuse pipes in which the robot cannot lie straight.
 
     Raises:

@@ -10,7 +10,7 @@ from pipenav.arrays import Floats, Ints
 from pipenav.backends.messages import Reading
 from pipenav.robots import kinematics
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.layout import Part
+from pipenav.tasks.layout import ObservationField
 from pipenav.tasks.reach.config import TaskConfig
 
 POSITION_SCALE = 0.5
@@ -66,22 +66,22 @@ def joint_signs(robot: RobotSpec, side: Floats) -> Floats:
     return np.where(side[:, None] > 0, 1.0, robot.mirror_signs)
 
 
-def layout(robot: RobotSpec, config: TaskConfig) -> list[Part]:
+def layout(robot: RobotSpec, config: TaskConfig) -> list[ObservationField]:
     """The observation's parts in order, with the scale that each value is divided by."""
     joints = len(robot.joints)
     position = np.maximum(-robot.lower, robot.upper)
     ranges = np.full(robot.laser.beams, robot.laser.range_max)
-    q, qd = Part("q", "rad, m", position), Part("qd", "rad/s, m/s", robot.speed_limits)
-    scans = Part("ranges", "m", ranges)
+    q, qd = ObservationField("q", "rad, m", position), ObservationField("qd", "rad/s, m/s", robot.speed_limits)
+    scans = ObservationField("ranges", "m", ranges)
     xy = np.full(2, POSITION_SCALE)
-    tip, goal = Part("p_ee", "m", xy), Part("p_goal", "m", xy)
-    relative = [q, qd, scans, Part("goal_in_tip", "m", xy), Part("goal_near", "1", np.ones(2))]
+    tip, goal = ObservationField("p_ee", "m", xy), ObservationField("p_goal", "m", xy)
+    relative = [q, qd, scans, ObservationField("goal_in_tip", "m", xy), ObservationField("goal_near", "1", np.ones(2))]
     if config.observation == "relative":
         return relative
     if config.observation == "basic":
         return [q, qd, tip, goal, scans]
     before = [part._replace(name=f"{part.name}_before") for part in (q, qd, scans)]
-    action = Part("action_before", "1", np.ones(joints))
+    action = ObservationField("action_before", "1", np.ones(joints))
     if config.observation == "relative-history":
         return [*relative, before[-1], action]
     return [q, qd, scans, *before, action, tip, goal]

@@ -13,17 +13,17 @@ import numpy as np
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.spatial import SpaceBackend, SpaceReading, SpaceTruth
 from pipenav.pipes.queries import inner_edges
-from pipenav.pipes.route import PipeRun
+from pipenav.pipes.route import PipeRoute
 from pipenav.robots.robot import BASE, RobotSpec
 from pipenav.tasks.batch import Sized, StepResult
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.rolling.clamp import check_robot
 from pipenav.tasks.rolling.manoeuvre import FRONT
 from pipenav.tasks.rolling.pilot import Mode, Pilot
 from pipenav.tasks.traverse import observation
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import TraverseEpisodes
-from pipenav.tasks.traverse.outcome import Judge, reward
+from pipenav.tasks.traverse.outcome import OutcomeTracker, reward
 
 LIMIT_FACTOR = 2
 """How many times as long as in the plane an episode may take: straights are longer, and rolling takes 10 to 20 s."""
@@ -49,13 +49,13 @@ class SpaceBatch(Sized):
         self._backend, self._source = backend, source
         self._scale = np.concatenate([part.scale for part in observation.layout(robot, config)])
         self._pilots: dict[int, Pilot] = {}
-        self._runs: dict[int, PipeRun] = {}
+        self._runs: dict[int, PipeRoute] = {}
         self.steps = np.zeros(n, int)
-        self._judge = Judge(robot, config, n)
+        self._judge = OutcomeTracker(robot, config, n)
         self._action, self._end, self._limit = np.zeros((n, len(robot.drives))), np.zeros(n), np.zeros(n, int)
 
     @property
-    def pipes(self) -> list[PipeRun]:
+    def pipes(self) -> list[PipeRoute]:
         """The run of each robot, once all have one."""
         return [self._runs[i] for i in range(self.n)]
 
@@ -77,7 +77,7 @@ class SpaceBatch(Sized):
         """Start new episodes for some robots (sorted, unique), or all, the first time all of them."""
         robots = np.arange(self.n) if robots is None else np.asarray(robots, np.intp)
         episodes = self._source(robots)
-        runs = [pipe if isinstance(pipe, PipeRun) else PipeRun.from_pipe(pipe) for pipe in episodes.pipes]
+        runs = [pipe if isinstance(pipe, PipeRoute) else PipeRoute.from_pipe(pipe) for pipe in episodes.pipes]
         planes = np.array([run.corners[0].roll for run in runs])
         reading = self._backend.reset(robots, runs, episodes.q, episodes.base, planes)
         for i, run, q in zip(robots, runs, reading.body.q, strict=True):
@@ -112,7 +112,7 @@ class SpaceBatch(Sized):
         self._judge.excuse(np.array([pilot.mode in (Mode.ROLL, Mode.BACK_OUT) for pilot in pilots]))
         facts, verdict = self._judge.step(self.steps, self._limit, self._along(), self._end, reading.body, truth)
         gained, clearance = reward(self.config.reward, facts), reading.body.ranges.min(axis=1)
-        cut_off = (verdict != Verdict.RUNNING) & ~facts.passed & ~facts.failed
+        cut_off = (verdict != Outcome.RUNNING) & ~facts.passed & ~facts.failed
         return StepResult(self._observe(reading), gained, verdict, clearance, truth, cut_off)
 
     def close(self) -> None:

@@ -77,7 +77,7 @@ def rolled(robot: RobotSpec, bends: Floats, wheel_speeds: Floats) -> float:
     return CONTROL_PERIOD * robot.wheels[0].radius * float(np.median(wheel_speeds * forwards(bends)))
 
 
-class Drive:
+class RollForward:
     """A clamped robot rolls along a straight.
 
     Attributes:

@@ -34,7 +34,7 @@ LEVEL = 0.1
 """A plane across which less than this share of the weight pulls has no lower side."""
 
 
-class Phase(IntEnum):
+class RollPhase(IntEnum):
     """What a robot is doing. The first half is the one that is turned first."""
 
     CLAMP = 0
@@ -66,7 +66,7 @@ class Roll:
         self._sides = np.array([third, -third])  # the walls of the inner wheels, 3 and 4
         # The first half is stretched along the wall on which the other half's inner wheel stands: the lower one.
         self._first = REAR if lower_side(down[REAR]) == -third else FRONT
-        self.phase, self._since = Phase.CLAMP, 0
+        self.phase, self._since = RollPhase.CLAMP, 0
         self._from, self._roll_from = np.array(bends), 0.0
         self._to, self._press = self._pose()
         self._odometer = np.zeros(2)  # how far each half has rolled forwards since it was put down [rad]
@@ -105,38 +105,38 @@ class Roll:
     def _next(self, down: Floats) -> None:
         held = self._holds
         self._from, self._roll_from = self._to, self._roll_to
-        self.phase, self._since = Phase(self.phase + 1), 0
-        if self.phase is Phase.CLAMP_FIRST:
+        self.phase, self._since = RollPhase(self.phase + 1), 0
+        if self.phase is RollPhase.CLAMP_FIRST:
             low = lower_side(down[self._first])
             self._sides[self._first] = low or self._sides[self._first]
-        elif self.phase is Phase.CLAMP_BOTH:
+        elif self.phase is RollPhase.CLAMP_BOTH:
             self._sides[self._second] = -self._sides[self._first]
         self._to, self._press = self._pose()
         self._odometer[self._holds & ~held] = 0.0
 
     @property
     def _roll_to(self) -> float:
-        turned = Phase.TURN_FIRST <= self.phase < Phase.TURN_SECOND
+        turned = RollPhase.TURN_FIRST <= self.phase < RollPhase.TURN_SECOND
         return self._turn * (1 if self._first == FRONT else -1) * turned
 
     @property
     def _holds(self) -> Flags:
         """Which halves' wheels keep their places, (halves,)."""
-        one = np.arange(2) == (self._second if self.phase < Phase.STRETCH_SECOND else self._first)
-        return one if Phase.CLAMP < self.phase < Phase.CLAMP_BOTH else np.ones(2, bool)
+        one = np.arange(2) == (self._second if self.phase < RollPhase.STRETCH_SECOND else self._first)
+        return one if RollPhase.CLAMP < self.phase < RollPhase.CLAMP_BOTH else np.ones(2, bool)
 
     def _pose(self) -> tuple[Floats, Floats]:
         """The joints' set-points in this phase, and how much farther those that press are set, (6,) each [rad]."""
         clamp = np.array([-self._steep, 2 * self._steep, -self._steep])  # from the middle outwards, on the left wall
         press, phase = np.array([0.0, PRESS, 0.0]), self.phase
-        both = phase in (Phase.CLAMP, Phase.CLAMP_BOTH, Phase.DONE)
+        both = phase in (RollPhase.CLAMP, RollPhase.CLAMP_BOTH, RollPhase.DONE)
         bends, presses = np.zeros((2, HALF)), np.zeros((2, HALF))
         for half in (REAR, FRONT):
-            stretched = half == self._first and phase in (Phase.STRETCH_FIRST, Phase.TURN_FIRST)
-            stretched |= half == self._second and phase in (Phase.STRETCH_SECOND, Phase.TURN_SECOND)
+            stretched = half == self._first and phase in (RollPhase.STRETCH_FIRST, RollPhase.TURN_FIRST)
+            stretched |= half == self._second and phase in (RollPhase.STRETCH_SECOND, RollPhase.TURN_SECOND)
             if stretched:
                 continue
-            inner = -self._steep if both else 0.0 if half == self._first and phase is Phase.CLAMP_FIRST else -TILT
+            inner = -self._steep if both else 0.0 if half == self._first and phase is RollPhase.CLAMP_FIRST else -TILT
             bends[half] = self._sides[half] * (clamp + np.array([inner, 0.0, 0.0]))
             presses[half] = self._sides[half] * press
         order = np.concatenate([bends[REAR, ::-1], bends[FRONT]])

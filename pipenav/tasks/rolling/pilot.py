@@ -15,11 +15,11 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.backends.spatial import SpaceReading
-from pipenav.pipes.route import PipeRun
+from pipenav.pipes.route import PipeRoute
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.rolling import senses
-from pipenav.tasks.rolling.clamp import HALF, Drive, steepness
-from pipenav.tasks.rolling.manoeuvre import Phase, Roll
+from pipenav.tasks.rolling.clamp import HALF, RollForward, steepness
+from pipenav.tasks.rolling.manoeuvre import Roll, RollPhase
 
 BEHIND = 0.85
 """Share of a corner's turn by which the rear half heads another way than before the corner when that is behind."""
@@ -67,11 +67,11 @@ class Pilot:
         set_points: of the joints, (6,) [rad].
     """
 
-    def __init__(self, robot: RobotSpec, run: PipeRun, set_points: Floats) -> None:
+    def __init__(self, robot: RobotSpec, run: PipeRoute, set_points: Floats) -> None:
         self._robot, self._run = robot, run
         self.mode, self.corner, self.set_points = Mode.CORNER, 0, set_points
         self.plane = run.corners[0].roll
-        self._drive: Drive | None = None
+        self._drive: RollForward | None = None
         self._roll: Roll | None = None
         self._goes, self._tries = 0, 0
         self._seen = 0  # control steps for which it has seen what it waits for
@@ -120,7 +120,7 @@ class Pilot:
             self._go_on(self._drive, reading, stalled)
         elif self._roll is None:
             self._around(reading, stalled)
-        elif self._roll.phase is Phase.DONE:
+        elif self._roll.phase is RollPhase.DONE:
             self._roll_or_approach(reading)
 
     def _around(self, reading: SpaceReading, stalled: bool) -> None:
@@ -135,7 +135,7 @@ class Pilot:
         elif stalled and self._tries < TRIES:
             self._back_out(reading)
 
-    def _go_on(self, drive: Drive, reading: SpaceReading, stalled: bool) -> None:
+    def _go_on(self, drive: RollForward, reading: SpaceReading, stalled: bool) -> None:
         """The robot drives itself: is it where it wants to be?"""
         near = self._lasts(drive.clamped and senses.sees_end(self._robot, reading, self._run.radius, drive.third))
         if self.mode is Mode.BACK_OUT:
@@ -171,7 +171,7 @@ class Pilot:
 
     def _begin_driving(self, mode: Mode, reading: SpaceReading, direction: float = 1.0) -> None:
         self._begin(mode)
-        self._drive = Drive(self._robot, self._run.radius, reading.body.q, self.set_points, direction)
+        self._drive = RollForward(self._robot, self._run.radius, reading.body.q, self.set_points, direction)
 
     def _roll_or_approach(self, reading: SpaceReading) -> None:
         """Roll where the plane is not that of the corner ahead, else go on to it."""

@@ -10,19 +10,19 @@ from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Backend, Inclinable
 from pipenav.backends.messages import Reading, Truth
 from pipenav.errors import PipenavError
-from pipenav.pipes.corner import Pipe
-from pipenav.pipes.queries import AnyPipe
+from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.queries import Pipe
 from pipenav.robots import kinematics
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.batch import Sized, StepResult
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.traverse import observation
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import GRAVITY, TraverseEpisodes, check_robot
-from pipenav.tasks.traverse.outcome import Judge, reward
-from pipenav.tasks.traverse.progress import Ways, waypoints
+from pipenav.tasks.traverse.outcome import OutcomeTracker, reward
+from pipenav.tasks.traverse.progress import CentreLines, waypoints
 
-ANYWHERE = Pipe.of(100, 90)
+ANYWHERE = PipeCorner.of(100, 90)
 """Where robots are thought to be before they are first put into pipes."""
 
 TraverseSource = Callable[[Ints], TraverseEpisodes]
@@ -45,13 +45,13 @@ class TraverseBatch(Sized):
         self.robot, self.config, self.n = robot, config, n
         self._backend, self._source = backend, source
         self._scale = np.concatenate([part.scale for part in observation.layout(robot, config)])
-        self.pipes: list[AnyPipe | None] = [None] * n
+        self.pipes: list[Pipe | None] = [None] * n
         self.steps, self._ages = np.zeros(n, int), np.zeros(n, int)
         self._sides, self._base = np.ones((n, 3)), np.zeros(n)
-        self._ways = Ways.of([ANYWHERE] * n)
+        self._ways = CentreLines.of([ANYWHERE] * n)
         self._corner = np.zeros(n, np.intp)
         self._gravity = np.zeros((n, 2))
-        self._judge = Judge(robot, config, n)
+        self._judge = OutcomeTracker(robot, config, n)
         self._action, self._q = np.zeros((n, len(robot.drives))), np.zeros((n, robot.coordinates))
         self._set_points = np.zeros((n, len(robot.joints)))
         self._observation = np.zeros((n, len(self._scale)))
@@ -86,7 +86,7 @@ class TraverseBatch(Sized):
         self._base[robots], self._q[robots], self._action[robots] = episodes.base, episodes.q, 0.0
         self._gravity[robots] = episodes.gravity
         self._set_points[robots] = reading.q + self.config.start_press * np.sign(reading.q)
-        self._ways, self._corner[robots] = self._ways.put(robots, Ways.of(episodes.pipes)), 0
+        self._ways, self._corner[robots] = self._ways.put(robots, CentreLines.of(episodes.pipes)), 0
         self._sides[robots] = self._ways.sides(self._corner)[robots]
         self._judge.start(robots, self.along[robots])
         self._observation = self._observation.copy()
@@ -119,7 +119,7 @@ class TraverseBatch(Sized):
         self._go_on(along.mean(axis=1))
         self._observation = self._observe(reading, every)
         gained = reward(self.config.reward, facts)
-        cut_off = (verdict != Verdict.RUNNING) & ~facts.passed & ~facts.failed
+        cut_off = (verdict != Outcome.RUNNING) & ~facts.passed & ~facts.failed
         return StepResult(self._observation, gained, verdict, reading.ranges.min(axis=1), truth, cut_off)
 
     def close(self) -> None:

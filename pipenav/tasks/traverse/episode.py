@@ -10,9 +10,9 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
-from pipenav.pipes.corner import Pipe
-from pipenav.pipes.queries import AnyPipe, inner_edges
-from pipenav.pipes.route import PipeRun
+from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.queries import Pipe, inner_edges
+from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_sets import parse_any
 from pipenav.robots import kinematics
 from pipenav.robots.robot import BASE, RobotSpec
@@ -38,7 +38,7 @@ class TraverseEpisodes(NamedTuple):
         gravity: its part in the pipe's plane, axes of the pipe's frame, (k, 2) [m/s^2].
     """
 
-    pipes: tuple[AnyPipe, ...]
+    pipes: tuple[Pipe, ...]
     q: Floats
     base: Floats
     gravity: Floats
@@ -49,7 +49,7 @@ class TraverseEpisodes(NamedTuple):
 
 
 def sample(
-    robot: RobotSpec, config: TraverseConfig, pipes: Sequence[AnyPipe], rng: np.random.Generator
+    robot: RobotSpec, config: TraverseConfig, pipes: Sequence[Pipe], rng: np.random.Generator
 ) -> TraverseEpisodes:
     """Random start poses, one episode for each of the given pipes.
 
@@ -82,7 +82,7 @@ def check_robot(robot: RobotSpec) -> None:
         raise PipenavError(f"robot {robot.name!r} hangs on a mount and cannot traverse a pipe: choose --robot pirate.")
 
 
-def parse_planar(given: Sequence[str]) -> list[AnyPipe]:
+def parse_planar(given: Sequence[str]) -> list[Pipe]:
     """Pipes and runs as `pipenav.pipes.route_sets.parse_any` takes them.
 
     Raises:
@@ -90,20 +90,20 @@ def parse_planar(given: Sequence[str]) -> list[AnyPipe]:
     """
     pipes = parse_any(given)
     for pipe in pipes:
-        if isinstance(pipe, PipeRun) and not pipe.planar:
+        if isinstance(pipe, PipeRoute) and not pipe.planar:
             raise PipenavError(
                 f"{pipe.name} leaves the plane, in which robots are trained: choose a run without rolls, as runs-level."
             )
     return pipes
 
 
-def with_room(robot: RobotSpec, config: TraverseConfig, pipe: AnyPipe) -> AnyPipe:
+def with_room(robot: RobotSpec, config: TraverseConfig, pipe: Pipe) -> Pipe:
     """The pipe with ends in which the robot has room to start and to leave, and of a single corner to slide back.
 
     Raises:
         CrossesItself: the ends of a run are too short, and longer they would meet other straights.
     """
-    if isinstance(pipe, Pipe):
+    if isinstance(pipe, PipeCorner):
         need = pipe.inner_edge + SPARE_LENGTHS * robot.length
         return pipe if pipe.leg >= need else pipe.model_copy(update={"leg": need})
     first, last = inner_edges(pipe)[[0, -1]]
@@ -113,12 +113,12 @@ def with_room(robot: RobotSpec, config: TraverseConfig, pipe: AnyPipe) -> AnyPip
 
 
 @lru_cache(maxsize=1024)
-def _longer(run: PipeRun, straights: tuple[float, ...]) -> PipeRun:
+def _longer(run: PipeRoute, straights: tuple[float, ...]) -> PipeRoute:
     """Made once each: that it does not cross itself takes long to find out."""
-    return PipeRun(diameter=run.diameter, corners=run.corners, straights=straights, wall=run.wall)
+    return PipeRoute(diameter=run.diameter, corners=run.corners, straights=straights, wall=run.wall)
 
 
-def _first_corner(pipe: AnyPipe) -> tuple[float, float]:
+def _first_corner(pipe: Pipe) -> tuple[float, float]:
     """Radius of the pipe, and how far before its first corner the inner wall's bend begins [m]."""
     return pipe.radius, float(inner_edges(pipe)[0])
 

@@ -7,7 +7,7 @@ import numpy as np
 from pipenav.arrays import Floats
 from pipenav.backends.messages import Command, Reading
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.layout import Part
+from pipenav.tasks.layout import ObservationField
 from pipenav.tasks.traverse.config import TraverseConfig
 
 STRAIGHT = 0.1
@@ -15,19 +15,19 @@ STRAIGHT = 0.1
 from one wall to the other, and its forwards turns round."""
 
 
-def layout(robot: RobotSpec, config: TraverseConfig) -> list[Part]:
+def layout(robot: RobotSpec, config: TraverseConfig) -> list[ObservationField]:
     """The observation's parts in order, with the scale that each value is divided by."""
     drives, lidar = len(robot.drives), robot.laser
     weighs = config.inclination_deg is not None
     return [
-        Part("q", "rad", np.maximum(-robot.lower, robot.upper)),
-        Part("qd", "rad/s", np.array(robot.speed_limits)),
-        Part("wheel_speeds", "rad/s", wheel_limits(robot)),
-        Part("loads", "1", np.ones(drives)),
-        Part("ranges", "m", np.full(lidar.beams, lidar.range_max)),
-        Part("action_before", "1", np.ones(drives)),
-        Part("turns_beside", "1", np.ones(2)),
-        *([Part("down", "1", np.ones(2))] if weighs else []),
+        ObservationField("q", "rad", np.maximum(-robot.lower, robot.upper)),
+        ObservationField("qd", "rad/s", np.array(robot.speed_limits)),
+        ObservationField("wheel_speeds", "rad/s", wheel_limits(robot)),
+        ObservationField("loads", "1", np.ones(drives)),
+        ObservationField("ranges", "m", np.full(lidar.beams, lidar.range_max)),
+        ObservationField("action_before", "1", np.ones(drives)),
+        ObservationField("turns_beside", "1", np.ones(2)),
+        *([ObservationField("down", "1", np.ones(2))] if weighs else []),
     ]
 
 

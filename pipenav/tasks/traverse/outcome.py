@@ -12,7 +12,7 @@ from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.messages import Reading, Truth
 from pipenav.backends.spatial import SpaceTruth
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.outcome import Verdict
+from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.traverse.config import TraverseConfig, TraverseReward
 
 AT_STOP = 0.01
@@ -44,7 +44,7 @@ def reward(config: TraverseReward, facts: Facts) -> Floats:
     return np.asarray(np.where(facts.failed, config.failed, total))
 
 
-class Judge:
+class OutcomeTracker:
     """Follows n episodes and says how they end."""
 
     def __init__(self, robot: RobotSpec, config: TraverseConfig, n: int) -> None:
@@ -71,7 +71,7 @@ class Judge:
         reading: Reading,
         truth: Truth | SpaceTruth,
     ) -> tuple[Facts, NDArray[np.int8]]:
-        """What one control step brought, and a `Verdict` for each robot, (n,).
+        """What one control step brought, and a `Outcome` for each robot, (n,).
 
         Args:
             steps: control steps of each episode, (n,).
@@ -93,12 +93,12 @@ class Judge:
         sank = truth.penetration > config.max_penetration
         back = middle < self._furthest - config.slide_back * self._robot.length
         passed = (along[:, 0] >= end + config.through) & ~sank
-        verdict = np.where(steps >= limit, Verdict.TIMEOUT.value, Verdict.RUNNING.value)
+        verdict = np.where(steps >= limit, Outcome.TIMEOUT.value, Outcome.RUNNING.value)
         stuck = (self._waited >= config.patience) & ~passed
         verdict[stuck] = self._why_stuck(along, reading)[stuck]
-        verdict[passed] = Verdict.REACHED.value
-        verdict[back] = Verdict.SLID_BACK.value
-        verdict[sank] = Verdict.PENETRATION.value
+        verdict[passed] = Outcome.REACHED.value
+        verdict[back] = Outcome.SLID_BACK.value
+        verdict[sank] = Outcome.PENETRATION.value
         facts = Facts(progress, truth.contact_force, truth.penetration, passed, sank | back | stuck)
         return facts, verdict.astype(np.int8)
 
@@ -107,7 +107,7 @@ class Judge:
         robot = self._robot
         spare = AT_STOP * (robot.upper - robot.lower)
         at_stop = ((reading.q <= robot.lower + spare) | (reading.q >= robot.upper - spare)).any(axis=1)
-        why = np.where(self._rolled >= self._config.spin, Verdict.SLIP.value, Verdict.JAM.value)
-        why = np.where(at_stop, Verdict.LIMIT.value, why)
+        why = np.where(self._rolled >= self._config.spin, Outcome.SLIP.value, Outcome.JAM.value)
+        why = np.where(at_stop, Outcome.LIMIT.value, why)
         folded = along[:, -1] < along[:, along.shape[1] // 2]
-        return np.where(folded, Verdict.FOLD.value, why)
+        return np.where(folded, Outcome.FOLD.value, why)

@@ -9,13 +9,13 @@ from typing import NamedTuple
 import numpy as np
 
 from pipenav.arrays import Floats, Ints
-from pipenav.pipes.corner import Pipe
-from pipenav.pipes.queries import AnyPipe, inner_edges, turn_sides
+from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.queries import Pipe, inner_edges, turn_sides
 from pipenav.robots import kinematics
 from pipenav.robots.robot import RobotSpec
 
 
-class Ways(NamedTuple):
+class CentreLines(NamedTuple):
     """The ways through n pipes of at most `legs` straight legs; of shorter ones the rows left over are 0.
 
     A row of `mitre`, `end` and `side` is of the corner at the leg's end, of which the last leg has none.
@@ -45,7 +45,7 @@ class Ways(NamedTuple):
     radius: Floats
 
     @classmethod
-    def of(cls, pipes: Sequence[AnyPipe]) -> Ways:
+    def of(cls, pipes: Sequence[Pipe]) -> CentreLines:
         """Those of some pipes, runs among them in the plane.
 
         Raises:
@@ -55,7 +55,7 @@ class Ways(NamedTuple):
         legs = max(way.place.shape[1] for way in ways)
         return cls(*map(np.concatenate, zip(*(way._with_room(legs) for way in ways), strict=True)))
 
-    def put(self, rows: Ints, ways: Ways) -> Ways:
+    def put(self, rows: Ints, ways: CentreLines) -> CentreLines:
         """These ways with some rows replaced, in place where they have legs enough."""
         legs = max(self.place.shape[1], ways.place.shape[1])
         mine = self._with_room(legs)
@@ -63,7 +63,7 @@ class Ways(NamedTuple):
             own[rows] = given
         return mine
 
-    def _with_room(self, legs: int) -> Ways:
+    def _with_room(self, legs: int) -> CentreLines:
         more = legs - self.place.shape[1]
         if not more:
             return self
@@ -71,7 +71,7 @@ class Ways(NamedTuple):
         for name, column in columns.items():
             if name != "radius":
                 columns[name] = np.pad(column, [(0, 0), (0, more), (0, 0)][: column.ndim])
-        return Ways(**columns)
+        return CentreLines(**columns)
 
     @property
     def corners(self) -> Ints:
@@ -86,7 +86,7 @@ class Ways(NamedTuple):
     def along(self, points: Floats) -> Floats:
         """Distance along the mitred centre line, 0 at the first corner, of points (n, m, 2) of the pipes' frames.
 
-        (n, m) [m]; as `Pipe.centre_line_distance` and `PipeRun.along`, for all pipes at once.
+        (n, m) [m]; as `PipeCorner.centre_line_distance` and `PipeRoute.along`, for all pipes at once.
         """
         from_start = points[:, :, None] - self.start[:, None]  # (n, m, legs, 2)
         forwards = (from_start * self.direction[:, None]).sum(axis=-1)  # (n, m, legs)
@@ -105,9 +105,9 @@ class Ways(NamedTuple):
 
 
 @lru_cache(maxsize=4096)  # every pipe of the largest shipped training set
-def _way(pipe: AnyPipe) -> Ways:
+def _way(pipe: Pipe) -> CentreLines:
     """That of one pipe, n = 1."""
-    if isinstance(pipe, Pipe):
+    if isinstance(pipe, PipeCorner):
         ahead, second = np.array([1.0, 0.0]), pipe.second_leg
         start, direction = np.array([[-pipe.leg, 0.0], [0.0, 0.0]]), np.stack([ahead, second])
         length = np.array([pipe.leg, pipe.leg])
@@ -117,7 +117,7 @@ def _way(pipe: AnyPipe) -> Ways:
     legs = len(length)
     mitre = direction[:-1] + direction[1:]
     first, last = np.arange(legs) == 0, np.arange(legs) == legs - 1
-    return Ways(
+    return CentreLines(
         start=start[None],
         direction=direction[None],
         mitre=np.concatenate([mitre, np.zeros((1, 2))])[None],

@@ -12,7 +12,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from pipenav.errors import PipenavError
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import RobotSpec
 from pipenav_hardware.arm_config import ArmConfig, FrontSensorConfig, ScannerConfig, arm_toml, default_arm
 
@@ -28,7 +28,7 @@ class Emulator:
     def __init__(
         self,
         robot: RobotSpec,
-        pipe: Pipe | None = None,
+        pipe: PipeCorner | None = None,
         *,
         folder: Path | None = None,
         q: Sequence[float] | None = None,

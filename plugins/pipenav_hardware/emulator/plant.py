@@ -11,7 +11,7 @@ import numpy as np
 from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD, Backend
 from pipenav.backends.messages import Command
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.robots import kinematics, laser
 from pipenav.robots.robot import RobotSpec
 from pipenav_hardware.arm_config import ArmConfig
@@ -131,7 +131,9 @@ class PipePlant(Plant):
     GRACE = 0.3 * CONTROL_PERIOD
     """How much earlier or later than a whole period after the last command the next one may come [s]."""
 
-    def __init__(self, robot: RobotSpec, arm: ArmConfig, backend: Backend, pipe: Pipe, q: Floats, base: float) -> None:
+    def __init__(
+        self, robot: RobotSpec, arm: ArmConfig, backend: Backend, pipe: PipeCorner, q: Floats, base: float
+    ) -> None:
         self._robot, self._arm, self._backend, self._base = robot, arm, backend, base
         self._segments = pipe.segments.copy()[None]
         self._segments[..., 0] -= base

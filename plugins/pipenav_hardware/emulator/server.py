@@ -23,7 +23,7 @@ import numpy as np
 from pydantic import Field
 
 from pipenav.arrays import Table
-from pipenav.pipes.corner import Pipe
+from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import load_robot
 from pipenav_hardware import table
 from pipenav_hardware.arm_config import ArmConfig
@@ -47,7 +47,7 @@ class EmulatorConfig(Table):
 
     robot: str
     arm: ArmConfig = Field(description="how the servos are really mounted; its ports are links that appear")
-    pipe: Pipe | None = Field(None, description="the pipe around the arm; without one nothing is")
+    pipe: PipeCorner | None = Field(None, description="the pipe around the arm; without one nothing is")
     base: float = Field(0.0, description="where the robot's frame starts on the first leg's axis [m]")
     q: tuple[float, ...] | None = Field(None, strict=False, description="where the joints are at the start")
     backend: str = "mujoco"
