@@ -137,7 +137,7 @@ def held_out_success(model: PPO, config: TrainConfig, each: int = 10) -> float:
         actions, _ = model.predict(observation.astype(np.float32), deterministic=True)
         step = batch.step(actions)
         observation = step.observation
-        ended = np.where(ended == Outcome.RUNNING, step.verdict, ended)
+        ended = np.where(ended == Outcome.RUNNING, step.outcome, ended)
     return float((ended == Outcome.REACHED).mean())
 
 

@@ -36,9 +36,9 @@ def test_there_is_something_to_compare(robot: str) -> None:
     agreement = agreement_of(robot)
     joints = len(load_robot(robot).joints)
     for sides in agreement:
-        for side in sides:
-            assert np.isfinite(side).any()
-            assert np.nanmax(side) > 0
+        for turn_sign in sides:
+            assert np.isfinite(turn_sign).any()
+            assert np.nanmax(turn_sign) > 0
     for moved in (agreement.driven, agreement.stepped):
         own = moved.reference[np.arange(joints), :, np.arange(joints)]  # (joints, steps)
         assert np.all(own.max(axis=1) > 0.01)

@@ -65,8 +65,8 @@ class Backwards(KinematicBackend):
 
 
 class ResetsAll(KinematicBackend):
-    def reset(self, robots: Ints, pipes: Sequence[PipeCorner], q: Floats, base: Floats) -> Reading:
-        reading = super().reset(robots, pipes, q, base)
+    def reset(self, indices: Ints, pipes: Sequence[PipeCorner], q: Floats, base: Floats) -> Reading:
+        reading = super().reset(indices, pipes, q, base)
         self._q[:] = q[0] if len(q) else 0.0
         return reading
 
@@ -94,9 +94,9 @@ class Shaky(KinematicBackend):
 
 
 class ReadsOthers(KinematicBackend):
-    def reset(self, robots: Ints, pipes: Sequence[PipeCorner], q: Floats, base: Floats) -> Reading:
-        super().reset(robots, pipes, q, base)
-        return self.read().part(np.arange(len(robots)))
+    def reset(self, indices: Ints, pipes: Sequence[PipeCorner], q: Floats, base: Floats) -> Reading:
+        super().reset(indices, pipes, q, base)
+        return self.read().part(np.arange(len(indices)))
 
 
 class Unfelt(KinematicBackend):

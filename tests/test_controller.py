@@ -39,11 +39,11 @@ def _verdicts(controller: Controller, pipes: list[PipeCorner], n: int) -> list[s
         assert np.abs(action).max() <= 1.0
         result = batch.step(action)
         observation = result.observation
-        first = np.where(first == Outcome.RUNNING, result.verdict, first)
-        if (ended := np.flatnonzero(result.verdict)).size:
+        first = np.where(first == Outcome.RUNNING, result.outcome, first)
+        if (ended := np.flatnonzero(result.outcome)).size:
             observation = batch.reset(ended)
     batch.close()
-    return [Outcome(verdict).label for verdict in first]
+    return [Outcome(outcome).label for outcome in first]
 
 
 @pytest.mark.parametrize("turn", ["left", "right"])

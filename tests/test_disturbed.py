@@ -146,8 +146,8 @@ def test_another_seed_or_another_start_is_disturbed_otherwise() -> None:
 class Varied(KinematicBackend):
     """Remembers how it was varied; does nothing with it."""
 
-    def vary(self, robots: Ints, variation: Variation) -> None:
-        self.robots, self.variation = robots, variation
+    def vary(self, indices: Ints, variation: Variation) -> None:
+        self.indices, self.variation = indices, variation
 
 
 def test_a_simulator_is_told_what_was_drawn_for_the_robots_that_begin() -> None:
@@ -167,7 +167,7 @@ def test_a_simulator_is_told_what_was_drawn_for_the_robots_that_begin() -> None:
     chosen = np.array([3, 7])
     before = inner.variation.part(chosen)
     backend.reset(chosen, [start.pipes[i] for i in chosen], start.q[chosen], start.base[chosen])
-    assert np.array_equal(inner.robots, chosen)
+    assert np.array_equal(inner.indices, chosen)
     for again, first in zip(inner.variation, before, strict=True):
         np.testing.assert_array_equal(again, first)  # the same episode
 

@@ -97,7 +97,7 @@ def test_time_out_is_truncation(env: CornerEnv) -> None:
         assert env.step(np.zeros(4, np.float32))[2:4] == (False, False)
     _, _, terminated, truncated, info = env.step(np.zeros(4, np.float32))
     assert (terminated, truncated) == (False, True)
-    assert info["verdict"] == "timeout"
+    assert info["outcome"] == "timeout"
     assert info["is_success"] is False
 
 
@@ -106,8 +106,8 @@ def test_a_joint_limit_is_termination(env: CornerEnv) -> None:
     env.reset(seed=1)
     back = np.array([-1, 0, 0, 0], np.float32)
     *_, reward, terminated, truncated, info = next(step for step in map(env.step, [back] * 50) if step[2] or step[3])
-    assert (terminated, truncated, info["verdict"], reward) == (True, False, "limit", -1000.0)
-    assert set(info) == {"verdict", "is_success", "clearance_m", "contact_force_n", "penetration_m"}
+    assert (terminated, truncated, info["outcome"], reward) == (True, False, "limit", -1000.0)
+    assert set(info) == {"outcome", "is_success", "clearance_m", "contact_force_n", "penetration_m"}
 
 
 def test_a_vector_env_is_n_single_ones() -> None:
@@ -189,7 +189,7 @@ def test_the_vec_env_starts_anew_at_once_and_keeps_the_last_observation() -> Non
         assert np.array_equal(info["terminal_observation"], last[i])
         assert not np.array_equal(observation[i], last[i])
         assert info["TimeLimit.truncated"] is True
-        assert info["verdict"] == "timeout"
+        assert info["outcome"] == "timeout"
         assert info["episode"]["l"] == SHORT["max_steps"]
         assert info["episode"]["r"] == pytest.approx(total[i], rel=1e-6)
     assert env.step(still)[0].dtype == np.float32

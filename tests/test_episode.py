@@ -20,7 +20,7 @@ from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach import episode
 from pipenav.tasks.reach.batch import ReachBatch
 from pipenav.tasks.reach.config import RewardConfig, TaskConfig
-from pipenav.tasks.reach.episode import way_to_goal
+from pipenav.tasks.reach.episode import distance_to_target
 from pipenav.tasks.reach.observation import scale_of
 from pipenav.tasks.sampling import random_episodes
 
@@ -34,9 +34,9 @@ def drawn(seed: int, pipes: Sequence[PipeCorner] = PIPES) -> episode.Episodes:
     return episode.sample(ROBOT, TASK, pipes, np.random.default_rng(seed))
 
 
-def in_pipe(points: Floats, base: float, side: float) -> Floats:
+def in_pipe(points: Floats, base: float, turn_sign: float) -> Floats:
     """Points (..., 2) of the canonical frame in the pipe's frame."""
-    return (points + np.array([base, 0.0])) * [1.0, side]
+    return (points + np.array([base, 0.0])) * [1.0, turn_sign]
 
 
 @settings(max_examples=25)
@@ -44,9 +44,9 @@ def in_pipe(points: Floats, base: float, side: float) -> Floats:
 def test_every_target_lies_in_the_second_leg(seed: int) -> None:
     episodes = drawn(seed)
     for i, pipe in enumerate(PIPES):
-        goal = in_pipe(episodes.goal[i], episodes.base[i], episodes.side[i])
-        along, left = pipe.along_second_leg(goal)
-        assert pipe.contains(goal)
+        target = in_pipe(episodes.target[i], episodes.base[i], episodes.turn_sign[i])
+        along, left = pipe.along_second_leg(target)
+        assert pipe.contains(target)
         assert pipe.inner_edge + TASK.target_depth[0] - 1e-9 <= along <= pipe.inner_edge + TASK.target_depth[1] + 1e-9
         assert abs(left) <= TASK.target_lateral * pipe.diameter + 1e-9
 
@@ -73,7 +73,7 @@ def test_starts_are_at_no_limit_and_targets_are_not_reached_yet(seed: int) -> No
     episodes = drawn(seed)
     tip = kinematics.forward(ROBOT, episodes.q).tip
     assert not episode.at_limit(ROBOT, TASK, episodes.q).any()
-    assert np.all(np.linalg.norm(tip - episodes.goal, axis=1) > 5 * TASK.reach_tolerance)
+    assert np.all(np.linalg.norm(tip - episodes.target, axis=1) > 5 * TASK.reach_tolerance)
 
 
 @settings(max_examples=40)
@@ -81,7 +81,7 @@ def test_starts_are_at_no_limit_and_targets_are_not_reached_yet(seed: int) -> No
 def test_turns_mirror_each_other(seed: int, pipe: PipeCorner) -> None:
     other = pipe.model_copy(update={"turn": "right" if pipe.turn == "left" else "left"})
     one, two = drawn(seed, [pipe]), drawn(seed, [other])
-    assert one.side == -two.side
+    assert one.turn_sign == -two.turn_sign
     for name in ("q", "base", "goal", "edge"):
         assert np.array_equal(getattr(one, name), getattr(two, name))
 
@@ -89,10 +89,10 @@ def test_turns_mirror_each_other(seed: int, pipe: PipeCorner) -> None:
 def crossing(p: Floats, q: Floats, a: Floats, b: Floats) -> bool:
     """Whether the segments pq and ab cross: the ends of each lie on either side of the other."""
 
-    def side(u: Floats, v: Floats, w: Floats) -> float:
+    def turn_sign(u: Floats, v: Floats, w: Floats) -> float:
         return float((v - u)[0] * (w - u)[1] - (v - u)[1] * (w - u)[0])
 
-    return side(p, q, a) * side(p, q, b) < 0 and side(a, b, p) * side(a, b, q) < 0
+    return turn_sign(p, q, a) * turn_sign(p, q, b) < 0 and turn_sign(a, b, p) * turn_sign(a, b, q) < 0
 
 
 sharp_pipes = st.builds(PipeCorner.of, st.floats(70, 120), st.floats(30, 179), st.just("left"))
@@ -102,15 +102,15 @@ sharp_pipes = st.builds(PipeCorner.of, st.floats(70, 120), st.floats(30, 179), s
 @given(seeds, sharp_pipes)
 def test_the_way_is_the_shortest_path_in_the_pipe(seed: int, pipe: PipeCorner) -> None:
     episodes, rng = drawn(seed, [pipe]), np.random.default_rng(seed)
-    goal, edge = (in_pipe(a[0], episodes.base[0], 1.0) for a in (episodes.goal, episodes.edge))
+    target, edge = (in_pipe(a[0], episodes.base[0], 1.0) for a in (episodes.target, episodes.edge))
     before, corner, after = pipe.walls.inner
     assert corner == pytest.approx(edge)
     tips = rng.uniform(-0.5, 0.5, (400, 2))
     for tip in tips[pipe.contains(tips)][:60]:
-        hidden = crossing(tip, goal, before, corner) or crossing(tip, goal, corner, after)
-        around = np.linalg.norm(tip - edge) + np.linalg.norm(goal - edge)
-        expected = around if hidden else np.linalg.norm(tip - goal)
-        assert way_to_goal(tip[None], goal[None], edge[None])[0] == pytest.approx(expected)
+        hidden = crossing(tip, target, before, corner) or crossing(tip, target, corner, after)
+        around = np.linalg.norm(tip - edge) + np.linalg.norm(target - edge)
+        expected = around if hidden else np.linalg.norm(tip - target)
+        assert distance_to_target(tip[None], target[None], edge[None])[0] == pytest.approx(expected)
 
 
 @settings(max_examples=40)
@@ -121,11 +121,11 @@ def test_the_way_changes_by_no_more_than_the_tip_moves(
     episodes, rng = drawn(seed, [pipe]), np.random.default_rng(seed)
     tips = rng.uniform(-0.5, 0.5, (400, 2))
     moved = tips + step * np.array([np.cos(heading), np.sin(heading)])
-    side = episodes.side[0]
-    inside = pipe.contains(tips * [1, side]) & pipe.contains(moved * [1, side])
-    inside &= pipe.contains((tips + moved) / 2 * [1, side])
-    goal, edge = (np.tile(in_pipe(a, episodes.base[0], 1.0), (400, 1)) for a in (episodes.goal, episodes.edge))
-    change = way_to_goal(moved, goal, edge) - way_to_goal(tips, goal, edge)
+    turn_sign = episodes.turn_sign[0]
+    inside = pipe.contains(tips * [1, turn_sign]) & pipe.contains(moved * [1, turn_sign])
+    inside &= pipe.contains((tips + moved) / 2 * [1, turn_sign])
+    target, edge = (np.tile(in_pipe(a, episodes.base[0], 1.0), (400, 1)) for a in (episodes.target, episodes.edge))
+    change = distance_to_target(moved, target, edge) - distance_to_target(tips, target, edge)
     assert np.all(np.abs(change[inside]) <= step + 1e-9)
 
 
@@ -134,10 +134,10 @@ def test_the_way_changes_by_no_more_than_the_tip_moves(
 def test_the_way_falls_to_zero_along_the_way(seed: int, pipe: PipeCorner) -> None:
     episodes = drawn(seed, [pipe])
     tip = kinematics.forward(ROBOT, episodes.q).tip
-    stations = [np.linspace(tip[0], episodes.edge[0], 50), np.linspace(episodes.edge[0], episodes.goal[0], 50)]
+    stations = [np.linspace(tip[0], episodes.edge[0], 50), np.linspace(episodes.edge[0], episodes.target[0], 50)]
     path = np.concatenate(stations)
     path[:, 1] -= 1e-9  # on the free side of the edge
-    ways = way_to_goal(path, np.tile(episodes.goal, (100, 1)), np.tile(episodes.edge, (100, 1)))
+    ways = distance_to_target(path, np.tile(episodes.target, (100, 1)), np.tile(episodes.edge, (100, 1)))
     assert np.all(np.diff(ways) <= 1e-8)
     assert ways[-1] == pytest.approx(0.0, abs=1e-8)
 
@@ -151,9 +151,9 @@ class Puppet(Backend):
         self.q, self.penetration = np.zeros((n, 4)), np.zeros(n)
         self.ranges = np.full((n, 10), 0.3)
 
-    def reset(self, robots, pipes, q, base) -> Reading:  # type: ignore[no-untyped-def]  # noqa: ARG002
-        self.q[robots] = q
-        return self.read().part(robots)
+    def reset(self, indices, pipes, q, base) -> Reading:  # type: ignore[no-untyped-def]  # noqa: ARG002
+        self.q[indices] = q
+        return self.read().part(indices)
 
     def step(self, command: Command) -> None:
         pass
@@ -179,14 +179,14 @@ def puppet_batch(**task: object) -> tuple[ReachBatch, Puppet]:
 
 def put_tip_at_the_goal(batch: ReachBatch, backend: Puppet) -> None:
     """By slide and two hinges: two links to the target, the head in line with the second."""
-    x, y = batch.goal[0]
+    x, y = batch.target[0]
     theta = np.arctan2(y, x - 0.04 - 0.2)
     distance = np.hypot(y, x - 0.24)
     far = 0.23  # link2 and the head
     bend = np.arccos(np.clip((distance**2 - 0.12**2 - far**2) / (2 * 0.12 * far), -1, 1))
     first = theta - np.arctan2(far * np.sin(bend), 0.12 + far * np.cos(bend))
     backend.q[0] = [0.2, first, bend, 0.0]
-    assert kinematics.forward(ROBOT, backend.q).tip[0] == pytest.approx(batch.goal[0])
+    assert kinematics.forward(ROBOT, backend.q).tip[0] == pytest.approx(batch.target[0])
 
 
 STILL = np.zeros((1, 4))
@@ -194,13 +194,13 @@ STILL = np.zeros((1, 4))
 
 def test_verdicts_have_an_order_of_precedence() -> None:
     batch, backend = puppet_batch(max_steps=1)
-    assert batch.step(STILL).verdict == Outcome.TIMEOUT
+    assert batch.step(STILL).outcome == Outcome.TIMEOUT
     put_tip_at_the_goal(batch, backend)
-    assert batch.step(STILL).verdict == Outcome.REACHED
+    assert batch.step(STILL).outcome == Outcome.REACHED
     backend.q[0, 0] = ROBOT.upper[0]
-    assert batch.step(STILL).verdict == Outcome.LIMIT
+    assert batch.step(STILL).outcome == Outcome.LIMIT
     backend.penetration[0] = 1.01 * TASK.max_penetration
-    assert batch.step(STILL).verdict == Outcome.PENETRATION
+    assert batch.step(STILL).outcome == Outcome.PENETRATION
 
 
 def test_an_episode_that_reaches_its_target_in_a_wall_has_failed() -> None:
@@ -208,7 +208,7 @@ def test_an_episode_that_reaches_its_target_in_a_wall_has_failed() -> None:
     put_tip_at_the_goal(batch, backend)
     backend.penetration[0] = 1.01 * TASK.max_penetration
     result = batch.step(STILL)
-    assert result.verdict == Outcome.PENETRATION
+    assert result.outcome == Outcome.PENETRATION
     assert result.reward == pytest.approx([RewardConfig().limit])
 
 

@@ -69,9 +69,9 @@ def test_another_seed_gives_other_episodes(results: EpisodeResults) -> None:
 
 @pytest.mark.parametrize("robots", [1, 5])
 def test_results_do_not_depend_on_how_many_robots_run_together(
-    robots: int, results: EpisodeResults, monkeypatch: pytest.MonkeyPatch
+    indices: int, results: EpisodeResults, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(episode_runner, "MAX_ROBOTS", robots)
+    monkeypatch.setattr(episode_runner, "MAX_ROBOTS", indices)
     require_same(run_task(Clumsy(), PIPES, EPISODES, seed=3), results)
 
 
@@ -89,8 +89,8 @@ def test_results_do_not_depend_on_the_number_of_episodes(results: EpisodeResults
 
 
 def test_every_episode_has_ended_in_one_way(results: EpisodeResults) -> None:
-    assert len(results.verdict) == len(PIPES) * EPISODES
-    assert set(results.verdict) <= set(Outcome) - {Outcome.RUNNING}
+    assert len(results.outcome) == len(PIPES) * EPISODES
+    assert set(results.outcome) <= set(Outcome) - {Outcome.RUNNING}
     limit = Clumsy.task.max_steps
     assert ((results.steps > 0) & (results.steps <= limit)).all()
     assert ((results.contact_share >= 0) & (results.contact_share <= 1)).all()
@@ -112,14 +112,14 @@ def test_the_shipped_policy_passes_the_working_range() -> None:
     sample = parse_pipes(["working-range"])[::16]
     assert len(sample) == 12
     found = run_task(PolicyController(load_policy(policy)), sample, EPISODES, seed=11)
-    assert (found.verdict == Outcome.REACHED).mean() >= 0.95
+    assert (found.outcome == Outcome.REACHED).mean() >= 0.95
 
 
 @pytest.mark.parametrize("name", ["pirate", "pirate-gravity"])
 def test_the_whole_robots_shipped_policies_pass_corners_and_runs(name: str) -> None:
     sample = [*parse_pipes(["working-range"])[::16], *parse_runs(["runs-level:3", "runs-level:14"])]
     found = run_task(open_controller(name), sample, 2, seed=11)
-    assert (found.verdict == Outcome.REACHED).mean() >= 0.9
+    assert (found.outcome == Outcome.REACHED).mean() >= 0.9
 
 
 def run(capsys: pytest.CaptureFixture[str], *args: str) -> tuple[int, str, str]:

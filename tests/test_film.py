@@ -24,18 +24,18 @@ ROBOT = load_robot("basic")
 
 
 def motion(rows: int, pipe: PipeCorner, outcome: str | None = "reached") -> Trajectory:
-    goal = 0.15 * pipe.second_leg
+    target = 0.15 * pipe.second_leg
     header = TrajectoryHeader(
         robot="basic",
         pipe=pipe,
         base_m=-0.6,
-        goal_m=(float(goal[0]), float(goal[1])),
+        goal_m=(float(target[0]), float(target[1])),
         stage="front",
         outcome=outcome,
         backend="mujoco",
         controller="arm",
     )
-    q = np.linspace([0, 0, 0, 0], [0.2, 0.1, 0.2, 0.3], rows) * [1, pipe.side, pipe.side, pipe.side]
+    q = np.linspace([0, 0, 0, 0], [0.2, 0.1, 0.2, 0.3], rows) * [1, pipe.turn_sign, pipe.turn_sign, pipe.turn_sign]
     forces = np.zeros((rows, 4, 2))
     forces[-1, 3] = [0.0, -8.0]
     return Trajectory(header, ROBOT, q, np.linalg.norm(forces, axis=2).max(axis=1), forces)
@@ -98,7 +98,7 @@ def test_an_mp4_is_in_real_time_for_every_player(tmp_path: Path) -> None:
     about = next(frames)
     assert about["fps"] == 10
     assert about["pix_fmt"].startswith("yuv420p")
-    assert all(side % 2 == 0 for side in about["size"])
+    assert all(turn_sign % 2 == 0 for turn_sign in about["size"])
     assert len(list(frames)) == 7 + 2 * (film.HOLD - 1)
 
 

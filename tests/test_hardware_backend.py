@@ -317,10 +317,10 @@ def test_other_limits_than_the_servos_are_refused(emulator: Emulator) -> None:
         pass
 
 
-@pytest.mark.parametrize(("latency", "verdict"), [(0.006, "warning"), (0.016, "refused")])
-def test_a_slow_adapter_is_named(latency: float, verdict: str) -> None:
+@pytest.mark.parametrize(("latency", "outcome"), [(0.006, "warning"), (0.016, "refused")])
+def test_a_slow_adapter_is_named(latency: float, outcome: str) -> None:
     with Emulator(ROBOT, boot_time=0.0, adapter_latency=latency) as emulator:
-        if verdict == "warning":
+        if outcome == "warning":
             with driver(emulator) as machine:
                 machine.read()
                 assert any("latency_timer" in warning for warning in machine.warnings)

@@ -35,9 +35,9 @@ def reading(robot: RobotSpec, q: Floats, ranges: Floats) -> Reading:
     return Reading(q[None], np.zeros((1, len(robot.joints))), ranges[None], np.zeros(1))
 
 
-def printed(robot: RobotSpec, first: Reading, side: float) -> PrintedLocator:
+def printed(robot: RobotSpec, first: Reading, turn_sign: float) -> PrintedLocator:
     locator = PrintedLocator(robot, LocateConfig(), 1)
-    locator.start(ONE, first, np.array([side]))
+    locator.start(ONE, first, np.array([turn_sign]))
     return locator
 
 
@@ -77,19 +77,19 @@ def test_eq_3_18_the_advance_and_the_turn() -> None:
     locator = printed(robot, reading(robot, q, clear), 1.0)
     advances = []
     for ranges in (clear, near, near, clear):
-        goal = locator.act(reading(robot, q, ranges)).goal[0]
-        advances.append(goal[0] - 0.1)
-        assert goal[1:] == pytest.approx([0.02, -0.03, 0.35])  # theta1, theta2 hold, theta3 turns by 0.15 rad
+        set_points = locator.act(reading(robot, q, ranges)).set_points[0]
+        advances.append(set_points[0] - 0.1)
+        assert set_points[1:] == pytest.approx([0.02, -0.03, 0.35])  # theta1, theta2 hold, theta3 turns by 0.15 rad
     assert advances == pytest.approx([0.02, 0.02 / 8, 0.02 / 64, 0.02])
     right = printed(robot, reading(robot, q, clear), -1.0)
-    assert right.act(reading(robot, q, clear)).goal[0, 3] == pytest.approx(0.05)
+    assert right.act(reading(robot, q, clear)).set_points[0, 3] == pytest.approx(0.05)
 
 
 def test_a_near_wall_beside_the_head_does_not_slow_the_advance() -> None:
     robot = robot_for(load_robot("basic"), "thesis")
     q, ranges = np.zeros(4), np.full(10, 0.3)
     ranges[[0, 1, 8, 9]] = 0.01
-    assert printed(robot, reading(robot, q, ranges), 1.0).act(reading(robot, q, ranges)).goal[0, 0] == 0.02
+    assert printed(robot, reading(robot, q, ranges), 1.0).act(reading(robot, q, ranges)).set_points[0, 0] == 0.02
 
 
 def test_eq_3_19_only_a_beam_beyond_0_3_m_is_open() -> None:
@@ -105,7 +105,7 @@ def test_eq_3_19_only_a_beam_beyond_0_3_m_is_open() -> None:
     assert open_.done[0]
     assert open_.beam[0] == 7
     assert open_.target[0] == pytest.approx(point_on_beam(robot, q[None], np.array([7]), 0.2)[0])
-    assert open_.goal[0] == pytest.approx(q)  # it stays
+    assert open_.set_points[0] == pytest.approx(q)  # it stays
 
 
 def test_the_printed_method_takes_a_straight_pipe_ahead_for_an_open_space() -> None:
@@ -134,7 +134,7 @@ def test_the_printed_method_turns_its_head_past_the_opening_of_a_narrow_pipe() -
 class Search(NamedTuple):
     """How one search ended: verdict, target in the pipe's frame (2,), all poses (rows, joints)."""
 
-    verdict: Outcome
+    outcome: Outcome
     target: Floats
     q: Floats
 
@@ -144,15 +144,15 @@ def search(name: str, pipe: PipeCorner, gap: float, bend: Floats, variant: Varia
     robot = robot_for(load_robot(name), variant)
     base = np.array([-pipe.inner_edge - gap - robot.length])
     q = np.concatenate([[0.0], bend])[None]
-    start = Episodes((pipe,), q, base, np.array([pipe.side]), np.zeros((1, 2)), np.zeros((1, 2)))
-    backend, rows, verdict = KinematicBackend(robot, 1, KinematicOptions()), [q[0]], Outcome.RUNNING
+    start = Episodes((pipe,), q, base, np.array([pipe.turn_sign]), np.zeros((1, 2)), np.zeros((1, 2)))
+    backend, rows, outcome = KinematicBackend(robot, 1, KinematicOptions()), [q[0]], Outcome.RUNNING
     with closing(LocateStage(robot, LocateConfig(), variant, TaskConfig(), backend, 1, lambda _: start)) as stage:
         stage.start(ONE)
-        while verdict is Outcome.RUNNING:
+        while outcome is Outcome.RUNNING:
             step = stage.step()
-            verdict = Outcome(step.verdict[0])
+            outcome = Outcome(step.outcome[0])
             rows.append(step.q[0].copy())
-    return Search(verdict, stage.target[0] * [1.0, pipe.side] + [base[0], 0.0], np.array(rows))
+    return Search(outcome, stage.target[0] * [1.0, pipe.turn_sign] + [base[0], 0.0], np.array(rows))
 
 
 STARTS = {
@@ -171,7 +171,7 @@ def test_the_default_finds_a_target_inside_the_second_leg(
 ) -> None:
     pipe = PipeCorner.of(d, angle, "right")
     found = search(name, pipe, gap, np.array(bend))
-    assert found.verdict is Outcome.REACHED
+    assert found.outcome is Outcome.REACHED
     along, off = pipe.along_second_leg(found.target)
     assert along - pipe.inner_edge == pytest.approx(0.1, abs=0.03)
     assert abs(off) < 0.03
@@ -184,7 +184,7 @@ def test_the_default_finds_a_target_inside_the_second_leg(
 def test_a_mirrored_pipe_gives_the_mirrored_target(d: float, angle: float, gap: float, bend: list[float]) -> None:
     left = search("basic", PipeCorner.of(d, angle, "left"), gap, np.array(bend))
     right = search("basic", PipeCorner.of(d, angle, "right"), gap, -np.array(bend))
-    assert left.verdict is right.verdict
+    assert left.outcome is right.outcome
     # The simulated laser rounds to 5 mm, where the last bit of a distance may tip a reading.
     assert right.target * [1.0, -1.0] == pytest.approx(left.target, abs=2e-3)
     assert right.q[: len(left.q), 0] == pytest.approx(left.q[: len(right.q), 0], abs=1e-9)
@@ -208,8 +208,8 @@ def test_a_recorded_search_is_the_one_that_an_evaluation_runs() -> None:
     for number in range(3):
         located = record_locate(robot, "map", pipe, 5, number, FAST)
         np.testing.assert_array_equal(located.trajectory.q, part.motions[number])
-        base, goal = located.trajectory.header.base_m, located.trajectory.header.goal_m
-        assert goal == pytest.approx(part.targets[number] * [1.0, -1.0] + [base, 0.0])
+        base, set_points = located.trajectory.header.base_m, located.trajectory.header.goal_m
+        assert set_points == pytest.approx(part.targets[number] * [1.0, -1.0] + [base, 0.0])
         assert located.found is not None
         assert located.ranges.shape == (len(located.trajectory.q), robot.laser.beams)
 

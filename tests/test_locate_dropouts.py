@@ -34,9 +34,9 @@ def advances(scans: list[Floats]) -> list[float]:
     locator, slide, moved = MapLocator(ROBOT, LocateConfig(), 1), 0.0, []
     locator.start(ONE, reading(0.0, scans[0]), np.ones(1))
     for ranges in scans:
-        goal = float(locator.act(reading(slide, ranges)).goal[0, 0])
-        moved.append(goal - slide)
-        slide = goal
+        set_points = float(locator.act(reading(slide, ranges)).set_points[0, 0])
+        moved.append(set_points - slide)
+        slide = set_points
     return moved
 
 

@@ -160,19 +160,21 @@ def test_how_straight_a_start_must_be(front: Trajectory) -> None:
 def run(stage: RearStage) -> tuple[list[str], list[int]]:
     """How the first episode of every robot ends, and after how many steps."""
     stage.start(np.arange(stage.n))
-    verdict, steps = np.zeros(stage.n, int), np.zeros(stage.n, int)
-    while not verdict.all():
+    outcome, steps = np.zeros(stage.n, int), np.zeros(stage.n, int)
+    while not outcome.all():
         step = stage.step()
-        running = verdict == Outcome.RUNNING
+        running = outcome == Outcome.RUNNING
         steps[running] = stage.steps[running]
-        verdict[running] = step.verdict[running]
+        outcome[running] = step.outcome[running]
     stage.close()
-    return [Outcome(one).label for one in verdict], steps.tolist()
+    return [Outcome(one).label for one in outcome], steps.tolist()
 
 
 def test_the_rear_leaves_the_corner(front: Trajectory) -> None:
     rear = rear_motion(ROBOT, front.motion)
-    ends, steps = run(RearStage(ROBOT, open_backend("mujoco", ROBOT, 3, FAST), 3, lambda robots: [rear] * len(robots)))
+    ends, steps = run(
+        RearStage(ROBOT, open_backend("mujoco", ROBOT, 3, FAST), 3, lambda indices: [rear] * len(indices))
+    )
     assert ends == ["reached"] * 3
     assert max(steps) <= follower.PATIENCE * (len(rear.q) - 1) + follower.SLACK
 
@@ -182,9 +184,9 @@ def test_each_robot_replays_its_own_motion_anew_after_each_start(front: Trajecto
     slow = rear._replace(q=np.repeat(rear.q, 2, axis=0))
     given: list[list[int]] = []
 
-    def source(robots: Ints) -> list[Motion]:
-        given.append(robots.tolist())
-        return [rear if robot % 2 == 0 else slow for robot in robots]
+    def source(indices: Ints) -> list[Motion]:
+        given.append(indices.tolist())
+        return [rear if robot % 2 == 0 else slow for robot in indices]
 
     stage = RearStage(ROBOT, KinematicBackend(ROBOT, 4, KinematicOptions()), 4, source)
     stage.start(np.arange(4))

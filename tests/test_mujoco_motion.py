@@ -39,9 +39,9 @@ def run(backend: MujocoBackend, steps: int, signs: object = 1.0) -> Reading:
     return backend.read()
 
 
-def equal(one: Reading, two: Reading, robots: object = slice(None)) -> bool:
+def equal(one: Reading, two: Reading, indices: object = slice(None)) -> bool:
     pairs = zip(one.measured().items(), two.measured().items(), strict=True)
-    return all(name == other and np.array_equal(a[robots], b[robots]) for (name, a), (other, b) in pairs)
+    return all(name == other and np.array_equal(a[indices], b[indices]) for (name, a), (other, b) in pairs)
 
 
 @pytest.mark.parametrize("threads", [2, 5])

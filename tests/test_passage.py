@@ -63,7 +63,7 @@ def test_the_front_goes_for_the_target_that_was_found(
     front: StageResult, controller: Controller, located: StageResult
 ) -> None:
     assert front.passed.all()
-    sides = np.array([pipe.side for pipe in parse_pipes(NAMES) for _ in range(EPISODES)])
+    sides = np.array([pipe.turn_sign for pipe in parse_pipes(NAMES) for _ in range(EPISODES)])
     tips = kinematics.forward(controller.robot, front.results.q).tip * np.stack([np.ones(JOBS), sides], axis=1)
     off = np.linalg.norm(tips - located.targets, axis=1)
     assert (off <= controller.task.reach_tolerance).all()
@@ -140,5 +140,5 @@ def test_a_pipe_too_narrow_for_the_robot_is_refused(tmp_path: Path, capsys: pyte
 
 def test_a_failed_stage_names_itself() -> None:
     found = EvaluationRun(None, ["d=110,angle=175"], 2, 0, "locate", variant="thesis").run()
-    assert set(found.pipes[0].failures) <= {f"locate {verdict.label}" for verdict in Outcome}
+    assert set(found.pipes[0].failures) <= {f"locate {outcome.label}" for outcome in Outcome}
     assert found.policy == "locate:thesis"

@@ -24,7 +24,7 @@ def test_walls_are_a_diameter_apart_in_both_legs(pipe: PipeCorner) -> None:
     inner, outer = pipe.walls
     assert np.linalg.norm(inner[0] - outer[0]) == pytest.approx(pipe.diameter)
     assert np.linalg.norm(inner[-1] - outer[-1]) == pytest.approx(pipe.diameter)
-    for wall, offset in ((inner, pipe.side * pipe.radius), (outer, -pipe.side * pipe.radius)):
+    for wall, offset in ((inner, pipe.turn_sign * pipe.radius), (outer, -pipe.turn_sign * pipe.radius)):
         assert wall[:2, 1] == pytest.approx(offset)
         assert pipe.along_second_leg(wall[-2:])[:, 1] == pytest.approx(offset, abs=1e-9)
 
@@ -35,7 +35,7 @@ def test_legs_have_their_length_and_the_second_one_its_heading(pipe: PipeCorner)
     assert line[0] == pytest.approx([-pipe.leg, 0.0])
     assert line[-1] == pytest.approx(pipe.leg * pipe.second_leg)
     assert math.acos(np.clip(pipe.second_leg @ [-1.0, 0.0], -1, 1)) == pytest.approx(pipe.angle, abs=1e-7)
-    assert pipe.second_leg[1] * pipe.side >= -1e-12
+    assert pipe.second_leg[1] * pipe.turn_sign >= -1e-12
 
 
 @given(diameters, angles, bends)
@@ -92,7 +92,7 @@ def _distance_to_segments(point: np.ndarray, line: np.ndarray) -> np.ndarray:
 
 @given(pipes)
 def test_gap_lies_between_the_walls_on_the_bisector(pipe: PipeCorner) -> None:
-    bisector = np.array([-math.cos(pipe.angle / 2), pipe.side * math.sin(pipe.angle / 2)])
+    bisector = np.array([-math.cos(pipe.angle / 2), pipe.turn_sign * math.sin(pipe.angle / 2)])
     inner, outer = pipe.apex(pipe.radius), pipe.apex(-pipe.radius)
     clear = 2 * ARC_TOLERANCE  # an outer arc's chords lie a little inside it
     assert pipe.contains(np.array([(inner - 1e-6) * bisector, (outer + clear) * bisector])).all()

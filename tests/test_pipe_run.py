@@ -103,8 +103,8 @@ def test_every_corner_bends_in_its_own_plane_by_its_angle(run: PipeRoute) -> Non
     rotation = run.frames.rotation
     for before, after, corner in zip(rotation, rotation[1:], run.corners, strict=False):
         c, s = math.cos(corner.roll), math.sin(corner.roll)
-        side = 1 if corner.turn == "left" else -1
-        to_inside = side * (c * before[:, 1] + s * before[:, 2])
+        turn_sign = 1 if corner.turn == "left" else -1
+        to_inside = turn_sign * (c * before[:, 1] + s * before[:, 2])
         expected = -math.cos(corner.angle) * before[:, 0] + math.sin(corner.angle) * to_inside
         np.testing.assert_allclose(after[:, 0], expected, atol=1e-12)
         np.testing.assert_allclose(after[:, 2], c * before[:, 2] - s * before[:, 1], atol=1e-12)

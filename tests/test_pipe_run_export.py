@@ -65,8 +65,8 @@ def rays(run: PipeRoute, count: int) -> tuple[Floats, Floats, Floats]:
     axes = run.legs.axes[leg]
     origins = run.legs.start[leg] + along[:, None] * axes[:, :, 0]
     ways = np.cos(around)[:, None] * axes[:, :, 1] + np.sin(around)[:, None] * axes[:, :, 2]
-    side = 2 * math.pi / FACETS
-    return origins, ways, run.radius / np.cos((around + side / 2) % side - side / 2)
+    turn_sign = 2 * math.pi / FACETS
+    return origins, ways, run.radius / np.cos((around + turn_sign / 2) % turn_sign - turn_sign / 2)
 
 
 def test_mujoco_sees_the_walls_where_the_prisms_are(made: tuple[PipeRoute, Path]) -> None:

@@ -85,8 +85,8 @@ def _sides(prisms: Floats) -> tuple[Floats, Floats]:
 
 def to_polygon(run: PipeRoute, facets: int, around: Floats) -> Floats:
     """Distance from the axis to the polygon around the bore [m]."""
-    side = 2 * math.pi / facets
-    return np.asarray(run.radius / np.cos((around + side / 2) % side - side / 2))
+    turn_sign = 2 * math.pi / facets
+    return np.asarray(run.radius / np.cos((around + turn_sign / 2) % turn_sign - turn_sign / 2))
 
 
 def points_at(run: PipeRoute, distance: Floats, around: Floats, share: Floats) -> Floats:

@@ -30,7 +30,7 @@ def fronts() -> list[Trajectory]:
 def test_the_recorded_episode_is_the_one_that_an_evaluation_runs(fronts: list[Trajectory]) -> None:
     results = run_task(open_controller("arm"), [PIPE], 3, 5, options=OPTIONS)
     for number, front in enumerate(fronts):
-        assert front.header.outcome == Outcome(results.verdict[number]).label
+        assert front.header.outcome == Outcome(results.outcome[number]).label
         assert len(front.q) - 1 == results.steps[number]
         assert np.array_equal(front.q[-1], results.q[number])
         assert front.contact_force is not None

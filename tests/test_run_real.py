@@ -285,7 +285,7 @@ def test_calibrate_as_typed(
 
 def test_pictures_and_motions_of_a_run_in_an_unknown_pipe(recording: Recording, tmp_path: Path) -> None:
     class MissionPlan:
-        policy, folder, goal = load_policy(resolve_policy("arm")), tmp_path, None
+        policy, folder, target = load_policy(resolve_policy("arm")), tmp_path, None
 
     plan: Any = MissionPlan()
     assert [path.name for path in write_motions(plan, recording.ticks, "passed", None)] == ["run.png"]

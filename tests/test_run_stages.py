@@ -36,7 +36,7 @@ def simulate(
     backend = open_backend("mujoco", robot, 1, {"threads": 1}, len(pipe.segments))
     now = before = backend.reset(np.array([0]), [pipe], start.q, start.base)
     given = {"goal": None, "retreat": False} | settings
-    run = Mission(policy, float(start.side[0]), PERIOD, given["goal"], LocateConfig(), given["retreat"])
+    run = Mission(policy, float(start.turn_sign[0]), PERIOD, given["goal"], LocateConfig(), given["retreat"])
     made, step = [], robot.speed_limits * PERIOD
     for _ in range(500):
         seen = now._replace(q=now.q - rng.uniform(0, lag) * (now.q - before.q))
@@ -44,8 +44,8 @@ def simulate(
         command = made[-1].command
         if command is None:
             break
-        goal = np.clip(np.clip(command.values, seen.q - step, seen.q + step), robot.lower, robot.upper)
-        backend.step(Command("position", goal))
+        target = np.clip(np.clip(command.values, seen.q - step, seen.q + step), robot.lower, robot.upper)
+        backend.step(Command("position", target))
         before, now = now, backend.read()
     backend.close()
     return run, made
@@ -60,7 +60,7 @@ def test_an_arm_locates_reaches_and_comes_back(angle: int, turn: str) -> None:
     assert run.outcome == "passed"
     assert stages == sorted(stages, key=["locate", "reach", "back", "passed"].index)
     assert {"locate", "reach", "back", "passed"} == set(stages)
-    assert run.target is not None and np.sign(run.target[1]) == pipe.side
+    assert run.target is not None and np.sign(run.target[1]) == pipe.turn_sign
     for decision in made:
         assert (decision.observation is not None) == (decision.stage == "reach")
 
@@ -68,17 +68,17 @@ def test_an_arm_locates_reaches_and_comes_back(angle: int, turn: str) -> None:
 def test_a_given_target_is_not_looked_for() -> None:
     pipe = PipeCorner.of(120, 90, "right")
     start = episode.sample(ROBOT, POLICY.header.task, [pipe], np.random.default_rng(3))
-    goal = start.goal[0] * [1, -1]
-    run, made = simulate(pipe, 3, goal=goal)
+    target = start.target[0] * [1, -1]
+    run, made = simulate(pipe, 3, target=target)
     assert run.outcome == "passed"
     assert made[0].stage == "reach"
-    assert run.target is goal
+    assert run.target is target
 
 
 def test_a_target_out_of_reach_is_given_up_and_left_if_wished() -> None:
     far = np.array([5.0, 0.0])
     for retreat, last in ((False, "reach"), (True, "back")):
-        run, made = simulate(PipeCorner.of(130, 90), 0, goal=far, retreat=retreat)
+        run, made = simulate(PipeCorner.of(130, 90), 0, target=far, retreat=retreat)
         assert run.outcome in ("timeout", "limit")
         assert made[-2].stage == last
 

@@ -27,7 +27,7 @@ def test_the_front_stage_is_the_corner_task_under_its_controller() -> None:
         queue = EpisodeQueue(start, len(PIPES), len(PIPES))
         simulator = open_backend("mujoco", controller.robot, len(PIPES), {}, 4)
         return ReachBatch(
-            controller.robot, controller.task, simulator, len(PIPES), lambda robots: joined(queue.take(robots))
+            controller.robot, controller.task, simulator, len(PIPES), lambda indices: joined(queue.take(indices))
         )
 
     with closing(batch()) as plain, closing(TaskStage(batch(), controller)) as stage:
@@ -36,7 +36,7 @@ def test_the_front_stage_is_the_corner_task_under_its_controller() -> None:
         for _ in range(12):
             expected, step = plain.step(controller.act(observation, plain)), stage.step()
             observation = expected.observation
-            np.testing.assert_array_equal(step.verdict, expected.verdict)
+            np.testing.assert_array_equal(step.outcome, expected.outcome)
             np.testing.assert_array_equal(step.truth.tip, expected.truth.tip)
             np.testing.assert_array_equal(step.q, plain.q)
             np.testing.assert_array_equal(stage.steps, plain.steps)
@@ -56,9 +56,9 @@ def test_results_say_where_each_episode_ended() -> None:
     """The next stage starts there: the tip is at the target of those that reached it."""
     controller = open_controller("baseline:centreline")
     found = run_task(controller, PIPES, 2, seed=2)
-    assert (found.verdict == Outcome.REACHED).all()
+    assert (found.outcome == Outcome.REACHED).all()
     start = random_start(controller.robot, controller.task, PIPES, 2, seed=2)
     for job, q in enumerate(found.q):
         episode = start(job)
-        tip = kinematics.forward(controller.robot, q[None]).tip * [1.0, episode.side[0]]
+        tip = kinematics.forward(controller.robot, q[None]).tip * [1.0, episode.turn_sign[0]]
         assert np.linalg.norm(tip - episode.goal) <= controller.task.reach_tolerance

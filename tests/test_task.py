@@ -129,17 +129,17 @@ def test_history_state_eq_3_2() -> None:
 def test_relative_state_sees_the_target_from_the_tip() -> None:
     # The tip link points to +y; a target 0.03 beyond the tip lies straight ahead, at half length in `goal_near`.
     now = snapshot([0.0, 0.0, 0.0, math.pi / 2], [0.0] * 4, [0.3] * 10)
-    goal = np.array([[0.28, 0.11 + 0.03]])
-    seen = observe(TaskConfig(observation="relative"), now, RESTING, np.zeros((1, 4)), goal)
+    target = np.array([[0.28, 0.11 + 0.03]])
+    seen = observe(TaskConfig(observation="relative"), now, RESTING, np.zeros((1, 4)), target)
     assert seen[0, 18:] == pytest.approx([0.03, 0.0, 0.5, 0.0], abs=1e-12)
     assert observation.NEAR == 0.03
 
 
 def test_relative_state_with_the_scan_before_and_the_last_action() -> None:
     now, before = snapshot([0.1] * 4, [2.0] * 4, [0.3] * 10), snapshot([4.0] * 4, [5.0] * 4, [0.6] * 10)
-    config, goal, action = TaskConfig(observation="relative-history"), np.array([[0.6, 0.2]]), np.full((1, 4), 0.7)
-    seen = observe(config, now, before, action, goal)
-    alone = observe(TaskConfig(observation="relative"), now, before, action, goal)
+    config, target, action = TaskConfig(observation="relative-history"), np.array([[0.6, 0.2]]), np.full((1, 4), 0.7)
+    seen = observe(config, now, before, action, target)
+    alone = observe(TaskConfig(observation="relative"), now, before, action, target)
     assert seen[0] == pytest.approx([*alone[0], *[0.6] * 10, *[0.7] * 4])
     assert seen.shape == (1, 36) == (1, len(scale_of(ROBOT, config)))
     assert names(config) == ["q", "qd", "ranges", "goal_in_tip", "goal_near", "ranges_before", "action_before"]
@@ -168,10 +168,10 @@ def test_a_right_turn_looks_like_the_left_turn_it_mirrors(q, qd, ranges, action,
     reading = Reading(q, qd, ranges, np.zeros(1))
     signs = np.array([1.0, -1, -1, -1])  # the slide stays, the hinges turn to the other side
     mirrored = Reading(q * signs, qd * signs, ranges[:, ::-1], np.zeros(1))
-    config, goal = TaskConfig(observation=kind), np.array([[0.5, 0.2]])
+    config, target = TaskConfig(observation=kind), np.array([[0.5, 0.2]])
 
     left, right = canonical(ROBOT, reading, LEFT), canonical(ROBOT, mirrored, RIGHT)
-    seen = [observe(config, now, RESTING, action, goal) for now in (left, right)]
+    seen = [observe(config, now, RESTING, action, target) for now in (left, right)]
     assert np.array_equal(*seen)
 
     for control in ("torque", "position"):
@@ -185,6 +185,6 @@ def test_a_right_turn_looks_like_the_left_turn_it_mirrors(q, qd, ranges, action,
 @given(joint_values, joint_values, range_values)
 def test_a_snapshot_shares_no_memory_with_the_reading(q, qd, ranges) -> None:  # type: ignore[no-untyped-def]
     reading = Reading(q, qd, ranges, np.zeros(1))
-    for side in (LEFT, RIGHT):
-        for seen, read in zip(canonical(ROBOT, reading, side), reading, strict=False):
+    for turn_sign in (LEFT, RIGHT):
+        for seen, read in zip(canonical(ROBOT, reading, turn_sign), reading, strict=False):
             assert not np.shares_memory(seen, read)

@@ -27,7 +27,7 @@ def scene(pipe: PipeCorner, **more: object) -> Scene:
 
 def test_the_picture_shows_robot_wall_and_target_where_they_are() -> None:
     straight = np.zeros(4)
-    view = scene(PipeCorner.of(100, 90), q=straight, goal=np.array([0.0, 0.1]))
+    view = scene(PipeCorner.of(100, 90), q=straight, target=np.array([0.0, 0.1]))
     picture = scene_pixels(view, 400, around=0.4)  # a pixel is 2 mm, the tip at (-0.21, 0) in the middle
 
     def colour(x: float, y: float) -> tuple[int, ...]:

@@ -194,10 +194,10 @@ class Course:
         zero = np.zeros(1)
         truth = Truth(np.zeros((1, 3)), zero, np.array([depth]), zero, np.zeros((1, 7, 2)))
         self._steps += 1
-        self.facts, verdict = self._judge.step(
+        self.facts, outcome = self._judge.step(
             self._steps, np.array([self.config.max_steps]), along, np.array([0.1]), reading, truth
         )
-        return Outcome(verdict[0])
+        return Outcome(outcome[0])
 
 
 def test_the_tail_beyond_the_corner_ends_an_episode_well() -> None:
@@ -227,8 +227,8 @@ def test_sliding_back_by_its_length_fails() -> None:
 def test_being_stuck_has_a_reason_and_is_a_failure(moves: dict[str, float], reason: Outcome) -> None:
     course = Course()
     for i in range(4):
-        verdict = course.step(0.001 * i, **moves)  # type: ignore[arg-type]
-        assert verdict is (Outcome.RUNNING if i < 2 else reason)
+        outcome = course.step(0.001 * i, **moves)  # type: ignore[arg-type]
+        assert outcome is (Outcome.RUNNING if i < 2 else reason)
         assert course.facts.failed.all() == (i >= 2)
 
 
@@ -281,13 +281,13 @@ def test_unclamped_in_an_upright_pipe_it_falls_freely(steps: int) -> None:
 def test_held_clamped_in_an_upright_pipe_it_stays_and_its_wheels_carry_it_up() -> None:
     upright = {"set_points": "held", "start_spread": (1.0, 1.0), "start_press": 0.16, "inclination_deg": (180.0, 180.0)}
     config, pipes = CONFIG.model_copy(update=upright), [PipeCorner.of(70, 90), PipeCorner.of(100, 90, "right")]
-    with batch(episodes(config, pipes=pipes), config) as robots:
-        heights = [robots.q[:, 0]]
+    with batch(episodes(config, pipes=pipes), config) as indices:
+        heights = [indices.q[:, 0]]
         for forwards in (0.0, 0.5):
             action = np.concatenate([np.zeros((2, 6)), np.full((2, 6), forwards)], axis=1)
             for _ in range(10):
-                robots.step(action)
-            heights.append(robots.q[:, 0])
+                indices.step(action)
+            heights.append(indices.q[:, 0])
     assert heights[1] - heights[0] == pytest.approx(0.0, abs=0.02)
     assert np.all(heights[2] - heights[1] > 0.03)
 

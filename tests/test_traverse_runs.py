@@ -89,8 +89,8 @@ def test_corners_end_one_after_the_other_and_turn_to_the_side_that_the_run_turns
     assert np.all(np.diff(ways.end[0, :-1]) > 0)
     direction = np.diff(run.centre_line[:, :2], axis=0)
     cross = direction[:-1, 0] * direction[1:, 1] - direction[:-1, 1] * direction[1:, 0]
-    assert queries.turn_sides(run) == pytest.approx(np.sign(cross))
-    assert ways.side[0, :-1] == pytest.approx(np.sign(cross))
+    assert queries.turn_signs(run) == pytest.approx(np.sign(cross))
+    assert ways.turn_sign[0, :-1] == pytest.approx(np.sign(cross))
 
 
 def test_a_run_of_one_gives_the_episode_of_the_corner() -> None:
@@ -106,7 +106,7 @@ def test_a_run_of_one_gives_the_episode_of_the_corner() -> None:
             a, b = corner.step(action), run.step(action)
             assert a.observation == pytest.approx(b.observation, abs=1e-9)
             assert a.reward == pytest.approx(b.reward, abs=1e-9)
-            assert list(a.verdict) == list(b.verdict)
+            assert list(a.outcome) == list(b.outcome)
 
 
 @settings(max_examples=30)
@@ -132,7 +132,7 @@ class Ghost(Backend):
         self.pipes, self.tail, self.q, self.ranges = pipes, np.full(len(pipes), -1.0), q, ranges
         self.asked: list[Command] = []
 
-    def reset(self, robots: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:  # noqa: ARG002
+    def reset(self, indices: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:  # noqa: ARG002
         return self.read()
 
     def step(self, command: Command) -> None:
@@ -157,7 +157,7 @@ class Ghost(Backend):
 def _on_the_centre_line(pipe: Pipe, at: float) -> tuple[float, float, float]:
     """Place and direction of the way where it is `at` long."""
     assert isinstance(pipe, PipeRoute)
-    leg = int(np.clip(np.searchsorted(pipe.places, at, side="right") - 1, 0, len(pipe.straights) - 1))
+    leg = int(np.clip(np.searchsorted(pipe.places, at, turn_sign="right") - 1, 0, len(pipe.straights) - 1))
     x, y = pipe.legs.axes[leg][:2, 0]
     place = pipe.centre_line[leg, :2] + (at - pipe.places[leg]) * np.array([x, y])
     return (*place, float(np.arctan2(y, x)))
@@ -181,12 +181,12 @@ def carried(pipes: Sequence[Pipe], config: TraverseConfig = CONFIG, seed: int = 
 @given(st.sampled_from(LEVEL), seeds)
 def test_a_run_and_its_mirror_image_are_seen_and_driven_alike_through_all_corners(run: Pipe, seed: int) -> None:
     assert isinstance(run, PipeRoute)
-    ghost, robots = carried([run, mirrored(run)], seed=seed)
+    ghost, indices = carried([run, mirrored(run)], seed=seed)
     rng = np.random.default_rng(seed)
     for at in np.linspace(-1.0, run.places[-1], 40):
         ghost.tail[:] = at
         action = np.tile(rng.uniform(-1.0, 1.0, 12), (2, 1))
-        seen = robots.step(action).observation
+        seen = indices.step(action).observation
         assert seen[0] == pytest.approx(seen[1])
         left, right = ghost.asked[-1].values
         assert right == pytest.approx(left * ROBOT.mirror_drives)
@@ -196,53 +196,53 @@ def test_a_run_and_its_mirror_image_are_seen_and_driven_alike_through_all_corner
 @given(st.sampled_from(LEVEL))
 def test_the_side_is_that_of_the_first_corner_that_the_middle_has_not_passed(run: Pipe) -> None:
     assert isinstance(run, PipeRoute)
-    ghost, robots = carried([run])
-    sides, scale = queries.turn_sides(run), scale_of(ROBOT, CONFIG)
+    ghost, indices = carried([run])
+    sides, scale = queries.turn_signs(run), scale_of(ROBOT, CONFIG)
     ends = run.places[1:-1] + queries.inner_edges(run)
     around, before, corner = np.array([0.0, *sides, 0.0]), sides[0], 0
     for at in np.linspace(-1.0, run.places[-1], 60):
         ghost.tail[:] = at
         action = np.random.default_rng(0).uniform(-1.0, 1.0, (1, 12))
-        seen = robots.step(action).observation * scale
-        corner = max(corner, min(int((robots.along.mean() >= ends).sum()), len(sides) - 1))
-        side = sides[corner]
-        assert seen[0, :6] == pytest.approx(ghost.q[0] * (ROBOT.mirror_signs if side < 0 else 1.0))
+        seen = indices.step(action).observation * scale
+        corner = max(corner, min(int((indices.along.mean() >= ends).sum()), len(sides) - 1))
+        turn_sign = sides[corner]
+        assert seen[0, :6] == pytest.approx(ghost.q[0] * (ROBOT.mirror_signs if turn_sign < 0 else 1.0))
         # What was done last keeps its meaning: the same bends of the same joints.
-        assert seen[0, -14:-8] * side == pytest.approx(action[0, :6] * before)
+        assert seen[0, -14:-8] * turn_sign == pytest.approx(action[0, :6] * before)
         assert seen[0, -8:-2] == pytest.approx(action[0, 6:])
-        assert seen[0, -2:] * side == pytest.approx([around[corner], around[corner + 2]])
-        before = side
+        assert seen[0, -2:] * turn_sign == pytest.approx([around[corner], around[corner + 2]])
+        before = turn_sign
 
 
 def test_a_corner_that_was_passed_stays_passed_where_the_robot_slides_back() -> None:
     run = PipeRoute.of(100, [(90, "left", 0), (90, "right", 0)], [1000, 800, 1000])
-    ghost, robots = carried([run])
+    ghost, indices = carried([run])
     still = np.zeros((1, 12))
-    first = robots.step(still).observation[0, :6]
+    first = indices.step(still).observation[0, :6]
     ghost.tail[:] = 0.1
-    second = robots.step(still).observation[0, :6]
+    second = indices.step(still).observation[0, :6]
     ghost.tail[:] = -0.1
     assert second == pytest.approx(-first)
-    assert robots.step(still).observation[0, :6] == pytest.approx(second)
+    assert indices.step(still).observation[0, :6] == pytest.approx(second)
 
 
 def test_a_run_is_passed_with_the_tail_past_the_last_corner_and_has_time_for_every_corner() -> None:
     run = PipeRoute.of(100, [(90, "left", 0), (90, "right", 0), (70, "left", 0)], [1000, 800, 800, 1000])
     end = run.places[-2] + queries.inner_edges(run)[-1] + CONFIG.through
     config = CONFIG.model_copy(update={"max_steps": 20})
-    for last, verdict, steps in ((end + 1e-6, Outcome.REACHED, 50), (end - 1e-6, Outcome.TIMEOUT, 60)):
-        ghost, robots = carried([run], config)
+    for last, outcome, steps in ((end + 1e-6, Outcome.REACHED, 50), (end - 1e-6, Outcome.TIMEOUT, 60)):
+        ghost, indices = carried([run], config)
         found = []
         for at in [*np.linspace(-1.0, end - 0.02, 49), *[last] * 11]:
             ghost.tail[:] = at
-            found.append(Outcome(robots.step(np.zeros((1, 12))).verdict[0]))
+            found.append(Outcome(indices.step(np.zeros((1, 12))).outcome[0]))
         assert found[: steps - 1] == [Outcome.RUNNING] * (steps - 1)
-        assert found[steps - 1] is verdict
+        assert found[steps - 1] is outcome
 
 
 def test_robots_in_runs_and_in_corners_are_stepped_together() -> None:
-    with batch([LEVEL[0], CORNERS[0]]) as robots:
-        both = [robots.step(np.full((2, 12), 0.3)) for _ in range(3)]
+    with batch([LEVEL[0], CORNERS[0]]) as indices:
+        both = [indices.step(np.full((2, 12), 0.3)) for _ in range(3)]
     for i, pipe in enumerate((LEVEL[0], CORNERS[0])):
         start = sample(ROBOT, CONFIG, [LEVEL[0], CORNERS[0]], np.random.default_rng(0)).part(slice(i, i + 1))
         assert start.pipes[0].name == pipe.name
@@ -280,7 +280,7 @@ def test_a_run_that_leaves_the_plane_is_refused() -> None:
         parse_planar(["runs-rolled"])
     assert len(parse_planar(["runs-level", "d=90,angle=90"])) == 25
     rolled_over = PipeRoute.of(100, [(90, "left", 180)])
-    assert queries.turn_sides(rolled_over) == [-1.0]
+    assert queries.turn_signs(rolled_over) == [-1.0]
 
 
 def test_what_goes_wrong_in_a_run_is_drawn_by_its_corners() -> None:

@@ -35,11 +35,11 @@ class Backend(ABC):
     def __init__(self, robot: RobotSpec, n: int, options: BackendOptions, wall_segments: int = 4) -> None: ...
 
     @abstractmethod
-    def reset(self, robots: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:
+    def reset(self, indices: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:
         """Put some robots at rest into pipes; the others are untouched. What the k robots' sensors give there.
 
         Args:
-            robots: which robots, sorted and unique, (k,).
+            indices: which robots, sorted and unique, (k,).
             pipes: the pipe of each, k of them.
             q: configurations in the robots' frames: joint positions, of a free robot its first link's pose before them,
                 (k, coordinates) [rad or m].
@@ -88,13 +88,13 @@ class Variation(NamedTuple):
 class Variable(Protocol):
     """What a simulator may offer besides, for randomised training and `pipenav eval --disturb`."""
 
-    def vary(self, robots: Ints, variation: Variation) -> None:
+    def vary(self, indices: Ints, variation: Variation) -> None:
         """Make some robots differ from their description until they are varied again; the others are untouched.
 
         To be called right before a reset of the same robots.
 
         Args:
-            robots: which robots, sorted and unique, (k,).
+            indices: which robots, sorted and unique, (k,).
             variation: of these.
         """
         ...
@@ -104,13 +104,13 @@ class Variable(Protocol):
 class Inclinable(Protocol):
     """What a simulator may offer besides, for pipes that are not level."""
 
-    def incline(self, robots: Ints, gravity: Floats) -> None:
+    def incline(self, indices: Ints, gravity: Floats) -> None:
         """Let gravity act along the plane of some robots' pipes until they are inclined again; it does not at first.
 
         To be called right before a reset of the same robots, after `Variable.vary` where that is called too.
 
         Args:
-            robots: which robots, sorted and unique, (k,).
+            indices: which robots, sorted and unique, (k,).
             gravity: its part in the pipe's plane, axes of the pipe's frame, (k, 2) [m/s^2].
         """
         ...

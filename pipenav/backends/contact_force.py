@@ -31,5 +31,5 @@ class Windows:
 def strongest(forces: Floats) -> Floats:
     """The largest of each link's forces, in any number of axes, (n, windows, links, axes) -> (n, links, axes) [N]."""
     peak = (forces**2).sum(axis=-1).argmax(axis=1)  # (n, links)
-    robots, links = np.ogrid[: peak.shape[0], : peak.shape[1]]
-    return np.asarray(forces[robots, peak, links])
+    indices, links = np.ogrid[: peak.shape[0], : peak.shape[1]]
+    return np.asarray(forces[indices, peak, links])

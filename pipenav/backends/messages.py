@@ -29,15 +29,15 @@ class Reading(NamedTuple):
     wheel_speeds: Floats | None = None
     loads: Floats | None = None
 
-    def part(self, robots: Ints) -> Reading:
+    def part(self, indices: Ints) -> Reading:
         """The readings of some robots, k of them."""
-        return Reading(**{name: column[robots] for name, column in self.measured().items()})
+        return Reading(**{name: column[indices] for name, column in self.measured().items()})
 
-    def put(self, robots: Ints, part: Reading) -> None:
+    def put(self, indices: Ints, part: Reading) -> None:
         """Overwrite the rows of some robots, k of them, by `part`."""
         for name, rows in part.measured().items():
             if (column := getattr(self, name)) is not None:
-                column[robots] = rows
+                column[indices] = rows
 
     def measured(self) -> dict[str, Floats]:
         """All that is measured, by name."""

@@ -68,11 +68,11 @@ class SpaceBackend(ABC):
     """n robots of one kind, each in a run of its own, stepped together."""
 
     @abstractmethod
-    def reset(self, robots: Ints, runs: Sequence[PipeRoute], q: Floats, base: Floats, plane: Floats) -> SpaceReading:
+    def reset(self, indices: Ints, runs: Sequence[PipeRoute], q: Floats, base: Floats, plane: Floats) -> SpaceReading:
         """Put some robots at rest into runs; the others are untouched. What the k robots' sensors give there.
 
         Args:
-            robots: which robots, sorted and unique, (k,).
+            indices: which robots, sorted and unique, (k,).
             runs: the run of each, k of them.
             q: configurations in the robots' frames, as for `Backend.reset`, (k, coordinates) [rad or m].
             base: where each robot's frame starts on the first leg's axis, x in the run's frame, (k,) [m].

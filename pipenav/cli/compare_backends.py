@@ -67,6 +67,6 @@ def _table(found: list[Check], robot: str, names: tuple[str, str]) -> Table:
     for heading in ("", "why that much is allowed"):
         table.add_column(heading)
     for check in found:
-        verdict = Text("holds", "green") if check.holds else Text("too large", "red")
-        table.add_row(check.what, f"{check.found:.2f}", f"{check.allowed:g} {check.unit}", verdict, check.reason)
+        outcome = Text("holds", "green") if check.holds else Text("too large", "red")
+        table.add_row(check.what, f"{check.found:.2f}", f"{check.allowed:g} {check.unit}", outcome, check.reason)
     return table

@@ -185,7 +185,7 @@ def _check(console: Console, kind: type[RealRobot], options: BackendOptions) -> 
 
 
 def _announce(console: Console, machine: RealRobot, plan: MissionPlan, dry_run: bool) -> None:
-    where = "a target that it looks for" if plan.goal is None else "the given target"
+    where = "a target that it looks for" if plan.target is None else "the given target"
     what = "would move" if dry_run else "is going to move"
     console.print(
         f"The arm {what}: {where} around a {plan.turn} turn, policy {plan.policy.path}, then back out. "

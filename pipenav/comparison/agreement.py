@@ -121,7 +121,7 @@ def _record(robot: RobotSpec, name: str, options: Mapping[str, Any]) -> _Passage
         while not ended.all():
             result = batch.step(controller.act(observation, batch))
             observation = result.observation
-            now = (result.verdict != Outcome.RUNNING) & (ended == 0)
+            now = (result.outcome != Outcome.RUNNING) & (ended == 0)
             goals.append(np.where((ended > 0)[:, None], goals[-1] if goals else 0.0, batch.q))
             ended[now] = len(goals)
     return _Passages(np.stack(goals, axis=1), ended, start)
@@ -175,11 +175,11 @@ def _press(backend: Backend, robot: RobotSpec, goals: Floats) -> tuple[Floats, F
 
 def _follow(backend: Backend, passages: _Passages) -> tuple[Floats, Floats]:
     """Tips on the recorded passages, and the laser's readings in their poses."""
-    start, robots = passages.start, np.arange(len(CORNERS))
+    start, indices = passages.start, np.arange(len(CORNERS))
     ranges = []
     for q in passages.goals.swapaxes(0, 1)[::3]:
-        ranges.append(backend.reset(robots, CORNERS, q, start.base).ranges)
-    backend.reset(robots, CORNERS, start.q, start.base)
+        ranges.append(backend.reset(indices, CORNERS, q, start.base).ranges)
+    backend.reset(indices, CORNERS, start.q, start.base)
     tips = []
     for i, goals in enumerate(passages.goals.swapaxes(0, 1)):
         backend.step(Command("position", goals))

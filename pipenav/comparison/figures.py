@@ -109,6 +109,6 @@ def _times(steps: int) -> np.ndarray:
 def _plain(axes: Axes) -> None:
     axes.grid(color=GRID, lw=0.8)
     axes.set_axisbelow(True)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
+    for edge in ("top", "right"):
+        axes.spines[edge].set_visible(False)
     axes.tick_params(colors=MUTED, labelsize=8)

@@ -54,15 +54,15 @@ class Locate:
         target: in the robot's own frame, (2,) [m]; None before one is found.
     """
 
-    def __init__(self, robot: RobotSpec, config: LocateConfig, side: float) -> None:
-        self._locator, self._side = MapLocator(robot, config, 1), np.array([side])
+    def __init__(self, robot: RobotSpec, config: LocateConfig, turn_sign: float) -> None:
+        self._locator, self._turn_sign = MapLocator(robot, config, 1), np.array([turn_sign])
         self._ticks = 0
         self.target: Floats | None = None
 
     def decide(self, reading: Reading) -> Decision | str:
         """A command, or the outcome: `located` or `not-located`."""
         if not self._ticks:
-            self._locator.start(np.array([0]), reading, self._side)
+            self._locator.start(np.array([0]), reading, self._turn_sign)
         decision = self._locator.act(reading)
         self._ticks += 1
         if decision.done[0]:
@@ -70,15 +70,15 @@ class Locate:
             return "located"
         if self._ticks > LOCATE_TICKS:
             return "not-located"
-        return Decision("locate", Command("position", decision.goal))
+        return Decision("locate", Command("position", decision.set_points))
 
 
 class Reach:
     """The policy drives the tip to the target, given in the robot's own frame."""
 
-    def __init__(self, policy: Policy, side: float, goal: Floats) -> None:
-        self._policy, self._side = policy, np.array([side])
-        self._goal = (goal * np.array([1.0, side]))[None]  # canonical
+    def __init__(self, policy: Policy, turn_sign: float, target: Floats) -> None:
+        self._policy, self._turn_sign = policy, np.array([turn_sign])
+        self._target = (target * np.array([1.0, turn_sign]))[None]  # canonical
         self._robot, self._task = policy.header.robot, reaching(policy.header.task, "a run on an arm")
         self._before: Snapshot | None = None
         self._action = np.zeros((1, len(self._robot.joints)))
@@ -86,20 +86,20 @@ class Reach:
 
     def decide(self, reading: Reading) -> Decision | str:
         """A command, or the outcome: `reached`, `limit` or `timeout`."""
-        now = observation.canonical(self._robot, reading, self._side)
+        now = observation.canonical(self._robot, reading, self._turn_sign)
         tip = kinematics.forward(self._robot, now.q).tip
-        if np.linalg.norm(tip - self._goal) <= self._task.reach_tolerance:
+        if np.linalg.norm(tip - self._target) <= self._task.reach_tolerance:
             return "reached"
         if episode.at_limit(self._robot, self._task, reading.q)[0]:
             return "limit"
         if self._steps >= self._task.max_steps:
             return "timeout"
         before = now if self._before is None else self._before
-        raw = observation.observe(self._task, now, before, self._action, self._goal)
+        raw = observation.observe(self._task, now, before, self._action, self._target)
         seen = raw / observation.scale_of(self._robot, self._task)
         self._action = self._policy.act(seen).astype(float)
         self._before, self._steps = now, self._steps + 1
-        command = actions.to_command(self._robot, self._task, self._action, reading.q, self._side)
+        command = actions.to_command(self._robot, self._task, self._action, reading.q, self._turn_sign)
         return Decision("reach", command, seen[0], self._action[0])
 
 
@@ -121,10 +121,10 @@ class Back:
         if self._steps >= follower.patience[0]:
             return "back-timeout"
         self._steps += 1
-        goal = follower.act(reading.q)
+        set_points = follower.act(reading.q)
         if follower.caught[0]:
-            goal[0, 0] = max(goal[0, 0], reading.q[0, 0] + PUSH)
-        return Decision("back", Command("position", goal))
+            set_points[0, 0] = max(set_points[0, 0], reading.q[0, 0] + PUSH)
+        return Decision("back", Command("position", set_points))
 
 
 class Mission:
@@ -136,24 +136,30 @@ class Mission:
     """
 
     def __init__(
-        self, policy: Policy, side: float, period: float, goal: Floats | None, locate: LocateConfig, retreat: bool
+        self,
+        policy: Policy,
+        turn_sign: float,
+        period: float,
+        target: Floats | None,
+        locate: LocateConfig,
+        retreat: bool,
     ) -> None:
         """
         Args:
             policy: what reaches the target.
-            side: +1 for a left turn, -1 for a right one.
+            turn_sign: +1 for a left turn, -1 for a right one.
             period: of a tick [s].
-            goal: target in the robot's own frame, (2,) [m]; None to look for one.
+            target: target in the robot's own frame, (2,) [m]; None to look for one.
             locate: how to look for it.
             retreat: whether to back out as well when the target was not found or not reached.
         """
-        self._policy, self._side, self._period = policy, side, period
+        self._policy, self._turn_sign, self._period = policy, turn_sign, period
         self._robot, self._retreat = policy.header.robot, retreat
         self._path: list[Floats] = []
-        self.target, self.outcome, self._failure = goal, "", ""
-        self._stage: Locate | Reach | Back | None = Locate(self._robot, locate, side)
-        if goal is not None:
-            self._stage = Reach(policy, side, goal)
+        self.target, self.outcome, self._failure = target, "", ""
+        self._stage: Locate | Reach | Back | None = Locate(self._robot, locate, turn_sign)
+        if target is not None:
+            self._stage = Reach(policy, turn_sign, target)
 
     def decide(self, reading: Reading) -> Decision:
         """What to do after this reading."""
@@ -182,7 +188,7 @@ class Mission:
         elif isinstance(self._stage, Locate) and self._stage.target is not None:
             self.target = self._stage.target
             self._path = self._path[-1:]  # it is back where it started: what it did to look need not be undone
-            self._stage = Reach(self._policy, self._side, self.target)
+            self._stage = Reach(self._policy, self._turn_sign, self.target)
         elif ended == "reached":
             self._stage = Back(self._robot, self._path, self._period)
         elif not self.back_out(ended):
@@ -191,6 +197,6 @@ class Mission:
 
 def mission_of(policy: Policy, settings: dict[str, Any]) -> Mission:
     """The run that a header's `run` describes."""
-    goal = None if settings["goal_m"] is None else np.array(settings["goal_m"], float)
+    target = None if settings["goal_m"] is None else np.array(settings["goal_m"], float)
     locate = LocateConfig.model_validate(settings["locate"])
-    return Mission(policy, settings["side"], settings["period_s"], goal, locate, settings["retreat"])
+    return Mission(policy, settings["side"], settings["period_s"], target, locate, settings["retreat"])

@@ -64,8 +64,8 @@ def run_picture(
     axes.set_ylabel("y [mm]", color=MUTED)
     axes.grid(color=GRID, linewidth=0.8)
     axes.set_axisbelow(True)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
+    for edge in ("top", "right"):
+        axes.spines[edge].set_visible(False)
     axes.set_title(title, loc="left", color=INK, fontsize=12)
     return png(figure)
 

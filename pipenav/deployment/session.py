@@ -46,7 +46,7 @@ class MissionPlan(NamedTuple):
     Attributes:
         policy: what reaches the target.
         turn: the side that the pipe turns to.
-        goal: target in the robot's own frame, (2,) [m]; None to look for one.
+        target: target in the robot's own frame, (2,) [m]; None to look for one.
         retreat: whether to back out when it is not found or not reached.
         folder: where telemetry, policy and picture go.
         stop_file: a file whose appearance is an emergency stop.
@@ -55,7 +55,7 @@ class MissionPlan(NamedTuple):
 
     policy: Policy
     turn: Turn
-    goal: Floats | None
+    target: Floats | None
     retreat: bool
     folder: Path
     stop_file: Path
@@ -135,18 +135,18 @@ def _require_drivable(policy: Policy) -> None:
         )
 
 
-def run_settings(turn: Turn, goal: Floats | None, retreat: bool) -> dict[str, Any]:
+def run_settings(turn: Turn, target: Floats | None, retreat: bool) -> dict[str, Any]:
     """What a telemetry's header says of a run, and `mission_of` makes it from.
 
     Args:
         turn: the side that the pipe turns to.
-        goal: target in the robot's own frame, (2,) [m]; None to look for one.
+        target: target in the robot's own frame, (2,) [m]; None to look for one.
         retreat: whether to back out when it is not found or not reached.
     """
     return {
         "side": 1.0 if turn == "left" else -1.0,
         "period_s": CONTROL_PERIOD,
-        "goal_m": None if goal is None else [float(x) for x in goal],
+        "goal_m": None if target is None else [float(x) for x in target],
         "locate": LocateConfig().model_dump(),
         "retreat": retreat,
     }
@@ -163,7 +163,7 @@ def execute(
         show: called with every tick's record.
         released: with `--hold-on-stop`: whether someone holds the arm now; None to switch off at once.
     """
-    settings = run_settings(plan.turn, plan.goal, plan.retreat)
+    settings = run_settings(plan.turn, plan.target, plan.retreat)
     run = mission_of(plan.policy, settings)
     content = plan.policy.path.read_bytes()
     atomic_write(plan.folder / POLICY_COPY, content)
@@ -203,8 +203,8 @@ def execute(
 def rehearse(policy: Policy, settings: dict[str, Any], reading: Reading) -> None:
     """Decide once in every stage, before torque is on: what a first time takes would make a tick late."""
     tip = kinematics.forward(policy.header.robot, reading.q).tip[0]
-    for goal in (None, [float(tip[0]) + 0.1, float(tip[1]) + 0.1]):
-        mission_of(policy, settings | {"goal_m": goal}).decide(reading)
+    for target in (None, [float(tip[0]) + 0.1, float(tip[1]) + 0.1]):
+        mission_of(policy, settings | {"goal_m": target}).decide(reading)
 
 
 class Pace(NamedTuple):
@@ -250,7 +250,7 @@ def pace(ticks: Sequence[dict[str, Any]]) -> Pace:
 def located_place(plan: MissionPlan, ticks: Sequence[dict[str, Any]], pipe: PipeCorner) -> ArmPlacement | None:
     """Where the arm stood in a pipe that is known; None where it located no target."""
     target = next((tick["target"] for tick in reversed(ticks) if tick.get("target")), None)
-    if plan.goal is not None or target is None:
+    if plan.target is not None or target is None:
         return None
     return place_of(pipe, np.array(target), LocateConfig().depth)
 

@@ -15,7 +15,7 @@ from pipenav.backends.backend import Backend, BackendOptions, Inclinable, Variab
 from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.disturbances.disturbance import MAX_LATENCY, Disturbance
 from pipenav.errors import PipenavError
-from pipenav.pipes.queries import Pipe, interior_angles, turn_sides
+from pipenav.pipes.queries import Pipe, interior_angles, turn_signs
 from pipenav.robots import laser
 from pipenav.robots.robot import RobotSpec
 
@@ -57,22 +57,22 @@ class DisturbedBackend(Backend):
         self._noise, self._dropouts, self._missing = np.zeros(n), np.zeros(n), np.zeros((n, beams), bool)
         self._ranges = np.zeros((n, beams))
 
-    def reset(self, robots: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:
+    def reset(self, indices: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:
         d, spans = self._disturbance, []
-        for row, i in enumerate(robots):
+        for row, i in enumerate(indices):
             rng = self._generators[i] = _generator(self._seed, pipes[row], q[row], base[row])
             spans.append(_variation(self._robot, d, rng))
             self._latency[i] = rng.integers(*d.latency, endpoint=True)
             self._noise[i], self._dropouts[i] = rng.uniform(*d.noise), rng.uniform(*d.dropouts)
             self._missing[i] = rng.random(self._robot.laser.beams) < rng.uniform(*d.missing)
         if self._simulator is not None and d.varies_robots:
-            self._simulator.vary(robots, Variation(*map(np.array, zip(*spans, strict=True))))
-        reading = self._inner.reset(robots, pipes, q, base)
-        self._start[robots, : reading.q.shape[1]], self._age[robots] = reading.q, 0
-        self._ranges[robots] = self._seen(robots, reading.ranges)
-        return reading._replace(ranges=self._ranges[robots])
+            self._simulator.vary(indices, Variation(*map(np.array, zip(*spans, strict=True))))
+        reading = self._inner.reset(indices, pipes, q, base)
+        self._start[indices, : reading.q.shape[1]], self._age[indices] = reading.q, 0
+        self._ranges[indices] = self._seen(indices, reading.ranges)
+        return reading._replace(ranges=self._ranges[indices])
 
-    def incline(self, robots: Ints, gravity: Floats) -> None:
+    def incline(self, indices: Ints, gravity: Floats) -> None:
         """See `pipenav.backends.backend.Inclinable`.
 
         Raises:
@@ -81,7 +81,7 @@ class DisturbedBackend(Backend):
         if not isinstance(self._inner, Inclinable):
             name = type(self._inner).__name__
             raise PipenavError(f"{name} knows no gravity along the pipe: choose another backend.")
-        self._inner.incline(robots, gravity)
+        self._inner.incline(indices, gravity)
 
     def step(self, command: Command) -> None:
         self._commands = np.concatenate([command.values[:, None], self._commands[:, :-1]], axis=1)
@@ -95,17 +95,17 @@ class DisturbedBackend(Backend):
     def read(self) -> Reading:
         return self._inner.read()._replace(ranges=self._ranges.copy())
 
-    def _seen(self, robots: Ints, ranges: Floats) -> Floats:
+    def _seen(self, indices: Ints, ranges: Floats) -> Floats:
         """What is left of true readings (k, beams) of some robots: noise, then missing beams, then dropouts."""
         sensor = self._robot.laser
         drawn = [
-            (self._generators[i].normal(size=sensor.beams), self._generators[i].random(sensor.beams)) for i in robots
+            (self._generators[i].normal(size=sensor.beams), self._generators[i].random(sensor.beams)) for i in indices
         ]
         normal, uniform = (np.array(column) for column in zip(*drawn, strict=True))
-        noisy = laser.measure(sensor, ranges + self._noise[robots, None] * normal)
+        noisy = laser.measure(sensor, ranges + self._noise[indices, None] * normal)
         seen = np.where(ranges < sensor.range_max, noisy, ranges)
-        seen = np.where(self._missing[robots], sensor.range_max, seen)
-        return np.where(uniform < self._dropouts[robots, None], sensor.range_min, seen)
+        seen = np.where(self._missing[indices], sensor.range_max, seen)
+        return np.where(uniform < self._dropouts[indices, None], sensor.range_min, seen)
 
     def truth(self) -> Truth | None:
         return self._inner.truth()
@@ -116,7 +116,7 @@ class DisturbedBackend(Backend):
 
 def _generator(seed: int, pipe: Pipe, q: Floats, base: float) -> np.random.Generator:
     """The generator of one episode."""
-    corners = np.stack([interior_angles(pipe), turn_sides(pipe)], axis=1)
+    corners = np.stack([interior_angles(pipe), turn_signs(pipe)], axis=1)
     start = np.array([pipe.diameter, *corners.ravel(), base, *q], float)
     return np.random.default_rng([seed, *start.view(np.uint32).tolist()])
 

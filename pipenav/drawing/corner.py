@@ -86,7 +86,7 @@ class _Sketch(Drafting):
     def __init__(self, pipe: PipeCorner, axes: Axes) -> None:
         outside = pipe.radius + pipe.wall
         outline = m_to_mm(1.0) * np.concatenate([pipe.line(offset) for offset in (-outside, outside)])
-        super().__init__(axes, outline, pipe.side)
+        super().__init__(axes, outline, pipe.turn_sign)
         self.pipe = pipe
         self.radius, self.wall, self.leg = m_to_mm(pipe.radius), m_to_mm(pipe.wall), m_to_mm(pipe.leg)
         self.outside = self.radius + self.wall

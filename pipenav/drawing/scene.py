@@ -47,7 +47,7 @@ class Scene(NamedTuple):
         base: x of the robot's frame in the pipe's frame [m].
         q: configuration in the robot's own frame, (coordinates,) [rad or m].
         ranges: laser readings from right to left, (beams,) [m].
-        goal: the target in the pipe's frame, (2,) [m]; None where there is none.
+        target: the target in the pipe's frame, (2,) [m]; None where there is none.
         link_forces: forces of the pipe on the links, (links, 2) [N]; None where they are not known.
     """
 
@@ -56,7 +56,7 @@ class Scene(NamedTuple):
     base: float
     q: Floats
     ranges: Floats
-    goal: Floats | None = None
+    target: Floats | None = None
     link_forces: Floats | None = None
 
 
@@ -66,8 +66,8 @@ def draw_scene(axes: Axes, scene: Scene) -> None:
     offset = np.array([scene.base, 0.0])
     pose = kinematics.forward(scene.robot, scene.q[None])
     _draw_beams(axes, scene, pose.tip[0] + offset, float(pose.headings[0, -1]))
-    if scene.goal is not None:
-        axes.plot(*m_to_mm(1.0) * scene.goal, "*", color=TARGET, markersize=15, markeredgecolor="white", zorder=8)
+    if scene.target is not None:
+        axes.plot(*m_to_mm(1.0) * scene.target, "*", color=TARGET, markersize=15, markeredgecolor="white", zorder=8)
     outlines = [[polygon[0] + offset for polygon in link] for link in link_outlines(scene.robot, scene.q[None])]
     for polygon in (polygon for link in outlines for polygon in link):
         axes.fill(*m_to_mm(1.0) * polygon.T, facecolor=LINK, edgecolor=LINK_EDGE, linewidth=0.9, zorder=5)

@@ -28,7 +28,7 @@ from pipenav.tasks.sampling import random_episodes
 
 Float32s = NDArray[np.float32]
 
-VERDICT_LABELS = np.array([verdict.label for verdict in Outcome])
+OUTCOME_LABELS = np.array([outcome.label for outcome in Outcome])
 
 
 class SeededEpisodes:
@@ -63,11 +63,11 @@ class SeededEpisodes:
         opened = open_backend(backend, self._robot, n, dict(options or {}), slots)
         self.batch = ReachBatch(self._robot, self._config, opened, n, self._draw)
 
-    def _draw(self, robots: Ints) -> Episodes:
-        for i in robots:
+    def _draw(self, indices: Ints) -> Episodes:
+        for i in indices:
             draw = random_episodes(self._robot, self._config, self._sets, self.generators[i])
             self.episodes[int(i)] = draw(np.array([i]))
-        pipes, *arrays = zip(*(self.episodes[int(i)] for i in robots), strict=True)
+        pipes, *arrays = zip(*(self.episodes[int(i)] for i in indices), strict=True)
         return Episodes(tuple(one for (one,) in pipes), *map(np.concatenate, arrays))
 
 
@@ -91,15 +91,15 @@ def action_space(batch: TaskBatch) -> spaces.Space[Float32s]:
     return cast("spaces.Space[Float32s]", spaces.Box(-1.0, 1.0, (batch.action_size,), np.float32))
 
 
-def step_info(result: StepResult, robots: Ints | slice = slice(None)) -> dict[str, NDArray[Any]]:
+def step_info(result: StepResult, indices: Ints | slice = slice(None)) -> dict[str, NDArray[Any]]:
     """What `info` says after a step, one array for each key, (k,) for k robots; of all by default."""
-    verdict = result.verdict[robots]
+    outcome = result.outcome[indices]
     return {
-        "verdict": VERDICT_LABELS[verdict],
-        "is_success": verdict == Outcome.REACHED.value,
-        "clearance_m": result.clearance[robots],
-        "contact_force_n": result.truth.contact_force[robots],
-        "penetration_m": result.truth.penetration[robots],
+        "outcome": OUTCOME_LABELS[outcome],
+        "is_success": outcome == Outcome.REACHED.value,
+        "clearance_m": result.clearance[indices],
+        "contact_force_n": result.truth.contact_force[indices],
+        "penetration_m": result.truth.penetration[indices],
     }
 
 
@@ -135,7 +135,7 @@ class CornerEnv(gymnasium.Env[Float32s, Float32s]):
     | `position` (eq 3.4, 3.5) | a set-point alpha x 1 rad, or alpha x slide_unit, from the measured position |
 
     An episode terminates when the tip reaches the target, a joint its limit, or the robot sinks into the wall; it is
-    truncated after `task.max_steps`. `info` after each step: `verdict`, `is_success`, `clearance_m` (the smallest laser
+    truncated after `task.max_steps`. `info` after each step: `outcome`, `is_success`, `clearance_m` (the smallest laser
     reading), `contact_force_n` and `penetration_m` (the step's peaks).
 
     Args:
@@ -176,9 +176,9 @@ class CornerEnv(gymnasium.Env[Float32s, Float32s]):
 
     def step(self, action: Float32s) -> tuple[Float32s, float, bool, bool, dict[str, Any]]:
         result = self.batch.step(np.asarray(action, float)[None])
-        verdict = Outcome(result.verdict[0])
-        truncated = verdict is Outcome.TIMEOUT
-        terminated = verdict is not Outcome.RUNNING and not truncated
+        outcome = Outcome(result.outcome[0])
+        truncated = outcome is Outcome.TIMEOUT
+        terminated = outcome is not Outcome.RUNNING and not truncated
         observation = result.observation[0].astype(np.float32)
         return observation, float(result.reward[0]), terminated, truncated, one_info(step_info(result), 0)
 
@@ -241,10 +241,10 @@ class CornerVectorEnv(VectorEnv[Float32s, Float32s, NDArray[Any]]):
 
     def step(self, actions: Float32s) -> tuple[Float32s, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
         anew, result = self._ended, self.batch.step(np.asarray(actions, float))
-        verdict = np.where(anew, Outcome.RUNNING, result.verdict)
+        outcome = np.where(anew, Outcome.RUNNING, result.outcome)
         reward = np.where(anew, 0.0, result.reward)
-        truncated = verdict == Outcome.TIMEOUT
-        self._ended = verdict != Outcome.RUNNING
+        truncated = outcome == Outcome.TIMEOUT
+        self._ended = outcome != Outcome.RUNNING
         observation = self.batch.reset(np.flatnonzero(anew)) if anew.any() else result.observation
         info = step_info(result)
         valid = {f"_{key}": ~anew for key in info}
@@ -262,7 +262,7 @@ def top_view(batch: ReachBatch, episodes: Episodes, pixels: int = 480) -> NDArra
         episodes: the first robot's episode, k = 1.
         pixels: width and height.
     """
-    side, base = float(episodes.side[0]), float(episodes.base[0])
-    ranges = batch.snapshot.ranges[0, :: int(side)]  # those of the canonical frame are mirrored for right turns
-    goal = episodes.goal[0] * [1.0, side] + [base, 0.0]
-    return scene_pixels(Scene(episodes.pipes[0], batch.robot, base, batch.q[0], ranges, goal), pixels)
+    turn_sign, base = float(episodes.turn_sign[0]), float(episodes.base[0])
+    ranges = batch.snapshot.ranges[0, :: int(turn_sign)]  # those of the canonical frame are mirrored for right turns
+    target = episodes.target[0] * [1.0, turn_sign] + [base, 0.0]
+    return scene_pixels(Scene(episodes.pipes[0], batch.robot, base, batch.q[0], ranges, target), pixels)

@@ -42,7 +42,7 @@ class TaskVecEnv(VecEnv):  # type: ignore[misc]  # Stable-Baselines3 is imported
         observation = result.observation.astype(np.float32)
         self._returns += result.reward
         self.clearance = result.clearance
-        done = result.verdict != Outcome.RUNNING.value
+        done = result.outcome != Outcome.RUNNING.value
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         ended = np.flatnonzero(done)
         info = step_info(result, ended)

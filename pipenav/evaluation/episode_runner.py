@@ -13,7 +13,7 @@ from pipenav.arrays import Flags, Floats, Ints
 from pipenav.backends.backend import Backend
 from pipenav.backends.registry import open_backend
 from pipenav.evaluation.stage import Stage, StageStep
-from pipenav.pipes.queries import Pipe, interior_angles, turn_sides
+from pipenav.pipes.queries import Pipe, interior_angles, turn_signs
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach import episode
@@ -38,7 +38,7 @@ class EpisodeResults(NamedTuple):
     """One entry per episode, in order: all episodes of the first pipe, then of the next.
 
     Attributes:
-        verdict: a `Outcome` each, (k,).
+        outcome: a `Outcome` each, (k,).
         steps: control steps, (k,).
         clearance: smallest laser reading, (k,) [m].
         penetration: deepest overlap with the wall, (k,) [m].
@@ -47,7 +47,7 @@ class EpisodeResults(NamedTuple):
         q: configurations at the end, in the robot's own frame, (k, coordinates) [m, rad].
     """
 
-    verdict: NDArray[np.int8]
+    outcome: NDArray[np.int8]
     steps: Ints
     clearance: Floats
     penetration: Floats
@@ -64,8 +64,8 @@ class EpisodeResults(NamedTuple):
     def empty(cls, total: int, robot: RobotSpec) -> EpisodeResults:
         """Room for so many."""
         clearance, penetration, force, contact_share = np.zeros((4, total))
-        verdict, steps, q = np.zeros(total, np.int8), np.zeros(total, np.intp), np.zeros((total, robot.coordinates))
-        return cls(verdict, steps, clearance, penetration, force, contact_share, q)
+        outcome, steps, q = np.zeros(total, np.int8), np.zeros(total, np.intp), np.zeros((total, robot.coordinates))
+        return cls(outcome, steps, clearance, penetration, force, contact_share, q)
 
     def select(self, which: Flags) -> EpisodeResults:
         """Those of the episodes that are marked, (k,)."""
@@ -86,10 +86,10 @@ class EpisodeQueue(Generic[Episode]):
         self._next = 0
         self.running = np.full(n, -1)
 
-    def take(self, robots: Ints) -> list[Episode]:
+    def take(self, indices: Ints) -> list[Episode]:
         """The next episode of each of these robots."""
         started = []
-        for robot in robots:
+        for robot in indices:
             job = self._next if self._next < self.total else -1
             self._next += 1
             self.running[robot] = job
@@ -119,8 +119,8 @@ def random_start(
     def start(job: int) -> Any:
         pipe, number = pipes[job // episodes], job % episodes
         numbers = [round(m_to_mm(pipe.diameter) * 1e3)]
-        for angle, side in zip(interior_angles(pipe).tolist(), turn_sides(pipe).tolist(), strict=True):
-            numbers += [round(rad_to_deg(angle) * 1e3), int(side > 0)]
+        for angle, turn_sign in zip(interior_angles(pipe).tolist(), turn_signs(pipe).tolist(), strict=True):
+            numbers += [round(rad_to_deg(angle) * 1e3), int(turn_sign > 0)]
         rng = np.random.default_rng([seed, *numbers, number])
         return kind_of(task).sample(robot, task, [pipe], rng)
 
@@ -194,9 +194,9 @@ class _Peaks:
         self.force = np.maximum(self.force, step.truth.contact_force)
         self.contact_steps = self.contact_steps + step.truth.contact_share
 
-    def forget(self, robots: Ints) -> None:
-        self.clearance[robots], self.penetration[robots] = np.inf, 0.0
-        self.force[robots], self.contact_steps[robots] = 0.0, 0.0
+    def forget(self, indices: Ints) -> None:
+        self.clearance[indices], self.penetration[indices] = np.inf, 0.0
+        self.force[indices], self.contact_steps[indices] = 0.0, 0.0
 
 
 def drain(
@@ -211,19 +211,19 @@ def drain(
     while finished < total:
         step = stage.step()
         peaks.add(step)
-        ended = np.flatnonzero(step.verdict != Outcome.RUNNING)
+        ended = np.flatnonzero(step.outcome != Outcome.RUNNING)
         if not len(ended):
             continue
         counted = ended[queue.running[ended] >= 0]
         jobs = queue.running[counted]
-        results.verdict[jobs], results.steps[jobs] = step.verdict[counted], stage.steps[counted]
+        results.outcome[jobs], results.steps[jobs] = step.outcome[counted], stage.steps[counted]
         results.clearance[jobs], results.penetration[jobs] = peaks.clearance[counted], peaks.penetration[counted]
         results.force[jobs], results.q[jobs] = peaks.force[counted], step.q[counted]
         results.contact_share[jobs] = peaks.contact_steps[counted] / stage.steps[counted]
         finished += len(counted)
         peaks.forget(ended)
         if progress is not None:
-            progress(finished, int((results.verdict == Outcome.REACHED).sum()))
+            progress(finished, int((results.outcome == Outcome.REACHED).sum()))
         if finished < total:
             stage.start(ended)
     return results

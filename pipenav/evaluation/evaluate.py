@@ -142,12 +142,12 @@ def _pipe_record(pipe: Pipe, parts: dict[str, StageResult], first: int, episodes
             counts["located"] = int(passed.sum())
         else:
             counts |= {f"{name}_attempts": len(passed), f"{name}_successes": int(passed.sum())}
-        for verdict in results.verdict[~passed]:
-            reason = Outcome(verdict).label if name in ("front", "traverse") else f"{name} {Outcome(verdict).label}"
+        for outcome in results.outcome[~passed]:
+            reason = Outcome(outcome).label if name in ("front", "traverse") else f"{name} {Outcome(outcome).label}"
             failures[reason] = failures.get(reason, 0) + 1
     main = parts.get("front") or parts.get("traverse") or parts["locate"]
     timed = main.results.select((main.jobs >= first) & (main.jobs < first + episodes))
-    reached = timed.verdict == Outcome.REACHED
+    reached = timed.outcome == Outcome.REACHED
     steps = np.concatenate([results.steps for results in seen])
     shares = np.concatenate([results.contact_share for results in seen])
     return PipeRecord(

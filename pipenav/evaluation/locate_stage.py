@@ -30,7 +30,7 @@ class LocateStage(Stage):
         source: of episodes; their targets are not looked at.
 
     Attributes:
-        target: found targets in the canonical frame, where a front passage's `Episodes.goal` lives, (n, 2) [m]; NaN
+        target: found targets in the canonical frame, where a front passage's `Episodes.set_points` lives, (n, 2) [m]; NaN
             before one is found.
         beam: the beam on or nearest to which it lies, from right to left from 0, (n,); -1 before.
         reading: what the robots' sensors gave last; the next step decides on it.
@@ -55,7 +55,7 @@ class LocateStage(Stage):
         self._locator = LOCATORS[variant](robot, config, n)
         self._steps = np.zeros(n, int)
         self._pipes: list[PipeCorner | None] = [None] * n
-        self._base, self._side = np.zeros(n), np.ones(n)
+        self._base, self._turn_sign = np.zeros(n), np.ones(n)
         self.target, self.beam = np.full((n, 2), np.nan), np.full(n, -1)
         q, qd = np.zeros((2, n, len(robot.joints)))
         self.reading = Reading(q, qd, np.zeros((n, robot.laser.beams)), np.zeros(n))
@@ -64,32 +64,32 @@ class LocateStage(Stage):
     def steps(self) -> Ints:
         return self._steps
 
-    def start(self, robots: Ints) -> None:
-        episodes = self._source(robots)
-        reading = self._backend.reset(robots, episodes.pipes, episodes.q, episodes.base)
-        for i, pipe in zip(robots, episodes.pipes, strict=True):
+    def start(self, indices: Ints) -> None:
+        episodes = self._source(indices)
+        reading = self._backend.reset(indices, episodes.pipes, episodes.q, episodes.base)
+        for i, pipe in zip(indices, episodes.pipes, strict=True):
             self._pipes[i] = pipe
-        self._steps[robots], self._base[robots], self._side[robots] = 0, episodes.base, episodes.side
-        self.target[robots], self.beam[robots] = np.nan, -1
-        self.reading.put(robots, reading)
-        self._locator.start(robots, reading, episodes.side)
+        self._steps[indices], self._base[indices], self._turn_sign[indices] = 0, episodes.base, episodes.turn_sign
+        self.target[indices], self.beam[indices] = np.nan, -1
+        self.reading.put(indices, reading)
+        self._locator.start(indices, reading, episodes.turn_sign)
 
     def step(self) -> StageStep:
         decision = self._locator.act(self.reading)
-        self.target = decision.target * np.stack([np.ones(self.n), self._side], axis=1)
+        self.target = decision.target * np.stack([np.ones(self.n), self._turn_sign], axis=1)
         self.beam = decision.beam
-        self._backend.step(Command("position", decision.goal))
+        self._backend.step(Command("position", decision.set_points))
         self._steps += 1
         self.reading, truth = self._backend.read(), self._backend.truth()
         if truth is None:
             raise TypeError("this stage needs a simulator: this backend knows no truth")
-        verdict = np.full(self.n, Outcome.RUNNING, np.int8)
-        verdict[self._steps >= self._task.max_steps] = Outcome.TIMEOUT
+        outcome = np.full(self.n, Outcome.RUNNING, np.int8)
+        outcome[self._steps >= self._task.max_steps] = Outcome.TIMEOUT
         for i in map(int, np.flatnonzero(decision.done)):
-            verdict[i] = Outcome.REACHED if self._well_placed(i, decision.target[i]) else Outcome.MISPLACED
-        verdict[at_limit(self.robot, self._task, self.reading.q)] = Outcome.LIMIT
-        verdict[truth.penetration > self._task.max_penetration] = Outcome.PENETRATION
-        return StageStep(verdict, self.reading.ranges.min(axis=1), truth, self.reading.q)
+            outcome[i] = Outcome.REACHED if self._well_placed(i, decision.target[i]) else Outcome.MISPLACED
+        outcome[at_limit(self.robot, self._task, self.reading.q)] = Outcome.LIMIT
+        outcome[truth.penetration > self._task.max_penetration] = Outcome.PENETRATION
+        return StageStep(outcome, self.reading.ranges.min(axis=1), truth, self.reading.q)
 
     def close(self) -> None:
         self._backend.close()

@@ -55,7 +55,7 @@ class StageResult(NamedTuple):
     @property
     def passed(self) -> Flags:
         """Which of its episodes succeeded, (k,)."""
-        return np.asarray(self.results.verdict == Outcome.REACHED)
+        return np.asarray(self.results.outcome == Outcome.REACHED)
 
 
 class _Recorded(Stage):
@@ -74,9 +74,9 @@ class _Recorded(Stage):
     def steps(self) -> Ints:
         return self._stage.steps
 
-    def start(self, robots: Ints) -> None:
-        self._stage.start(robots)
-        for robot in robots:
+    def start(self, indices: Ints) -> None:
+        self._stage.start(indices)
+        for robot in indices:
             self._rows[robot, 0] = self._start(max(int(self._queue.running[robot]), 0)).q[0]
 
     def step(self) -> StageStep:
@@ -84,7 +84,7 @@ class _Recorded(Stage):
         # A robot without work is stepped on beyond its time; its rows are nobody's.
         count = np.minimum(self._stage.steps, self._rows.shape[1] - 1)
         self._rows[np.arange(self.n), count] = step.q
-        for robot in np.flatnonzero(step.verdict != Outcome.RUNNING):
+        for robot in np.flatnonzero(step.outcome != Outcome.RUNNING):
             job = int(self._queue.running[robot])
             self.motions.setdefault(job, self._rows[robot, : count[robot] + 1].copy())
             if isinstance(self._stage, LocateStage):
@@ -151,7 +151,7 @@ class Passages:
             def start(job: int) -> Episodes:
                 k = found[job]
                 given: Episodes = self._given(job)
-                return given._replace(q=located.results.q[k : k + 1], goal=located.targets[k : k + 1])
+                return given._replace(q=located.results.q[k : k + 1], target=located.targets[k : k + 1])
 
         return self._run(self._kind.stage, self._make(controller), self._robot, jobs, start)
 

@@ -43,32 +43,32 @@ class RearStage(Stage):
     def steps(self) -> Ints:
         return self._steps.copy()
 
-    def start(self, robots: Ints) -> None:
-        motions = self._source(robots)
+    def start(self, indices: Ints) -> None:
+        motions = self._source(indices)
         if not self._motions:
             self._motions = [motions[0]] * self.n
-        for robot, motion in zip(robots, motions, strict=True):
+        for robot, motion in zip(indices, motions, strict=True):
             self._motions[robot] = motion
         first, base = np.array([motion.q[0] for motion in motions]), np.array([motion.base for motion in motions])
-        reading = self._backend.reset(robots, [motion.pipe for motion in motions], first, base)
-        self._follower.start(robots, [motion.q for motion in motions])
-        self._steps[robots], self._q[robots] = 0, reading.q
+        reading = self._backend.reset(indices, [motion.pipe for motion in motions], first, base)
+        self._follower.start(indices, [motion.q for motion in motions])
+        self._steps[indices], self._q[indices] = 0, reading.q
 
     def step(self) -> StageStep:
         self._steps += 1
-        goal = self._follower.act(self._q)
-        self._backend.step(Command("position", np.clip(goal, self.robot.lower, self.robot.upper)))
+        set_points = self._follower.act(self._q)
+        self._backend.step(Command("position", np.clip(set_points, self.robot.lower, self.robot.upper)))
         reading, truth = self._backend.read(), self._backend.truth()
         self._q = reading.q
         if truth is None:
             raise TypeError("a rear passage needs a simulator: this backend knows no truth")
         edges = np.array([motion.base + motion.pipe.inner_edge for motion in self._motions])
-        verdict = np.full(self.n, Outcome.RUNNING, np.int8)
-        verdict[self._steps >= self._follower.patience] = Outcome.TIMEOUT
-        verdict[foremost(self.robot, reading.q) + edges <= 0] = Outcome.REACHED
-        verdict[at_limit(self.robot, self._config, reading.q)] = Outcome.LIMIT
-        verdict[truth.penetration > self._config.max_penetration] = Outcome.PENETRATION
-        return StageStep(verdict, reading.ranges.min(axis=1), truth, reading.q)
+        outcome = np.full(self.n, Outcome.RUNNING, np.int8)
+        outcome[self._steps >= self._follower.patience] = Outcome.TIMEOUT
+        outcome[foremost(self.robot, reading.q) + edges <= 0] = Outcome.REACHED
+        outcome[at_limit(self.robot, self._config, reading.q)] = Outcome.LIMIT
+        outcome[truth.penetration > self._config.max_penetration] = Outcome.PENETRATION
+        return StageStep(outcome, reading.ranges.min(axis=1), truth, reading.q)
 
     def close(self) -> None:
         self._backend.close()

@@ -20,13 +20,13 @@ class StageStep(NamedTuple):
     """One control step of n robots.
 
     Attributes:
-        verdict: a `Outcome` for each, (n,); other than RUNNING ends the episode, REACHED is the stage's success.
+        outcome: a `Outcome` for each, (n,); other than RUNNING ends the episode, REACHED is the stage's success.
         clearance: smallest laser reading, (n,) [m].
         truth: what the simulator knows.
         q: configurations after the step in the robot's own frame, (n, coordinates): where a next stage starts.
     """
 
-    verdict: NDArray[np.int8]
+    outcome: NDArray[np.int8]
     clearance: Floats
     truth: Truth | SpaceTruth
     q: Floats
@@ -52,7 +52,7 @@ class Stage(ABC):
         """Control steps of each robot's episode so far, (n,)."""
 
     @abstractmethod
-    def start(self, robots: Ints) -> None:
+    def start(self, indices: Ints) -> None:
         """Begin new episodes with some robots (sorted, unique); the others are untouched."""
 
     @abstractmethod
@@ -76,13 +76,13 @@ class TaskStage(Stage):
     def steps(self) -> Ints:
         return self._batch.steps
 
-    def start(self, robots: Ints) -> None:
-        self._observation = self._batch.reset(robots)
+    def start(self, indices: Ints) -> None:
+        self._observation = self._batch.reset(indices)
 
     def step(self) -> StageStep:
         result = self._batch.step(self._controller.act(self._observation, self._batch))
         self._observation = result.observation
-        return StageStep(result.verdict, result.clearance, result.truth, self._batch.q)
+        return StageStep(result.outcome, result.clearance, result.truth, self._batch.q)
 
     def close(self) -> None:
         self._batch.close()

@@ -23,13 +23,13 @@ class Outcome(NamedTuple):
 
 def paragraph(name: str, results: Sequence[Result]) -> str:
     """The thesis's finding, whether it held, and on which numbers."""
-    verdict = _JUDGES[name](results)
+    outcome = _JUDGES[name](results)
     failures = sum((result.failures for result in results), start=type(results[0].failures)())
     episodes = sum(result.episodes for result in results)
     counted = ", ".join(f"{reason} {count:,}" for reason, count in failures.most_common()) or "none"
     end = f"Failed episodes of all agents together, of {episodes:,}: {counted}."
-    opening = "That held here" if verdict.held else "That did not hold here"
-    return f"The thesis: {load_experiment(name).finding} {opening}: {verdict.because} {end}"
+    opening = "That held here" if outcome.held else "That did not hold here"
+    return f"The thesis: {load_experiment(name).finding} {opening}: {outcome.because} {end}"
 
 
 def _sweet_spot(results: Sequence[Result]) -> Outcome:

@@ -111,7 +111,7 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         for info in self.locals["infos"]:
             if info:
                 self._episodes += 1
-                self._successes += info["verdict"] == Outcome.REACHED.label
+                self._successes += info["outcome"] == Outcome.REACHED.label
                 self._episode_steps += info["episode"]["l"]
         self.stopped = self.stopped or self._should_stop()
         return not self.stopped
@@ -198,7 +198,7 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         controller = PolicyController(load_policy(self._folder.last))
         config = self._config
         results = run_task(controller, chosen, each, seed, config.backend, config.options, config.randomise)
-        return float((results.verdict == Outcome.REACHED).mean())
+        return float((results.outcome == Outcome.REACHED).mean())
 
     def _header(self) -> PolicyHeader:
         config = self._config

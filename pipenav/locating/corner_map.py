@@ -103,42 +103,42 @@ class CornerMap:
         points, flags = np.full((3, n, SCANS, laser.beams, 2), np.nan), np.zeros((2, n, SCANS, laser.beams), bool)
         self._kept = _Rays(*points, *flags)  # (n, SCANS, beams) instead of (k, m)
 
-    def forget(self, robots: Ints) -> None:
+    def forget(self, indices: Ints) -> None:
         """Begin anew with some robots."""
-        self._scans[robots] = 0
-        self._kept.end[robots], self._kept.met[robots], self._kept.near[robots] = np.nan, False, False
+        self._scans[indices] = 0
+        self._kept.end[indices], self._kept.met[indices], self._kept.near[indices] = np.nan, False, False
 
-    def add(self, robots: Ints, tip: Floats, beams: Floats, ranges: Floats) -> None:
+    def add(self, indices: Ints, tip: Floats, beams: Floats, ranges: Floats) -> None:
         """Take in one scan of some robots.
 
         Args:
-            robots: which, (k,).
+            indices: which, (k,).
             tip: where the beams begin, (k, 2) [m].
             beams: their headings, (k, beams) [rad].
             ranges: what they read, (k, beams) [m].
         """
-        slot = self._scans[robots] % SCANS
+        slot = self._scans[indices] % SCANS
         direction, kept = np.stack([np.cos(beams), np.sin(beams)], axis=-1), self._kept
         near, far = ranges <= self._laser.range_min, ranges >= self._laser.range_max
-        kept.tip[robots, slot] = tip[:, None]
-        kept.direction[robots, slot] = direction
-        kept.end[robots, slot] = tip[:, None] + ranges[..., None] * direction
-        kept.met[robots, slot] = ~(near | far | np.isnan(ranges))
-        kept.near[robots, slot] = near
-        self._scans[robots] += 1
+        kept.tip[indices, slot] = tip[:, None]
+        kept.direction[indices, slot] = direction
+        kept.end[indices, slot] = tip[:, None] + ranges[..., None] * direction
+        kept.met[indices, slot] = ~(near | far | np.isnan(ranges))
+        kept.near[indices, slot] = near
+        self._scans[indices] += 1
 
-    def corner(self, robots: Ints, depth: float) -> CornerEstimate:
+    def corner(self, indices: Ints, depth: float) -> CornerEstimate:
         """The corners that fit best.
 
         Args:
-            robots: which, (k,).
+            indices: which, (k,).
             depth: of the target past the inner edge, along the second leg [m].
         """
-        parts = [self._corner(robots[i : i + CHUNK], depth) for i in range(0, len(robots), CHUNK)]
+        parts = [self._corner(indices[i : i + CHUNK], depth) for i in range(0, len(indices), CHUNK)]
         return CornerEstimate(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
-    def _corner(self, robots: Ints, depth: float) -> CornerEstimate:
-        rays = self._rays(robots)
+    def _corner(self, indices: Ints, depth: float) -> CornerEstimate:
+        rays = self._rays(indices)
         radius = RADII[self._radius_votes(rays, RADII[None]).argmax(axis=1)]
         radii = radius[:, None] + NEAR_RADII
         first_leg = self._radius_votes(rays, radii)
@@ -148,11 +148,11 @@ class CornerMap:
         votes = agree - against + first_leg[..., None, None]
         return _best(radii, edges, votes, agree, share, depth)
 
-    def _rays(self, robots: Ints) -> _Rays:
-        used = int(min(SCANS, self._scans[robots].max(initial=1)))
+    def _rays(self, indices: Ints) -> _Rays:
+        used = int(min(SCANS, self._scans[indices].max(initial=1)))
         m = used * self._laser.beams
-        tip, direction, end = (kept[robots, :used].reshape(len(robots), m, 2) for kept in self._kept[:3])
-        met, near = (kept[robots, :used].reshape(len(robots), m) for kept in self._kept[3:])
+        tip, direction, end = (kept[indices, :used].reshape(len(indices), m, 2) for kept in self._kept[:3])
+        met, near = (kept[indices, :used].reshape(len(indices), m) for kept in self._kept[3:])
         return _Rays(tip, direction, end, met, near)
 
     def _radius_votes(self, rays: _Rays, radii: Floats) -> Floats:

@@ -73,13 +73,13 @@ class Decision(NamedTuple):
     """What k robots do next, and what they know.
 
     Attributes:
-        goal: set-points in the robot's own frame, (k, joints) [rad or m].
+        set_points: set-points in the robot's own frame, (k, joints) [rad or m].
         done: whether the part is over, (k,).
         target: in the robot's own frame, (k, 2) [m]; NaN before one is found.
         beam: the beam on or nearest to which the target lies, from right to left from 0, (k,); -1 before.
     """
 
-    goal: Floats
+    set_points: Floats
     done: Flags
     target: Floats
     beam: Ints
@@ -88,13 +88,13 @@ class Decision(NamedTuple):
 class Locator(Protocol):
     """A behaviour of n robots that finds targets from what their sensors give."""
 
-    def start(self, robots: Ints, reading: Reading, side: Floats) -> None:
+    def start(self, indices: Ints, reading: Reading, turn_sign: Floats) -> None:
         """Begin anew with k robots.
 
         Args:
-            robots: which, sorted and unique, (k,).
+            indices: which, sorted and unique, (k,).
             reading: of these robots.
-            side: that the corner turns to: +1 left, -1 right, (k,).
+            turn_sign: that the corner turns to: +1 left, -1 right, (k,).
         """
         ...
 
@@ -108,22 +108,22 @@ class PrintedLocator:
 
     def __init__(self, robot: RobotSpec, config: LocateConfig, n: int) -> None:
         self._robot, self._config = robot, config
-        self._advance, self._side = np.full(n, config.v0), np.ones(n)
+        self._advance, self._turn_sign = np.full(n, config.v0), np.ones(n)
         self._start = np.zeros((n, len(robot.joints)))
 
-    def start(self, robots: Ints, reading: Reading, side: Floats) -> None:
-        self._advance[robots], self._side[robots], self._start[robots] = self._config.v0, side, reading.q
+    def start(self, indices: Ints, reading: Reading, turn_sign: Floats) -> None:
+        self._advance[indices], self._turn_sign[indices], self._start[indices] = self._config.v0, turn_sign, reading.q
 
     def act(self, reading: Reading) -> Decision:
         robot, config = self._robot, self._config
         self._advance = advance(robot, config, self._advance, reading.ranges)
-        goal = self._start.copy()
-        goal[:, 0] = reading.q[:, 0] + self._advance
-        goal[:, -1] = reading.q[:, -1] + config.omega0 * self._side
+        set_points = self._start.copy()
+        set_points[:, 0] = reading.q[:, 0] + self._advance
+        set_points[:, -1] = reading.q[:, -1] + config.omega0 * self._turn_sign
         beam = reading.ranges.argmax(axis=1)
         found = reading.ranges.max(axis=1) > config.open_range
         return Decision(
-            np.where(found[:, None], reading.q, np.clip(goal, robot.lower, robot.upper)),
+            np.where(found[:, None], reading.q, np.clip(set_points, robot.lower, robot.upper)),
             found,
             np.where(found[:, None], point_on_beam(robot, reading.q, beam, config.target_range), np.nan),
             np.where(found, beam, -1),
@@ -140,16 +140,20 @@ class MapLocator:
     def __init__(self, robot: RobotSpec, config: LocateConfig, n: int) -> None:
         self._robot, self._config = robot, config
         self._map = CornerMap(robot.laser, n, config.tolerance)
-        self._advance, self._side, self._home = np.full(n, config.v0), np.ones(n), np.zeros(n)
+        self._advance, self._turn_sign, self._home = np.full(n, config.v0), np.ones(n), np.zeros(n)
         self._agreed, self._back = np.zeros(n, int), np.zeros(n, bool)
         self._wall = np.full((n, robot.laser.beams), -np.inf)
         self._target, self._beam = np.full((n, 2), np.nan), np.full(n, -1)
 
-    def start(self, robots: Ints, reading: Reading, side: Floats) -> None:
-        self._map.forget(robots)
-        self._advance[robots], self._side[robots], self._home[robots] = self._config.v0, side, reading.q[:, 0]
-        self._agreed[robots], self._back[robots], self._wall[robots] = 0, False, -np.inf
-        self._target[robots], self._beam[robots] = np.nan, -1
+    def start(self, indices: Ints, reading: Reading, turn_sign: Floats) -> None:
+        self._map.forget(indices)
+        self._advance[indices], self._turn_sign[indices], self._home[indices] = (
+            self._config.v0,
+            turn_sign,
+            reading.q[:, 0],
+        )
+        self._agreed[indices], self._back[indices], self._wall[indices] = 0, False, -np.inf
+        self._target[indices], self._beam[indices] = np.nan, -1
 
     def act(self, reading: Reading) -> Decision:
         robot, config = self._robot, self._config
@@ -160,9 +164,9 @@ class MapLocator:
         self._advance = advance(robot, config, self._advance, self._without_dropouts(reading))
         self._back = found | np.where(self._back, ~at_home, self._advance < STOPPED)
         ahead = np.minimum(reading.q[:, 0] + self._advance, robot.upper[0])
-        goal = np.zeros_like(reading.q)
-        goal[:, 0] = np.where(self._back, np.maximum(reading.q[:, 0] - config.v0, self._home), ahead)
-        return Decision(goal, found & at_home, self._target.copy(), self._beam.copy())
+        set_points = np.zeros_like(reading.q)
+        set_points[:, 0] = np.where(self._back, np.maximum(reading.q[:, 0] - config.v0, self._home), ahead)
+        return Decision(set_points, found & at_home, self._target.copy(), self._beam.copy())
 
     def _without_dropouts(self, reading: Reading) -> Floats:
         """Readings in which the laser's minimum is what the same beam read before, less the way since, (n, beams).
@@ -175,23 +179,23 @@ class MapLocator:
         self._wall = np.where(read, slide + reading.ranges, self._wall)
         return np.where(read, reading.ranges, np.maximum(self._wall - slide, self._robot.laser.range_min))
 
-    def _look(self, robots: Ints, reading: Reading) -> None:
+    def _look(self, indices: Ints, reading: Reading) -> None:
         """Take in a scan of robots that have no target yet, and see whether the corner is known."""
-        robot, config, side = self._robot, self._config, self._side[robots]
+        robot, config, turn_sign = self._robot, self._config, self._turn_sign[indices]
         pose = kinematics.forward(robot, reading.q)
         beams = pose.headings[:, -1:] + robot.laser.angles
-        mirror = np.stack([np.ones_like(side), side], axis=1)
-        self._map.add(robots, pose.tip * mirror, beams * side[:, None], reading.ranges)
-        corner = self._map.corner(robots, config.depth)
+        mirror = np.stack([np.ones_like(turn_sign), turn_sign], axis=1)
+        self._map.add(indices, pose.tip * mirror, beams * turn_sign[:, None], reading.ranges)
+        corner = self._map.corner(indices, config.depth)
         known = (corner.spread <= config.spread) & (corner.votes >= config.votes)
         known &= corner.agreement >= config.agreement
-        self._agreed[robots] = np.where(known, self._agreed[robots] + 1, 0)
-        sure = self._agreed[robots] >= config.scans
+        self._agreed[indices] = np.where(known, self._agreed[indices] + 1, 0)
+        sure = self._agreed[indices] >= config.scans
         target = (corner.target * mirror)[sure]
         away = target - pose.tip[sure]
         off = np.arctan2(away[:, 1], away[:, 0])[:, None] - beams[sure]
-        self._target[robots[sure]] = target
-        self._beam[robots[sure]] = np.abs(np.angle(np.exp(1j * off))).argmin(axis=1)
+        self._target[indices[sure]] = target
+        self._beam[indices[sure]] = np.abs(np.angle(np.exp(1j * off))).argmin(axis=1)
 
 
 LOCATORS: dict[Variant, type[MapLocator] | type[PrintedLocator]] = {"map": MapLocator, "thesis": PrintedLocator}

@@ -56,20 +56,20 @@ class Follower:
         """Which arms were given their path's last pose, (n,)."""
         return np.asarray(self.rows == self._last)
 
-    def start(self, robots: Ints, paths: Sequence[Floats]) -> None:
+    def start(self, indices: Ints, paths: Sequence[Floats]) -> None:
         """Put some robots at their paths' first poses.
 
         Args:
-            robots: which, (k,).
+            indices: which, (k,).
             paths: joint positions, k arrays (rows, joints) [rad or m].
         """
-        for robot, path in zip(robots, paths, strict=True):
+        for robot, path in zip(indices, paths, strict=True):
             self._paths[robot], self._last[robot] = path, len(path) - 1
-        self.rows[robots], self._waited[robots], self._times[robots] = 0, 0, 0
+        self.rows[indices], self._waited[indices], self._times[indices] = 0, 0, 0
 
     def away(self, q: Floats) -> Floats:
         """How far the arms are from the poses that they were given last, (n, joints) [rad or m]."""
-        return np.abs(q - self._goal())
+        return np.abs(q - self._set_points())
 
     def act(self, q: Floats) -> Floats:
         """Set-points of the next tick, (n, joints) [rad or m].
@@ -84,7 +84,7 @@ class Follower:
         self._waited[self.caught] = 0
         rows = np.where(self.caught, self.rows - self._times, np.where(near, self.rows + 1, self.rows))
         self.rows = np.clip(rows, 0, self._last)
-        return self._goal()
+        return self._set_points()
 
-    def _goal(self) -> Floats:
+    def _set_points(self) -> Floats:
         return np.array([path[row] for path, row in zip(self._paths, self.rows.tolist(), strict=True)])

@@ -71,7 +71,7 @@ class Motion(NamedTuple):
 
 
 def _known_verdict(outcome: str | None) -> str | None:
-    known = [verdict.label for verdict in Outcome]
+    known = [outcome.label for outcome in Outcome]
     if outcome is not None and outcome not in known:
         raise ValueError(f"is none of {', '.join(known)}, null")
     return outcome

@@ -87,13 +87,13 @@ class PipeCorner(Table):
             OutOfRange: a number outside its allowed range; for the leg that range begins past the bend.
             PipenavError: an unknown turn.
         """
-        side = check_turn(turn)
+        turn_sign = check_turn(turn)
         wall = DEFAULT_WALL if wall_mm is None else mm_to_m(wall_mm)
         diameter, angle, bend = mm_to_m(diameter_mm), deg_to_rad(angle_deg), mm_to_m(bend_radius_mm)
         _check_corner(diameter, angle, bend, wall)  # before the leg, whose default follows from these
         shortest = _shortest_leg(diameter, angle, bend, wall)
         leg = default_leg(shortest, diameter) if leg_mm is None else mm_to_m(leg_mm)
-        return cls(diameter=diameter, angle=angle, turn=side, bend_radius=bend, leg=leg, wall=wall)
+        return cls(diameter=diameter, angle=angle, turn=turn_sign, bend_radius=bend, leg=leg, wall=wall)
 
     @model_validator(mode="after")
     def _within_ranges(self) -> Self:
@@ -111,14 +111,14 @@ class PipeCorner(Table):
         return self.diameter / 2
 
     @property
-    def side(self) -> float:
+    def turn_sign(self) -> float:
         """+1 for a left turn, -1 for a right one: y of a left-turn frame times this is y of the pipe's frame."""
         return 1.0 if self.turn == "left" else -1.0
 
     @property
     def heading_change(self) -> float:
         """Signed change of heading from the first leg to the second [rad], positive to the left."""
-        return self.side * (math.pi - self.angle)
+        return self.turn_sign * (math.pi - self.angle)
 
     @property
     def second_leg(self) -> Floats:
@@ -178,7 +178,7 @@ class PipeCorner(Table):
         first = np.array([[-self.leg, offset]])
         last = (self.leg * direction + offset * normal)[None]
         points = np.concatenate([first, arc, last])
-        return np.asarray(points * np.array([1.0, self.side]))
+        return np.asarray(points * np.array([1.0, self.turn_sign]))
 
     @property
     def walls(self) -> Lines:

@@ -12,9 +12,13 @@ from pipenav.pipes.route import PipeRoute
 Pipe = PipeCorner | PipeRoute
 
 
-def turn_sides(pipe: Pipe) -> Floats:
+def turn_signs(pipe: Pipe) -> Floats:
     """+1 for each corner that turns left, -1 for each that turns right, (corners,); a run lies in the plane."""
-    return np.array([pipe.side]) if isinstance(pipe, PipeCorner) else np.where(np.cos(pipe.legs.inside) > 0, 1.0, -1.0)
+    return (
+        np.array([pipe.turn_sign])
+        if isinstance(pipe, PipeCorner)
+        else np.where(np.cos(pipe.legs.inside) > 0, 1.0, -1.0)
+    )
 
 
 def interior_angles(pipe: Pipe) -> Floats:

@@ -291,6 +291,6 @@ def scene_of(trajectory: Trajectory, row: int) -> Scene:
     pose = kinematics.forward(robot, q[None])
     tip, beams = pose.tip + np.array([header.base_m, 0.0]), pose.headings[:, -1:] + robot.laser.angles
     ranges = laser.measure(robot.laser, laser.cast(tip, beams, header.pipe.segments[None]))[0]
-    goal = None if header.goal_m is None else np.array(header.goal_m)
+    target = None if header.goal_m is None else np.array(header.goal_m)
     forces = None if trajectory.link_forces is None else trajectory.link_forces[row]
-    return Scene(header.pipe, robot, header.base_m, q, ranges, goal, forces)
+    return Scene(header.pipe, robot, header.base_m, q, ranges, target, forces)

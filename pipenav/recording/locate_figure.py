@@ -27,11 +27,11 @@ def locate_figure(located: Located) -> Figure:
     trajectory = located.trajectory
     header, robot = trajectory.header, trajectory.robot
     row = len(trajectory.q) - 1 if located.found is None else located.found
-    goal = None if header.goal_m is None else np.array(header.goal_m)
+    target = None if header.goal_m is None else np.array(header.goal_m)
     box = box_of(trajectory)
     figure = Figure(figsize=(WIDTH_IN, WIDTH_IN * box.aspect), dpi=100, facecolor="white")
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    draw_scene(axes, Scene(header.pipe, robot, header.base_m, trajectory.q[row], located.ranges[row], goal))
+    draw_scene(axes, Scene(header.pipe, robot, header.base_m, trajectory.q[row], located.ranges[row], target))
     axes.plot(*m_to_mm(1.0) * _met(located, row).T, ".", color=SEEN, markersize=4, zorder=3)
     axes.set(xlim=(box.left, box.right), ylim=(box.bottom, box.top), aspect="equal", xticks=[], yticks=[])
     said = "no target found" if located.found is None else f"target found after {trajectory.time[row]:.1f} s"

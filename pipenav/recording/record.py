@@ -84,18 +84,18 @@ def record(
     """
     look = watch or (lambda _: None)
     q, force, links = [start], [0.0], [np.zeros((len(stage.robot.links), 2))]
-    verdict = Outcome.RUNNING
+    outcome = Outcome.RUNNING
     with closing(stage):
         stage.start(np.arange(1))
         look(backend)
-        while verdict is Outcome.RUNNING:
+        while outcome is Outcome.RUNNING:
             step = stage.step()
             look(backend)
-            verdict = Outcome(step.verdict[0])
+            outcome = Outcome(step.outcome[0])
             q.append(step.q[0])
             force.append(float(step.truth.contact_force[0]))
             links.append(step.truth.link_forces[0])
-    ended = header.model_copy(update={"outcome": verdict.label})
+    ended = header.model_copy(update={"outcome": outcome.label})
     return Trajectory(ended, stage.robot, np.array(q), np.array(force), np.array(links))
 
 
@@ -116,15 +116,15 @@ def record_task(
     kind = kind_of(task)
     one = random_start(robot, task, [pipe], episode + 1, seed)(episode)
     base = float(one.base[0])
-    goal = None
+    target = None
     if isinstance(one, Episodes):
-        x, y = one.goal[0] * [1.0, one.side[0]] + [base, 0.0]
-        goal = (float(x), float(y))
+        x, y = one.target[0] * [1.0, one.turn_sign[0]] + [base, 0.0]
+        target = (float(x), float(y))
     header = TrajectoryHeader(
         robot=robot.name,
         pipe=one.pipes[0],
         base_m=base,
-        goal_m=goal,
+        goal_m=target,
         stage=kind.stage,
         backend=simulator.backend,
         controller=name,
@@ -177,7 +177,7 @@ def record_locate(
     trajectory = record(stage, backend, header, one.q[0], look)
     if beams[-1] < 0:
         return Located(trajectory, np.array(ranges), None, None)
-    x, y = stage.target[0] * [1.0, one.side[0]] + [one.base[0], 0.0]
+    x, y = stage.target[0] * [1.0, one.turn_sign[0]] + [one.base[0], 0.0]
     header = trajectory.header.model_copy(update={"goal_m": (float(x), float(y))})
     found = int(np.argmax(np.array(beams) >= 0)) - 1  # a step decides on the scan before it
     return Located(replace(trajectory, header=header), np.array(ranges), found, beams[-1])
@@ -193,10 +193,10 @@ def record_rear(plan: Trajectory, simulator: SimulatorSettings) -> Trajectory:
 
 def tracking(plan: Trajectory, recorded: Trajectory) -> Tracking:
     """How well a recording follows its plan; beyond the plan's last row, that row counts."""
-    goal = plan.q[np.minimum(np.arange(len(recorded.q)), len(plan.q) - 1)]
-    difference = np.abs(recorded.q - goal).max(axis=0)
+    target = plan.q[np.minimum(np.arange(len(recorded.q)), len(plan.q) - 1)]
+    difference = np.abs(recorded.q - target).max(axis=0)
     hinges = plan.robot.hinges
-    tips = [kinematics.forward(plan.robot, q).tip for q in (goal, recorded.q)]
+    tips = [kinematics.forward(plan.robot, q).tip for q in (target, recorded.q)]
     return Tracking(
         float(np.linalg.norm(tips[0] - tips[1], axis=1).max()),
         float(difference[hinges].max(initial=0.0)),

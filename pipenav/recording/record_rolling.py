@@ -75,13 +75,13 @@ def record_in_space(
     one = random_start(robot, task, [run], episode + 1, seed)(episode)
     world = open_space(simulator.backend, robot, 1, simulator.options, gravity_of(task))
     batch = SpaceBatch(robot, task, world, 1, lambda _: one)
-    verdict = Outcome.RUNNING
+    outcome = Outcome.RUNNING
     with closing(TaskStage(batch, controller)) as stage:
         stage.start(np.arange(1))
         truth = batch.truth()
         points, normals, force, doing = [truth.points[0]], [truth.normals[0]], [0.0], [batch.doing[0]]
-        while verdict is Outcome.RUNNING:
-            verdict = Outcome(stage.step().verdict[0])
+        while outcome is Outcome.RUNNING:
+            outcome = Outcome(stage.step().outcome[0])
             truth = batch.truth()
             points.append(truth.points[0])
             normals.append(truth.normals[0])
@@ -89,4 +89,4 @@ def record_in_space(
             doing.append(batch.doing[0])
     long = batch.pipes[0]
     arrays = np.array(points), np.array(normals), np.array(force)
-    return SpaceRecording(long, robot, name, simulator.backend, verdict.label, *arrays, tuple(doing))
+    return SpaceRecording(long, robot, name, simulator.backend, outcome.label, *arrays, tuple(doing))

@@ -21,7 +21,7 @@ class StepResult(NamedTuple):
     Attributes:
         observation: scaled, (n, size).
         reward: (n,).
-        verdict: a `Outcome` for each, (n,); other than RUNNING ends the episode.
+        outcome: a `Outcome` for each, (n,); other than RUNNING ends the episode.
         clearance: smallest laser reading, (n,) [m].
         truth: what the simulator knows.
         cut_off: whether the episode ended for want of time alone, so that it might have gone on, (n,).
@@ -29,7 +29,7 @@ class StepResult(NamedTuple):
 
     observation: Floats
     reward: Floats
-    verdict: NDArray[np.int8]
+    outcome: NDArray[np.int8]
     clearance: Floats
     truth: Truth | SpaceTruth
     cut_off: Flags
@@ -73,7 +73,7 @@ class TaskBatch(Protocol):
         """Configurations in the robot's own frame, (n, coordinates)."""
         ...
 
-    def reset(self, robots: Ints | None = None) -> Floats:
+    def reset(self, indices: Ints | None = None) -> Floats:
         """Start new episodes for some robots (sorted, unique), or all; observations of all robots, (n, size)."""
         ...
 

@@ -43,11 +43,11 @@ def random_episodes(
 
     held, dealt = draw(0), 0
 
-    def source(robots: Ints) -> Any:
+    def source(indices: Ints) -> Any:
         nonlocal held, dealt
-        if dealt + len(robots) > len(held.pipes):
-            held, dealt = draw(max(len(robots), stock)), 0
-        dealt += len(robots)
-        return held.part(slice(dealt - len(robots), dealt))
+        if dealt + len(indices) > len(held.pipes):
+            held, dealt = draw(max(len(indices), stock)), 0
+        dealt += len(indices)
+        return held.part(slice(dealt - len(indices), dealt))
 
     return source

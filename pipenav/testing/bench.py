@@ -53,7 +53,7 @@ class Bench:
 class Start(NamedTuple):
     """Arguments of `Backend.reset`."""
 
-    robots: Ints
+    indices: Ints
     pipes: list[PipeCorner]
     q: Floats
     base: Floats

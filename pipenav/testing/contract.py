@@ -174,7 +174,7 @@ def check_time_counts(bench: Bench) -> None:
             subject.step(command)
         np.testing.assert_allclose(subject.read().time, 5 * CONTROL_PERIOD, rtol=1e-6)
         first = starts(bench)
-        subject.reset(first.robots[:1], first.pipes[:1], first.q[:1], first.base[:1])
+        subject.reset(first.indices[:1], first.pipes[:1], first.q[:1], first.base[:1])
         np.testing.assert_allclose(subject.read().time, [0.0] + [5 * CONTROL_PERIOD] * (bench.n - 1), atol=1e-6)
 
 
@@ -205,11 +205,11 @@ def check_commands_move_the_right_way(bench: Bench) -> None:
             moved = subject.read().q[:, joint] - before[:, joint]
             _require(bool((moved > 0).all()), f"a positive drive moves joint {joint} by {moved}")
         subject.reset(*starts(bench))
-        goal = starts(bench, seed=2).q[:, -joints:]
+        set_points = starts(bench, seed=2).q[:, -joints:]
         standing = np.zeros((bench.n, drives - joints))  # the wheels'
         for _ in range(20):
-            subject.step(Command("position", np.concatenate([goal, standing], axis=1)))
-        np.testing.assert_allclose(subject.read().q, goal, atol=2e-3, err_msg="set-points are not reached")
+            subject.step(Command("position", np.concatenate([set_points, standing], axis=1)))
+        np.testing.assert_allclose(subject.read().q, set_points, atol=2e-3, err_msg="set-points are not reached")
 
 
 def check_tip_and_ranges_fit_the_pose(bench: Bench) -> None:
@@ -238,11 +238,13 @@ def check_left_and_right_mirror(bench: Bench) -> None:
     """A right turn under mirrored commands is the mirror image of a left one."""
     robot = bench.robot
     with bench.open() as left, bench.open() as right:
-        for side, subject in ((1.0, left), (-1.0, right)):
+        for turn_sign, subject in ((1.0, left), (-1.0, right)):
             start = starts(bench)
-            turn = "left" if side > 0 else "right"
+            turn = "left" if turn_sign > 0 else "right"
             pipes = [pipe.model_copy(update={"turn": turn}) for pipe in start.pipes]
-            subject.reset(start.robots, pipes, start.q * np.where(side > 0, 1.0, robot.mirror_coordinates), start.base)
+            subject.reset(
+                start.indices, pipes, start.q * np.where(turn_sign > 0, 1.0, robot.mirror_coordinates), start.base
+            )
         for command in bench.commands(3, "position"):
             left.step(command)
             right.step(Command("position", command.values * robot.mirror_drives))
@@ -255,13 +257,13 @@ def check_too_many_walls_refused(bench: Bench) -> None:
     start = starts(bench)
     with bench.open(wall_segments=4) as subject:
         try:
-            subject.reset(start.robots, [bend] * bench.n, start.q, start.base)
+            subject.reset(start.indices, [bend] * bench.n, start.q, start.base)
         except PipenavError as error:
             _require(str(len(bend.segments)) in str(error), f"the error does not say how many walls: {error}")
         else:
             raise AssertionError(f"a pipe of {len(bend.segments)} wall segments was accepted by a backend for 4")
     with bench.open(wall_segments=len(bend.segments)) as subject:
-        subject.reset(start.robots, [bend] * bench.n, start.q, start.base)
+        subject.reset(start.indices, [bend] * bench.n, start.q, start.base)
 
 
 def check_closes_twice(bench: Bench) -> None:

@@ -37,16 +37,16 @@ class KinematicBackend(Backend):
         self._time, self._base = np.zeros(n), np.zeros(n)
         self._segments = np.full((n, wall_segments, 2, 2), np.inf)
 
-    def reset(self, robots: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:
+    def reset(self, indices: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:
         slots = self._segments.shape[1]
-        for i, pipe in zip(robots, pipes, strict=True):
+        for i, pipe in zip(indices, pipes, strict=True):
             count = len(pipe.segments)
             if count > slots:
                 raise PipenavError(f"pipe {pipe.name} has {count} wall segments, this backend was opened for {slots}.")
             self._segments[i] = pipe.segments[-1]  # repeated in the slots that are left over
             self._segments[i, :count] = pipe.segments
-        self._q[robots], self._qd[robots], self._time[robots], self._base[robots] = q, 0.0, 0.0, base
-        return self.read().part(robots)
+        self._q[indices], self._qd[indices], self._time[indices], self._base[indices] = q, 0.0, 0.0, base
+        return self.read().part(indices)
 
     def step(self, command: Command) -> None:
         if command.control == "torque":

@@ -24,17 +24,17 @@ def check_variation_of_one_changes_nothing(bench: Bench) -> None:
     with bench.open() as varied, bench.open() as plain:
         if not isinstance(varied, Variable):
             return
-        robots = np.arange(bench.n)
-        varied.vary(robots, factors(bench, friction=2.0, mass=WEAKER, strength=WEAKER, gain=WEAKER))
+        indices = np.arange(bench.n)
+        varied.vary(indices, factors(bench, friction=2.0, mass=WEAKER, strength=WEAKER, gain=WEAKER))
         start = starts(bench, seed=1)
         small = [
             PipeCorner.of(60, 150, leg_mm=150)
         ] * bench.n  # what a simulator derived from its walls must not outlive them
-        varied.reset(robots, small, start.q, start.base - 0.5)
+        varied.reset(indices, small, start.q, start.base - 0.5)
         for command in bench.commands(3):
             varied.step(command)
-        varied.vary(robots, factors(bench))
-        _require_same(_driven(bench, varied), _driven(bench, plain), robots)
+        varied.vary(indices, factors(bench))
+        _require_same(_driven(bench, varied), _driven(bench, plain), indices)
 
 
 def check_variation_touches_only_named_robots(bench: Bench) -> None:
@@ -149,6 +149,6 @@ def _driven(bench: Bench, subject: Backend) -> list[Floats]:
     return told
 
 
-def _require_same(one: list[Floats], other: list[Floats], robots: Ints) -> None:
+def _require_same(one: list[Floats], other: list[Floats], indices: Ints) -> None:
     for a, b in zip(one, other, strict=True):
-        np.testing.assert_array_equal(a[robots], b[robots], err_msg="robots that were not varied")
+        np.testing.assert_array_equal(a[indices], b[indices], err_msg="robots that were not varied")

@@ -89,7 +89,7 @@ class HardwareBackend(RealRobot):
         """Median answer time of the servo bus [s]."""
         return self._servos.latency
 
-    def reset(self, robots: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:  # noqa: ARG002
+    def reset(self, indices: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:  # noqa: ARG002
         """Switch torque on where the arm is.
 
         Raises:

@@ -92,18 +92,18 @@ class MujocoBackend(backend.Backend):
         self._masses = np.tile(model.body_mass, (n, 1))
         self._windows = Windows(self._substeps, model.opt.timestep)
 
-    def reset(self, robots: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:
+    def reset(self, indices: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:
         walls = wall_boxes(pipes, self._slots, base)
-        self._wall_position[robots], self._wall_quaternion[robots] = walls.position, walls.quaternion
-        self._wall_half_size[robots], self._segments[robots] = walls.half_size, walls.segments
-        self._base[robots] = base
+        self._wall_position[indices], self._wall_quaternion[indices] = walls.position, walls.quaternion
+        self._wall_half_size[indices], self._segments[indices] = walls.half_size, walls.segments
+        self._base[indices] = base
         for values in (self._state, self._speeds, self._time, self._warm, self._loads):
-            values[robots] = 0.0
-        self._state[np.ix_(robots, self._configured)] = q
-        self._depth[robots], self._contact_share[robots], self._link_forces[robots] = 0.0, 0.0, 0.0
+            values[indices] = 0.0
+        self._state[np.ix_(indices, self._configured)] = q
+        self._depth[indices], self._contact_share[indices], self._link_forces[indices] = 0.0, 0.0, 0.0
         self._pose = None
-        self._ranges[robots] = self._scan(kinematics.forward(self._robot, q), walls.segments)
-        return self._reading(robots)
+        self._ranges[indices] = self._scan(kinematics.forward(self._robot, q), walls.segments)
+        return self._reading(indices)
 
     def step(self, command: Command) -> None:
         if command.control != self._control:
@@ -125,51 +125,55 @@ class MujocoBackend(backend.Backend):
         self._link_forces = np.zeros_like(self._link_forces)
         self._link_forces[touching] = -strongest(forces)  # the sensors give what the link does to the wall
 
-    def _set_gains(self, robots: slice | Ints) -> None:
+    def _set_gains(self, indices: slice | Ints) -> None:
         """Make the actuators servos or plain drives; both share the motor's torque-speed line."""
         servo = self._control == "position"
         joints = len(self._joints)
-        self._gain[robots, :, 0] = self._stiffness[robots] if servo else self._effort[robots]
-        feedback = -self._stiffness[robots] if servo else np.zeros_like(self._stiffness[robots])
-        self._bias[robots, :joints, 1], self._bias[robots, joints:, 2] = feedback[:, :joints], feedback[:, joints:]
+        self._gain[indices, :, 0] = self._stiffness[indices] if servo else self._effort[indices]
+        feedback = -self._stiffness[indices] if servo else np.zeros_like(self._stiffness[indices])
+        self._bias[indices, :joints, 1], self._bias[indices, joints:, 2] = feedback[:, :joints], feedback[:, joints:]
 
-    def incline(self, robots: Ints, gravity: Floats) -> None:
+    def incline(self, indices: Ints, gravity: Floats) -> None:
         """See `pipenav.backends.backend.Inclinable`."""
         pull = self._batch.bind("xfrc_applied")  # (n, bodies, 6): forces at the centres of mass, then torques
         moving = np.flatnonzero(self._model.body_mocapid < 0)
-        pull[np.ix_(robots, moving, np.arange(2))] = self._masses[np.ix_(robots, moving)][..., None] * gravity[:, None]
+        pull[np.ix_(indices, moving, np.arange(2))] = (
+            self._masses[np.ix_(indices, moving)][..., None] * gravity[:, None]
+        )
 
-    def vary(self, robots: Ints, variation: backend.Variation) -> None:
+    def vary(self, indices: Ints, variation: backend.Variation) -> None:
         """See `pipenav.backends.backend.Variable`. Fields become the robots' own when this is first called."""
         batch, model = self._batch, self._model
         links = [model.body(link.name).id for link in self._robot.links]
-        rows = np.ix_(robots, links)
+        rows = np.ix_(indices, links)
         self._masses[rows] = model.body_mass[links] * variation.mass
         batch.expand("body_mass")[rows] = self._masses[rows]
         batch.expand("body_inertia")[rows] = model.body_inertia[links] * variation.mass[..., None]
-        batch.expand("geom_friction")[robots, :, 0] = model.geom_friction[:, 0] * variation.friction[:, None]
-        self._derive_constants(robots)
-        self._effort[robots] = self._robot.effort_limits * variation.strength
+        batch.expand("geom_friction")[indices, :, 0] = model.geom_friction[:, 0] * variation.friction[:, None]
+        self._derive_constants(indices)
+        self._effort[indices] = self._robot.effort_limits * variation.strength
         stiffness = [actuator.controller_gain for actuator in self._robot.drives]
-        self._stiffness[robots] = stiffness * variation.strength * variation.gain
-        batch.expand("actuator_forcerange")[robots] = np.stack([-self._effort[robots], self._effort[robots]], axis=-1)
-        self._set_gains(robots)
+        self._stiffness[indices] = stiffness * variation.strength * variation.gain
+        batch.expand("actuator_forcerange")[indices] = np.stack(
+            [-self._effort[indices], self._effort[indices]], axis=-1
+        )
+        self._set_gains(indices)
 
-    def _derive_constants(self, robots: Ints) -> None:
+    def _derive_constants(self, indices: Ints) -> None:
         """What MuJoCo computes from masses. Bounding volumes must stay those of the longest walls: a reset changes
         walls without computing them anew."""
-        walls = self._wall_half_size[robots]
-        self._wall_half_size[robots] = self._longest_walls
-        self._batch.set_const(robots)
-        self._wall_half_size[robots] = walls
+        walls = self._wall_half_size[indices]
+        self._wall_half_size[indices] = self._longest_walls
+        self._batch.set_const(indices)
+        self._wall_half_size[indices] = walls
 
     def read(self) -> Reading:
         return self._reading(np.arange(len(self._time)))
 
-    def _reading(self, robots: Ints) -> Reading:
-        wheels = self._speeds[np.ix_(robots, self._wheels)] if self._robot.wheels else None
-        q, qd = self._state[np.ix_(robots, self._joints)], self._speeds[np.ix_(robots, self._joints)]
-        return Reading(q, qd, self._ranges[robots], self._time[robots].copy(), wheels, self._loads[robots])
+    def _reading(self, indices: Ints) -> Reading:
+        wheels = self._speeds[np.ix_(indices, self._wheels)] if self._robot.wheels else None
+        q, qd = self._state[np.ix_(indices, self._joints)], self._speeds[np.ix_(indices, self._joints)]
+        return Reading(q, qd, self._ranges[indices], self._time[indices].copy(), wheels, self._loads[indices])
 
     def _own_pose(self) -> kinematics.ChainPose:
         """Of the robots as they are, worked out once."""

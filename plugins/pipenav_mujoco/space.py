@@ -54,12 +54,12 @@ class MujocoSpace(SpaceBackend):
         settings = self._settings
         return space_spec(self._robot, run, settings.timestep, settings.contact, settings.gravity).compile()
 
-    def reset(self, robots: Ints, runs: Sequence[PipeRoute], q: Floats, base: Floats, plane: Floats) -> SpaceReading:
-        for robot, run, *start in zip(robots, runs, q, base, plane, strict=True):
+    def reset(self, indices: Ints, runs: Sequence[PipeRoute], q: Floats, base: Floats, plane: Floats) -> SpaceReading:
+        for robot, run, *start in zip(indices, runs, q, base, plane, strict=True):
             world = _World(self._robot, self._compiled(run), self._settings, self._windows)
             world.put(*start)
             self._worlds[robot] = world
-        return _readings([world for robot in robots if (world := self._worlds[robot])])
+        return _readings([world for robot in indices if (world := self._worlds[robot])])
 
     def step(self, set_points: Floats, roll: Floats) -> None:
         commands = np.concatenate([set_points, roll[:, None]], axis=1)

@@ -57,7 +57,7 @@ class PybulletBackend(backend.Backend):
         self._depth, self._contact_share = np.zeros(n), np.zeros(n)
         self._link_forces = np.zeros((n, len(robot.links), 2))
 
-    def reset(self, robots: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:
+    def reset(self, indices: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:
         for pipe in pipes:
             if len(pipe.segments) > self._slots:
                 raise PipenavError(
@@ -66,22 +66,22 @@ class PybulletBackend(backend.Backend):
                 )
         bounds = self._crew.bounds
         orders = [
-            (robots[rows] - first, [pipes[row] for row in rows], q[rows], base[rows]) if len(rows) else None
-            for first, rows in zip(bounds, shares(robots, bounds), strict=False)
+            (indices[rows] - first, [pipes[row] for row in rows], q[rows], base[rows]) if len(rows) else None
+            for first, rows in zip(bounds, shares(indices, bounds), strict=False)
         ]
         answers = self._crew.ask("reset", orders)
-        self._distances[robots] = np.concatenate([*answers, np.empty((0, self._robot.laser.beams))])
-        self._configuration[robots], self._speeds[robots], self._loads[robots] = q, 0.0, 0.0
-        self._base[robots], self._time[robots] = base, 0.0
-        self._depth[robots], self._contact_share[robots], self._link_forces[robots] = 0.0, 0.0, 0.0
-        return self.read().part(robots)
+        self._distances[indices] = np.concatenate([*answers, np.empty((0, self._robot.laser.beams))])
+        self._configuration[indices], self._speeds[indices], self._loads[indices] = q, 0.0, 0.0
+        self._base[indices], self._time[indices] = base, 0.0
+        self._depth[indices], self._contact_share[indices], self._link_forces[indices] = 0.0, 0.0, 0.0
+        return self.read().part(indices)
 
-    def vary(self, robots: Ints, variation: backend.Variation) -> None:
+    def vary(self, indices: Ints, variation: backend.Variation) -> None:
         """See `pipenav.backends.backend.Variable`."""
         bounds = self._crew.bounds
         orders = [
-            (robots[rows] - first, variation.part(rows)) if len(rows) else None
-            for first, rows in zip(bounds, shares(robots, bounds), strict=False)
+            (indices[rows] - first, variation.part(rows)) if len(rows) else None
+            for first, rows in zip(bounds, shares(indices, bounds), strict=False)
         ]
         self._crew.ask("vary", orders)
 

@@ -28,19 +28,19 @@ class Share:
         self._bounds = [*range(0, count, WORLD_SIZE), count]
         self._worlds = [World(robot, last - first, setting) for first, last in pairwise(self._bounds)]
 
-    def reset(self, robots: Ints, pipes: list[Pipe], q: Floats, base: Floats) -> Floats:
+    def reset(self, indices: Ints, pipes: list[Pipe], q: Floats, base: Floats) -> Floats:
         """As `World.reset`."""
         distances = []
-        for world, first, rows in zip(self._worlds, self._bounds, shares(robots, self._bounds), strict=False):
+        for world, first, rows in zip(self._worlds, self._bounds, shares(indices, self._bounds), strict=False):
             if len(rows):
                 mine = [pipes[row] for row in rows]
-                distances.append(world.reset((robots[rows] - first).tolist(), mine, q[rows], base[rows]))
+                distances.append(world.reset((indices[rows] - first).tolist(), mine, q[rows], base[rows]))
         return np.concatenate(distances)
 
-    def vary(self, robots: Ints, variation: Variation) -> None:
+    def vary(self, indices: Ints, variation: Variation) -> None:
         """As `World.vary`."""
-        for world, first, rows in zip(self._worlds, self._bounds, shares(robots, self._bounds), strict=False):
-            world.vary((robots[rows] - first).tolist(), variation.part(rows))
+        for world, first, rows in zip(self._worlds, self._bounds, shares(indices, self._bounds), strict=False):
+            world.vary((indices[rows] - first).tolist(), variation.part(rows))
 
     def step(self, control: Control, values: Floats) -> Motion:
         """As `World.step`."""

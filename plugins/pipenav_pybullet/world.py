@@ -87,9 +87,9 @@ class Motion(NamedTuple):
     contact_share: Floats
 
 
-def shares(robots: Ints, bounds: Sequence[int]) -> list[Ints]:
-    """Which entries of `robots` (k,) lie between each two of the ascending bounds, the upper one excluded."""
-    return [np.flatnonzero((robots >= first) & (robots < last)) for first, last in pairwise(bounds)]
+def shares(indices: Ints, bounds: Sequence[int]) -> list[Ints]:
+    """Which entries of `indices` (k,) lie between each two of the ascending bounds, the upper one excluded."""
+    return [np.flatnonzero((indices >= first) & (indices < last)) for first, last in pairwise(bounds)]
 
 
 class World:

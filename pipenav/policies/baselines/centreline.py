@@ -85,41 +85,41 @@ class CentrelineController:
     def act(self, observation: Floats, batch: TaskBatch) -> Floats:  # noqa: ARG002  # it knows more than that
         assert isinstance(batch, ReachBatch)  # its task is no other
         """Canonical actions in [-1, 1], (n, joints)."""
-        q, goal, edge = batch.snapshot.q, batch.goal, batch.edge
+        q, target, edge = batch.snapshot.q, batch.target, batch.edge
         step = action.position_step(self.robot, self.task)
         actions = np.zeros((batch.n, len(step)))
         for i, pipe in enumerate(batch.pipes):
             if pipe is not None:
-                actions[i] = _towards(self._way(i, pipe, goal[i], edge[i]), q[i], step)
+                actions[i] = _towards(self._way(i, pipe, target[i], edge[i]), q[i], step)
         return actions
 
-    def _way(self, robot: int, pipe: PipeCorner, goal: Floats, edge: Floats) -> Floats:
+    def _way(self, robot: int, pipe: PipeCorner, target: Floats, edge: Floats) -> Floats:
         """The waypoints of one robot's episode, planned when its pipe or its target is new: (k, joints)."""
-        key = (pipe, *goal, *edge)
+        key = (pipe, *target, *edge)
         known = self._ways.get(robot)
         if known is None or known[0] != key:
             left = pipe.model_copy(update={"turn": "left"})
             base = -left.tangent_length(left.radius) - float(edge[0])
-            known = self._ways[robot] = key, self._plan(left, base, goal + np.array([base, 0.0]))
+            known = self._ways[robot] = key, self._plan(left, base, target + np.array([base, 0.0]))
         return known[1]
 
-    def _plan(self, pipe: PipeCorner, base: float, goal: Floats) -> Floats:
+    def _plan(self, pipe: PipeCorner, base: float, target: Floats) -> Floats:
         if pipe not in self._lines:
             self._lines[pipe] = self._choose_line(pipe)
-        way = _follow_line(self.robot, pipe, base, goal, self._lines[pipe])
+        way = _follow_line(self.robot, pipe, base, target, self._lines[pipe])
         if way.score < WIDE_ENOUGH:
-            return _improve(self.robot, pipe, base, goal, way.q)
+            return _improve(self.robot, pipe, base, target, way.q)
         return way.q
 
     def _choose_line(self, pipe: PipeCorner) -> tuple[float, ...]:
         """A good line for the middle of the target area, from the farthest start: one width after the other, twice."""
         depth = pipe.inner_edge + sum(self.task.target_depth) / 2
         base = -pipe.inner_edge - self.task.start_gap[1] - self.robot.length
-        goal = depth * pipe.second_leg
+        target = depth * pipe.second_leg
         best = tuple(choices[len(choices) // 2] for choices in WIDTHS)
         for place in (0, 1, 2) * 2:
             lines = [(*best[:place], width, *best[place + 1 :]) for width in WIDTHS[place]]
-            best = max(lines, key=lambda line: _follow_line(self.robot, pipe, base, goal, line).score)
+            best = max(lines, key=lambda line: _follow_line(self.robot, pipe, base, target, line).score)
         return best
 
 
@@ -135,7 +135,7 @@ def _towards(way: Floats, q: Floats, step: Floats) -> Floats:
 
 
 def _follow_line(
-    robot: RobotSpec, pipe: PipeCorner, base: float, goal: Floats, widths: tuple[float, ...]
+    robot: RobotSpec, pipe: PipeCorner, base: float, target: Floats, widths: tuple[float, ...]
 ) -> PlannedMotion:
     """The motion of a chain whose hinges follow the leader along one line, up to where the tip reaches the target.
 
@@ -143,10 +143,10 @@ def _follow_line(
         robot: a slide, then hinges.
         pipe: a left turn.
         base: where the robot's frame starts, x in the pipe's frame [m].
-        goal: target in the pipe's frame, (2,) [m].
+        target: target in the pipe's frame, (2,) [m].
         widths: see `WIDTHS`.
     """
-    line, end = _line(pipe, goal, widths)
+    line, end = _line(pipe, target, widths)
     top = robot.upper - 0.01 * (robot.upper - robot.lower)  # off the limits, which end an episode
     q = np.zeros((WAYPOINTS, len(robot.links)))
     q[:, 0] = np.linspace(0.0, top[0], WAYPOINTS)
@@ -171,7 +171,7 @@ def _follow_line(
     return PlannedMotion(q, room - missing - too_bent)
 
 
-def _line(pipe: PipeCorner, goal: Floats, widths: tuple[float, ...]) -> tuple[Floats, int]:
+def _line(pipe: PipeCorner, target: Floats, widths: tuple[float, ...]) -> tuple[Floats, int]:
     """The line around a left turn's corner, (p, 2) [m], and the index of the point at the target."""
     before, at, after = pipe.diameter * np.array(widths)
     turn = math.pi - pipe.angle
@@ -184,11 +184,11 @@ def _line(pipe: PipeCorner, goal: Floats, widths: tuple[float, ...]) -> tuple[Fl
     width = before + (after - before) * ease + (at - (before + after) / 2) * np.sin(math.pi * t) ** 2
     corner = edge + width * np.concatenate([np.sin(turn * t), -np.cos(turn * t)], axis=1)
     out = edge + after * across
-    way = goal - out
+    way = target - out
     straight = (way @ along) * along
     leave = out + straight * t + (way - straight) * smooth
     start = np.array([[-pipe.leg - 1.0, 0.0]])  # the arm may stick out of a short leg's open end
-    past = goal + BEYOND * t * along
+    past = target + BEYOND * t * along
     return np.concatenate([start, entry, corner, leave, past]), 1 + 3 * LINE_POINTS
 
 
@@ -209,7 +209,7 @@ def reach(line: Floats, hinge: Floats, at: Floats, length: float) -> tuple[Float
     return a + t[:, None] * d, i - 1 + t
 
 
-def _improve(robot: RobotSpec, pipe: PipeCorner, base: float, goal: Floats, q: Floats) -> Floats:
+def _improve(robot: RobotSpec, pipe: PipeCorner, base: float, target: Floats, q: Floats) -> Floats:
     """More clearance where it is below `WIDE_ENOUGH`, by small changes of one hinge at a time: (k, joints).
 
     Every other waypoint moves in a round, so that each can count on its neighbours. The first one, where the robot
@@ -227,7 +227,7 @@ def _improve(robot: RobotSpec, pipe: PipeCorner, base: float, goal: Floats, q: F
         cost = BEND_COST * bend - np.minimum(clearance(robot, pipe, tried, base), WIDE_ENOUGH)
         if (len(q) - 2 - turn) % 2 == 0:  # the last waypoint is among those that move
             tip = kinematics.forward(robot, tried[-1]).tip + np.array([base, 0.0])
-            cost[-1] += TARGET_COST * np.linalg.norm(tip - goal, axis=-1)
+            cost[-1] += TARGET_COST * np.linalg.norm(tip - target, axis=-1)
         q = q.copy()
         q[moving] += size * moves[cost.argmin(axis=1)]
         size *= SHRINK

@@ -153,8 +153,8 @@ class SequenceController:
             pipe = single_corner(given)
             if batch.steps[i] == 0:
                 self._courses[i] = _Course()
-            bends = batch.q[i, -len(self.robot.joints) :] * pipe.side
-            place = points[i] * [1.0, pipe.side]
+            bends = batch.q[i, -len(self.robot.joints) :] * pipe.turn_sign
+            place = points[i] * [1.0, pipe.turn_sign]
             actions[i] = self._drive(self._courses[i], pipe, observation[i], bends, place, along[i])
         return actions
 

@@ -89,7 +89,7 @@ class FrontArm:
         qd = np.array([speed, *seen["qd"][HINGES]])
         ranges = np.clip(seen["ranges"] / scale, arm.laser.range_min, arm.laser.range_max)
         origin = np.array([start - arm.lengths[0] * scale, 0.0])  # of the arm's frame
-        tip, goal = (points[-1] - origin) / scale, (target - origin) / scale
+        tip, target = (points[-1] - origin) / scale, (target - origin) / scale
         now = Snapshot(q[None], qd[None], ranges[None], tip[None], headings[-1:])
-        state = observe(self._task, now, now, np.zeros_like(q[None]), goal[None]) / scale_of(arm, self._task)
+        state = observe(self._task, now, now, np.zeros_like(q[None]), target[None]) / scale_of(arm, self._task)
         return np.asarray(np.clip(self._policy.act(state)[0] * self._step, -1.0, 1.0))

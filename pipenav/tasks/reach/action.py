@@ -11,7 +11,7 @@ from pipenav.tasks.reach.config import TaskConfig
 from pipenav.tasks.reach.observation import joint_signs
 
 
-def to_command(robot: RobotSpec, config: TaskConfig, action: Floats, q: Floats, side: Floats) -> Command:
+def to_command(robot: RobotSpec, config: TaskConfig, action: Floats, q: Floats, turn_sign: Floats) -> Command:
     """The command for canonical actions.
 
     Args:
@@ -19,13 +19,13 @@ def to_command(robot: RobotSpec, config: TaskConfig, action: Floats, q: Floats, 
         config: control mode and step size.
         action: canonical actions, (n, joints); clipped to [-1, 1].
         q: measured joint positions in the robot's own frame, (n, joints).
-        side: +1 for a left turn, -1 for a right one, (n,).
+        turn_sign: +1 for a left turn, -1 for a right one, (n,).
     """
-    own = np.clip(action, -1.0, 1.0) * joint_signs(robot, side)
+    own = np.clip(action, -1.0, 1.0) * joint_signs(robot, turn_sign)
     if config.control == "torque":
         return Command("torque", own)
-    goal = q + position_step(robot, config) * own
-    return Command("position", np.clip(goal, robot.lower, robot.upper))
+    set_points = q + position_step(robot, config) * own
+    return Command("position", np.clip(set_points, robot.lower, robot.upper))
 
 
 def full_action(robot: RobotSpec, config: TaskConfig) -> Floats:

@@ -38,7 +38,7 @@ class ReachBatch(Sized):
         joints = len(robot.joints)
         self.pipes: list[PipeCorner | None] = [None] * n
         self.steps, self._ages = np.zeros(n, int), np.zeros(n, int)
-        self._side, self._goal, self._edge = np.ones(n), np.zeros((n, 2)), np.zeros((n, 2))
+        self._turn_sign, self._goal, self._edge = np.ones(n), np.zeros((n, 2)), np.zeros((n, 2))
         self._way = np.zeros(n)
         self._action, self._own_q = np.zeros((n, joints)), np.zeros((n, joints))
         self._observation = np.zeros((n, len(self._scale)))
@@ -51,7 +51,7 @@ class ReachBatch(Sized):
         )
 
     @property
-    def goal(self) -> Floats:
+    def target(self) -> Floats:
         """Targets in the canonical frame, (n, 2) [m]."""
         return self._goal.copy()
 
@@ -70,24 +70,28 @@ class ReachBatch(Sized):
         """This step's readings in the canonical frame."""
         return self._now
 
-    def reset(self, robots: Ints | None = None) -> Floats:
+    def reset(self, indices: Ints | None = None) -> Floats:
         """Start new episodes for some robots (sorted, unique), or all; observations of all robots, (n, size)."""
-        robots = np.arange(self.n) if robots is None else np.asarray(robots, np.intp)
-        episodes = self._source(robots)
-        reading = self._backend.reset(robots, episodes.pipes, episodes.q, episodes.base)
-        for i, pipe in zip(robots, episodes.pipes, strict=True):
+        indices = np.arange(self.n) if indices is None else np.asarray(indices, np.intp)
+        episodes = self._source(indices)
+        reading = self._backend.reset(indices, episodes.pipes, episodes.q, episodes.base)
+        for i, pipe in zip(indices, episodes.pipes, strict=True):
             self.pipes[i] = pipe
-        self.steps[robots] = self._ages[robots]
-        self._ages[robots] = 0
-        self._side[robots], self._goal[robots], self._edge[robots] = episodes.side, episodes.goal, episodes.edge
-        self._action[robots], self._own_q[robots] = 0.0, reading.q
-        now = observation.canonical(self.robot, reading, episodes.side)
-        self._now.put(robots, now)
-        self._before.put(robots, now)
-        self._way[robots] = episode.way_to_goal(now.tip, episodes.goal, episodes.edge)
-        observed = observation.observe(self.config, now, now, self._action[robots], episodes.goal)
+        self.steps[indices] = self._ages[indices]
+        self._ages[indices] = 0
+        self._turn_sign[indices], self._goal[indices], self._edge[indices] = (
+            episodes.turn_sign,
+            episodes.target,
+            episodes.edge,
+        )
+        self._action[indices], self._own_q[indices] = 0.0, reading.q
+        now = observation.canonical(self.robot, reading, episodes.turn_sign)
+        self._now.put(indices, now)
+        self._before.put(indices, now)
+        self._way[indices] = episode.distance_to_target(now.tip, episodes.target, episodes.edge)
+        observed = observation.observe(self.config, now, now, self._action[indices], episodes.target)
         self._observation = self._observation.copy()
-        self._observation[robots] = observed / self._scale
+        self._observation[indices] = observed / self._scale
         return self._observation
 
     def stagger(self, rng: np.random.Generator) -> None:
@@ -100,38 +104,38 @@ class ReachBatch(Sized):
         Args:
             action: canonical actions in [-1, 1], (n, joints).
         """
-        command = actions.to_command(self.robot, self.config, action, self._own_q, self._side)
+        command = actions.to_command(self.robot, self.config, action, self._own_q, self._turn_sign)
         self._backend.step(command)
         self.steps += 1
         self._before, self._action = self._now, np.clip(action, -1.0, 1.0)
         reading = self._backend.read()
-        self._own_q, self._now = reading.q, observation.canonical(self.robot, reading, self._side)
+        self._own_q, self._now = reading.q, observation.canonical(self.robot, reading, self._turn_sign)
         truth = self._backend.truth()
         if truth is None:
             raise TypeError("the corner task needs a simulator: this backend knows no truth")
-        facts, verdict = self._judge(truth)
+        facts, outcome = self._judge(truth)
         result = reward.total(self.config.reward, facts)
         observed = observation.observe(self.config, self._now, self._before, self._action, self._goal)
         self._observation = observed / self._scale
-        cut_off = verdict == Outcome.TIMEOUT.value
-        return StepResult(self._observation, result, verdict, self._now.ranges.min(axis=1), truth, cut_off)
+        cut_off = outcome == Outcome.TIMEOUT.value
+        return StepResult(self._observation, result, outcome, self._now.ranges.min(axis=1), truth, cut_off)
 
     def close(self) -> None:
         self._backend.close()
 
     def _judge(self, truth: Truth) -> tuple[reward.StepFacts, NDArray[np.int8]]:
-        way = episode.way_to_goal(self._now.tip, self._goal, self._edge)
+        way = episode.distance_to_target(self._now.tip, self._goal, self._edge)
         progress, self._way = self._way - way, way
         error = np.hypot(*(self._now.tip - self._goal).T)
         failed_at_limit = episode.at_limit(self.robot, self.config, self._own_q)
         sank = truth.penetration > self.config.max_penetration
         failed = failed_at_limit | sank
         reached = (error <= self.config.reach_tolerance) & ~failed
-        verdict = np.full(self.n, Outcome.RUNNING.value, np.int8)
-        verdict[self.steps >= self.config.max_steps] = Outcome.TIMEOUT.value
-        verdict[reached] = Outcome.REACHED.value
-        verdict[failed_at_limit] = Outcome.LIMIT.value
-        verdict[sank] = Outcome.PENETRATION.value
+        outcome = np.full(self.n, Outcome.RUNNING.value, np.int8)
+        outcome[self.steps >= self.config.max_steps] = Outcome.TIMEOUT.value
+        outcome[reached] = Outcome.REACHED.value
+        outcome[failed_at_limit] = Outcome.LIMIT.value
+        outcome[sank] = Outcome.PENETRATION.value
         facts = reward.StepFacts(
             error=error,
             ranges=self._now.ranges,
@@ -142,4 +146,4 @@ class ReachBatch(Sized):
             reached=reached,
             failed=failed,
         )
-        return facts, verdict
+        return facts, outcome

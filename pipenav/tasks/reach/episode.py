@@ -24,16 +24,16 @@ class Episodes(NamedTuple):
         pipes: the pipe of each.
         q: start joint positions in the robot's own frame, (k, joints).
         base: x of the robot's frame in the pipe's frame, (k,) [m].
-        side: +1 for a left turn, -1 for a right one, (k,).
-        goal: target in the canonical frame, (k, 2) [m].
+        turn_sign: +1 for a left turn, -1 for a right one, (k,).
+        target: target in the canonical frame, (k, 2) [m].
         edge: the inner wall's edge, of a bend the point where it starts, in the canonical frame, (k, 2) [m].
     """
 
     pipes: tuple[PipeCorner, ...]
     q: Floats
     base: Floats
-    side: Floats
-    goal: Floats
+    turn_sign: Floats
+    target: Floats
     edge: Floats
 
     def part(self, which: slice) -> Episodes:
@@ -49,20 +49,20 @@ def sample(robot: RobotSpec, config: TaskConfig, pipes: Sequence[PipeCorner], rn
     gap = rng.uniform(*config.start_gap, k)
     depth = rng.uniform(*config.target_depth, k)
     lateral = rng.uniform(-config.target_lateral, config.target_lateral, k)
-    side, turn, radius, inner = np.array([_corner(pipe) for pipe in pipes]).reshape(k, 4).T
+    turn_sign, turn, radius, inner = np.array([_corner(pipe) for pipe in pipes]).reshape(k, 4).T
     q = bend * _room(robot, bend, radius)[:, None]
     base = -inner - gap - robot.length
     along, left = _second_leg(turn)
-    along_goal = (inner + depth)[:, None] * along + (2 * radius * lateral)[:, None] * left
+    along_target = (inner + depth)[:, None] * along + (2 * radius * lateral)[:, None] * left
     edge = np.stack([-inner, radius], axis=1)
     offset = np.stack([base, np.zeros(k)], axis=1)
-    return Episodes(tuple(pipes), q, base, side, along_goal - offset, edge - offset)
+    return Episodes(tuple(pipes), q, base, turn_sign, along_target - offset, edge - offset)
 
 
 @lru_cache(maxsize=4096)  # every pipe of the largest shipped training set
 def _corner(pipe: PipeCorner) -> tuple[float, ...]:
     """Side, absolute change of heading, radius and inner edge, as `PipeCorner` says."""
-    return pipe.side, abs(pipe.heading_change), pipe.radius, pipe.inner_edge
+    return pipe.turn_sign, abs(pipe.heading_change), pipe.radius, pipe.inner_edge
 
 
 def check_robot(robot: RobotSpec) -> None:
@@ -117,7 +117,7 @@ INSIDE_WALL = np.deg2rad(165.0)
 """A heading from the inner edge that lies in every pipe's wall: that fills pi - angle to pi, with angle >= 30 deg."""
 
 
-def way_to_goal(tip: Floats, goal: Floats, edge: Floats) -> Floats:
+def distance_to_target(tip: Floats, target: Floats, edge: Floats) -> Floats:
     """Length of the way from the tip to the target: straight, or around the inner edge where that is in between.
 
     Seen from the edge, the free space is a wedge; the wall is in between when tip and target lie more than a half turn
@@ -125,10 +125,10 @@ def way_to_goal(tip: Floats, goal: Floats, edge: Floats) -> Floats:
 
     Args:
         tip: (n, 2) [m], canonical frame.
-        goal: (n, 2) [m].
+        target: (n, 2) [m].
         edge: the inner edge, (n, 2) [m].
     """
-    x, y = np.array([(goal - edge).T, (tip - edge).T, (goal - tip).T]).swapaxes(0, 1)  # (3, n) each
+    x, y = np.array([(target - edge).T, (tip - edge).T, (target - tip).T]).swapaxes(0, 1)  # (3, n) each
     goal_distance, tip_distance, straight = np.hypot(x, y)
     goal_turn, tip_turn = np.mod(np.arctan2(y[:2], x[:2]) - INSIDE_WALL, 2 * np.pi)  # counter-clockwise
     return np.asarray(np.where(goal_turn - tip_turn > np.pi, tip_distance + goal_distance, straight))

@@ -36,34 +36,34 @@ class Snapshot(NamedTuple):
     tip: Floats
     heading: Floats
 
-    def part(self, robots: Ints) -> Snapshot:
+    def part(self, indices: Ints) -> Snapshot:
         """The snapshot of some robots, k of them."""
-        return Snapshot(*(column[robots] for column in self))
+        return Snapshot(*(column[indices] for column in self))
 
-    def put(self, robots: Ints, part: Snapshot) -> None:
+    def put(self, indices: Ints, part: Snapshot) -> None:
         """Make some robots' rows those of `part`, in place."""
         for column, rows in zip(self, part, strict=True):
-            column[robots] = rows
+            column[indices] = rows
 
 
-def canonical(robot: RobotSpec, reading: Reading, side: Floats) -> Snapshot:
+def canonical(robot: RobotSpec, reading: Reading, turn_sign: Floats) -> Snapshot:
     """Readings as if every turn were a left turn.
 
     Args:
         robot: the robot.
         reading: what the sensors give.
-        side: +1 for a left turn, -1 for a right one, (n,).
+        turn_sign: +1 for a left turn, -1 for a right one, (n,).
     """
-    signs = joint_signs(robot, side)
-    ranges = np.where(side[:, None] > 0, reading.ranges, reading.ranges[:, ::-1])
+    signs = joint_signs(robot, turn_sign)
+    ranges = np.where(turn_sign[:, None] > 0, reading.ranges, reading.ranges[:, ::-1])
     q = reading.q * signs
     pose = kinematics.forward(robot, q)
     return Snapshot(q, reading.qd * signs, ranges, pose.tip, pose.headings[:, -1])
 
 
-def joint_signs(robot: RobotSpec, side: Floats) -> Floats:
+def joint_signs(robot: RobotSpec, turn_sign: Floats) -> Floats:
     """Factor on joint positions, speeds and actions that turns them into the canonical frame or back, (n, joints)."""
-    return np.where(side[:, None] > 0, 1.0, robot.mirror_signs)
+    return np.where(turn_sign[:, None] > 0, 1.0, robot.mirror_signs)
 
 
 def layout(robot: RobotSpec, config: TaskConfig) -> list[ObservationField]:
@@ -74,20 +74,20 @@ def layout(robot: RobotSpec, config: TaskConfig) -> list[ObservationField]:
     q, qd = ObservationField("q", "rad, m", position), ObservationField("qd", "rad/s, m/s", robot.speed_limits)
     scans = ObservationField("ranges", "m", ranges)
     xy = np.full(2, POSITION_SCALE)
-    tip, goal = ObservationField("p_ee", "m", xy), ObservationField("p_goal", "m", xy)
+    tip, target = ObservationField("p_ee", "m", xy), ObservationField("p_goal", "m", xy)
     relative = [q, qd, scans, ObservationField("goal_in_tip", "m", xy), ObservationField("goal_near", "1", np.ones(2))]
     if config.observation == "relative":
         return relative
     if config.observation == "basic":
-        return [q, qd, tip, goal, scans]
+        return [q, qd, tip, target, scans]
     before = [part._replace(name=f"{part.name}_before") for part in (q, qd, scans)]
     action = ObservationField("action_before", "1", np.ones(joints))
     if config.observation == "relative-history":
         return [*relative, before[-1], action]
-    return [q, qd, scans, *before, action, tip, goal]
+    return [q, qd, scans, *before, action, tip, target]
 
 
-def observe(config: TaskConfig, now: Snapshot, before: Snapshot, action_before: Floats, goal: Floats) -> Floats:
+def observe(config: TaskConfig, now: Snapshot, before: Snapshot, action_before: Floats, target: Floats) -> Floats:
     """Unscaled observation, (n, size): eq 3.1 `[q, qd, p_ee, p_goal, D]`, eq 3.2 with the step before, or
     `relative`, of which `relative-history` also has the scan before and the last action.
 
@@ -96,20 +96,20 @@ def observe(config: TaskConfig, now: Snapshot, before: Snapshot, action_before: 
         now: this step's readings.
         before: the step before's; at the first step the same as `now`.
         action_before: the last action in the canonical frame, zero at the first step, (n, joints).
-        goal: the target in the canonical frame, (n, 2) [m].
+        target: the target in the canonical frame, (n, 2) [m].
     """
     tip = now.tip
     if config.observation in ("relative", "relative-history"):
-        goal_in_tip = _in_tip_frame(goal - tip, now.heading)
-        distance = np.hypot(goal_in_tip[:, :1], goal_in_tip[:, 1:])
-        near = goal_in_tip / (distance + NEAR)
-        seen = [now.q, now.qd, now.ranges, goal_in_tip, near]
+        target_in_tip = _in_tip_frame(target - tip, now.heading)
+        distance = np.hypot(target_in_tip[:, :1], target_in_tip[:, 1:])
+        near = target_in_tip / (distance + NEAR)
+        seen = [now.q, now.qd, now.ranges, target_in_tip, near]
         memory = [before.ranges, action_before] if config.observation == "relative-history" else []
         return np.concatenate([*seen, *memory], axis=1)
     if config.observation == "basic":
-        return np.concatenate([now.q, now.qd, tip, goal, now.ranges], axis=1)
+        return np.concatenate([now.q, now.qd, tip, target, now.ranges], axis=1)
     return np.concatenate(
-        [now.q, now.qd, now.ranges, before.q, before.qd, before.ranges, action_before, tip, goal], axis=1
+        [now.q, now.qd, now.ranges, before.q, before.qd, before.ranges, action_before, tip, target], axis=1
     )
 
 

@@ -73,20 +73,20 @@ class SpaceBatch(Sized):
         """Where the robots are; no policy knows it."""
         return self._backend.truth()
 
-    def reset(self, robots: Ints | None = None) -> Floats:
+    def reset(self, indices: Ints | None = None) -> Floats:
         """Start new episodes for some robots (sorted, unique), or all, the first time all of them."""
-        robots = np.arange(self.n) if robots is None else np.asarray(robots, np.intp)
-        episodes = self._source(robots)
+        indices = np.arange(self.n) if indices is None else np.asarray(indices, np.intp)
+        episodes = self._source(indices)
         runs = [pipe if isinstance(pipe, PipeRoute) else PipeRoute.from_pipe(pipe) for pipe in episodes.pipes]
         planes = np.array([run.corners[0].roll for run in runs])
-        reading = self._backend.reset(robots, runs, episodes.q, episodes.base, planes)
-        for i, run, q in zip(robots, runs, reading.body.q, strict=True):
+        reading = self._backend.reset(indices, runs, episodes.q, episodes.base, planes)
+        for i, run, q in zip(indices, runs, reading.body.q, strict=True):
             self._runs[i] = run
             self._pilots[i] = Pilot(self.robot, run, q + self.config.start_press * np.sign(q))
             self._end[i] = run.places[-2] + inner_edges(run)[-1]
             self._limit[i] = LIMIT_FACTOR * self.config.max_steps * len(run.corners)
-        self.steps[robots], self._action[robots] = 0, 0.0
-        self._judge.start(robots, self._along()[robots])
+        self.steps[indices], self._action[indices] = 0, 0.0
+        self._judge.start(indices, self._along()[indices])
         return self._observe(self._backend.read())
 
     def stagger(self, rng: np.random.Generator) -> None:
@@ -100,7 +100,7 @@ class SpaceBatch(Sized):
         """
         reading, pilots = self._backend.read(), [self._pilots[i] for i in range(self.n)]
         held = np.array([pilot.set_points for pilot in pilots])
-        wanted = observation.to_command(self.robot, self.config, action, reading.body.q, held, self._side).values
+        wanted = observation.to_command(self.robot, self.config, action, reading.body.q, held, self._turn_sign).values
         commands = [pilot.command(reading.row(i), wanted[i]) for i, pilot in enumerate(pilots)]
         policy_drives = np.array([pilot.mode is Mode.CORNER for pilot in pilots])
         self._action = np.where(policy_drives[:, None], np.clip(action, -1.0, 1.0), 0.0)
@@ -110,22 +110,22 @@ class SpaceBatch(Sized):
         for i, pilot in enumerate(pilots):
             pilot.sense(reading.row(i))
         self._judge.excuse(np.array([pilot.mode in (Mode.ROLL, Mode.BACK_OUT) for pilot in pilots]))
-        facts, verdict = self._judge.step(self.steps, self._limit, self._along(), self._end, reading.body, truth)
+        facts, outcome = self._judge.step(self.steps, self._limit, self._along(), self._end, reading.body, truth)
         gained, clearance = reward(self.config.reward, facts), reading.body.ranges.min(axis=1)
-        cut_off = (verdict != Outcome.RUNNING) & ~facts.passed & ~facts.failed
-        return StepResult(self._observe(reading), gained, verdict, clearance, truth, cut_off)
+        cut_off = (outcome != Outcome.RUNNING) & ~facts.passed & ~facts.failed
+        return StepResult(self._observe(reading), gained, outcome, clearance, truth, cut_off)
 
     def close(self) -> None:
         self._backend.close()
 
     @property
-    def _side(self) -> Floats:
-        return np.array([self._pilots[i].side for i in range(self.n)])
+    def _turn_sign(self) -> Floats:
+        return np.array([self._pilots[i].turn_sign for i in range(self.n)])
 
     def _observe(self, reading: SpaceReading) -> Floats:
         alone = np.zeros((self.n, 2))  # every corner is taken by itself, wherever the ones beside it turn
         down = None if self.config.inclination_deg is None else reading.down[:, FRONT, :2]
-        seen = observation.observe(self.robot, reading.body, self._action, self._side, alone, down)
+        seen = observation.observe(self.robot, reading.body, self._action, self._turn_sign, alone, down)
         return np.asarray(seen / self._scale)
 
     def _along(self) -> Floats:

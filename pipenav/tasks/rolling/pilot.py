@@ -90,7 +90,7 @@ class Pilot:
         return words.get(self.mode, "back out of ") + f"corner {self.corner + 1}"
 
     @property
-    def side(self) -> float:
+    def turn_sign(self) -> float:
         """+1 where the corner turns to the robot's left, -1 to its right."""
         return 1.0 if math.cos(float(self._run.legs.inside[self.corner]) - self.plane) > 0 else -1.0
 
@@ -128,7 +128,7 @@ class Pilot:
         rear = self._heading - senses.from_rear_half(self._robot, reading.body.q)
         self._before = rear if self._before is None else self._before
         turn = math.pi - self._run.corners[self.corner].angle
-        behind = (rear - self._before) * self.side >= BEHIND * turn
+        behind = (rear - self._before) * self.turn_sign >= BEHIND * turn
         if self._lasts(behind) and self.corner + 1 < len(self._run.corners):
             self.corner, self._goes = self.corner + 1, 0
             self._begin_driving(Mode.LEAVE, reading)

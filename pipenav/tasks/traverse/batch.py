@@ -47,7 +47,7 @@ class TraverseBatch(Sized):
         self._scale = np.concatenate([part.scale for part in observation.layout(robot, config)])
         self.pipes: list[Pipe | None] = [None] * n
         self.steps, self._ages = np.zeros(n, int), np.zeros(n, int)
-        self._sides, self._base = np.ones((n, 3)), np.zeros(n)
+        self._turn_signs, self._base = np.ones((n, 3)), np.zeros(n)
         self._ways = CentreLines.of([ANYWHERE] * n)
         self._corner = np.zeros(n, np.intp)
         self._gravity = np.zeros((n, 2))
@@ -73,24 +73,24 @@ class TraverseBatch(Sized):
         """Where they are along the pipe, 0 at the corner, (n, links + 1) [m]."""
         return self._ways.along(self.points)
 
-    def reset(self, robots: Ints | None = None) -> Floats:
+    def reset(self, indices: Ints | None = None) -> Floats:
         """Start new episodes for some robots (sorted, unique), or all; observations of all robots, (n, size)."""
-        robots = np.arange(self.n) if robots is None else np.asarray(robots, np.intp)
-        episodes = self._source(robots)
+        indices = np.arange(self.n) if indices is None else np.asarray(indices, np.intp)
+        episodes = self._source(indices)
         if self.config.inclination_deg is not None and isinstance(self._backend, Inclinable):
-            self._backend.incline(robots, episodes.gravity)
-        reading = self._backend.reset(robots, episodes.pipes, episodes.q, episodes.base)
-        for i, pipe in zip(robots, episodes.pipes, strict=True):
+            self._backend.incline(indices, episodes.gravity)
+        reading = self._backend.reset(indices, episodes.pipes, episodes.q, episodes.base)
+        for i, pipe in zip(indices, episodes.pipes, strict=True):
             self.pipes[i] = pipe
-        self.steps[robots], self._ages[robots] = self._ages[robots], 0
-        self._base[robots], self._q[robots], self._action[robots] = episodes.base, episodes.q, 0.0
-        self._gravity[robots] = episodes.gravity
-        self._set_points[robots] = reading.q + self.config.start_press * np.sign(reading.q)
-        self._ways, self._corner[robots] = self._ways.put(robots, CentreLines.of(episodes.pipes)), 0
-        self._sides[robots] = self._ways.sides(self._corner)[robots]
-        self._judge.start(robots, self.along[robots])
+        self.steps[indices], self._ages[indices] = self._ages[indices], 0
+        self._base[indices], self._q[indices], self._action[indices] = episodes.base, episodes.q, 0.0
+        self._gravity[indices] = episodes.gravity
+        self._set_points[indices] = reading.q + self.config.start_press * np.sign(reading.q)
+        self._ways, self._corner[indices] = self._ways.put(indices, CentreLines.of(episodes.pipes)), 0
+        self._turn_signs[indices] = self._ways.turn_signs(self._corner)[indices]
+        self._judge.start(indices, self.along[indices])
         self._observation = self._observation.copy()
-        self._observation[robots] = self._observe(reading, robots)
+        self._observation[indices] = self._observe(reading, indices)
         return self._observation
 
     def stagger(self, rng: np.random.Generator) -> None:
@@ -104,7 +104,9 @@ class TraverseBatch(Sized):
             action: canonical actions in [-1, 1], (n, drives).
         """
         joints = self._q[:, -self._set_points.shape[1] :]
-        command = observation.to_command(self.robot, self.config, action, joints, self._set_points, self._sides[:, 0])
+        command = observation.to_command(
+            self.robot, self.config, action, joints, self._set_points, self._turn_signs[:, 0]
+        )
         self._set_points = command.values[:, : joints.shape[1]].copy()
         self._backend.step(command)
         self.steps += 1
@@ -115,12 +117,12 @@ class TraverseBatch(Sized):
         self._place(reading, truth)
         along, every, last = self.along, np.arange(self.n), self._ways.corners - 1
         limit, end = self.config.max_steps * (last + 1), self._ways.end[every, last]
-        facts, verdict = self._judge.step(self.steps, limit, along, end, reading, truth)
+        facts, outcome = self._judge.step(self.steps, limit, along, end, reading, truth)
         self._go_on(along.mean(axis=1))
         self._observation = self._observe(reading, every)
         gained = reward(self.config.reward, facts)
-        cut_off = (verdict != Outcome.RUNNING) & ~facts.passed & ~facts.failed
-        return StepResult(self._observation, gained, verdict, reading.ranges.min(axis=1), truth, cut_off)
+        cut_off = (outcome != Outcome.RUNNING) & ~facts.passed & ~facts.failed
+        return StepResult(self._observation, gained, outcome, reading.ranges.min(axis=1), truth, cut_off)
 
     def close(self) -> None:
         self._backend.close()
@@ -131,17 +133,17 @@ class TraverseBatch(Sized):
         tip[:, 0] -= self._base
         self._q = kinematics.configuration(self.robot, reading.q, tip)
 
-    def _observe(self, reading: Reading, robots: Ints) -> Floats:
+    def _observe(self, reading: Reading, indices: Ints) -> Floats:
         """What some robots see, scaled, from what their sensors give."""
-        side, beside = self._sides[robots, 0], self._sides[robots, 1:]
-        down = None if self.config.inclination_deg is None else self._down(robots)
-        observed = observation.observe(self.robot, reading, self._action[robots], side, beside, down)
+        turn_sign, beside = self._turn_signs[indices, 0], self._turn_signs[indices, 1:]
+        down = None if self.config.inclination_deg is None else self._down(indices)
+        observed = observation.observe(self.robot, reading, self._action[indices], turn_sign, beside, down)
         return np.asarray(observed / self._scale)
 
-    def _down(self, robots: Ints) -> Floats:
+    def _down(self, indices: Ints) -> Floats:
         """What some robots' accelerometers say of where down is, (k, 2), see `pipenav.tasks.traverse.observation.observe`."""
-        heading = kinematics.forward(self.robot, self._q[robots]).headings[:, observation.accelerometer(self.robot)]
-        x, y = self._gravity[robots].T / GRAVITY
+        heading = kinematics.forward(self.robot, self._q[indices]).headings[:, observation.accelerometer(self.robot)]
+        x, y = self._gravity[indices].T / GRAVITY
         cos, sin = np.cos(heading), np.sin(heading)
         return np.stack([x * cos + y * sin, y * cos - x * sin], axis=1)
 
@@ -150,7 +152,7 @@ class TraverseBatch(Sized):
 
         With the corner its side may change, and what is seen and done from there on is mirrored.
         """
-        done = (middle[:, None] >= self._ways.end) & (self._ways.side != 0)
+        done = (middle[:, None] >= self._ways.end) & (self._ways.turn_sign != 0)
         self._corner = np.maximum(self._corner, np.minimum(done.sum(axis=1), self._ways.corners - 1))
-        before, self._sides = self._sides[:, 0], self._ways.sides(self._corner)
-        self._action = observation.seen_from(self.robot, self._action, self._sides[:, 0] * before)
+        before, self._turn_signs = self._turn_signs[:, 0], self._ways.turn_signs(self._corner)
+        self._action = observation.seen_from(self.robot, self._action, self._turn_signs[:, 0] * before)

@@ -41,16 +41,16 @@ def action_scale(robot: RobotSpec, config: TraverseConfig) -> Floats:
     return np.concatenate([np.full(len(robot.joints), config.alpha), wheel_limits(robot)])
 
 
-def drive_signs(robot: RobotSpec, side: Floats) -> Floats:
+def drive_signs(robot: RobotSpec, turn_sign: Floats) -> Floats:
     """Factor on loads, commands and actions that turns them into the canonical frame or back, (n, drives).
 
     Its first columns do so to joint positions and speeds, its last ones to wheel speeds.
 
     Args:
         robot: the robot.
-        side: +1 for a left turn, -1 for a right one, (n,).
+        turn_sign: +1 for a left turn, -1 for a right one, (n,).
     """
-    return np.where(side[:, None] > 0, 1.0, robot.mirror_drives)
+    return np.where(turn_sign[:, None] > 0, 1.0, robot.mirror_drives)
 
 
 def seen_from(robot: RobotSpec, action: Floats, change: Floats) -> Floats:
@@ -71,7 +71,12 @@ def accelerometer(robot: RobotSpec) -> int:
 
 
 def observe(
-    robot: RobotSpec, reading: Reading, action_before: Floats, side: Floats, beside: Floats, down: Floats | None = None
+    robot: RobotSpec,
+    reading: Reading,
+    action_before: Floats,
+    turn_sign: Floats,
+    beside: Floats,
+    down: Floats | None = None,
 ) -> Floats:
     """Unscaled observation, (n, size).
 
@@ -79,7 +84,7 @@ def observe(
         robot: the robot.
         reading: what the sensors give.
         action_before: the last action in the canonical frame, zero at the first step, (n, drives).
-        side: +1 for a left turn, -1 for a right one, (n,).
+        turn_sign: +1 for a left turn, -1 for a right one, (n,).
         beside: likewise for the corners before and after the robot's, 0 where there is none, (n, 2).
         down: what the accelerometer gives at rest, turned round, as a share of the weight: forwards along its link and
             to its left, (n, 2); none in a level plane.
@@ -89,16 +94,16 @@ def observe(
     """
     if reading.wheel_speeds is None or reading.loads is None:
         raise TypeError("the traverse task needs a backend that measures wheel speeds and loads")
-    signs, joints = drive_signs(robot, side), len(robot.joints)
-    ranges = np.where(side[:, None] > 0, reading.ranges, reading.ranges[:, ::-1])
+    signs, joints = drive_signs(robot, turn_sign), len(robot.joints)
+    ranges = np.where(turn_sign[:, None] > 0, reading.ranges, reading.ranges[:, ::-1])
     own = (reading.q * signs[:, :joints], reading.qd * signs[:, :joints], reading.wheel_speeds * signs[:, joints:])
-    felt = [] if down is None else [down[:, :1], down[:, 1:] * side[:, None]]
-    beside = beside * side[:, None]
+    felt = [] if down is None else [down[:, :1], down[:, 1:] * turn_sign[:, None]]
+    beside = beside * turn_sign[:, None]
     return np.concatenate([*own, reading.loads * signs, ranges, action_before, beside, *felt], axis=1)
 
 
 def to_command(
-    robot: RobotSpec, config: TraverseConfig, action: Floats, q: Floats, set_points: Floats, side: Floats
+    robot: RobotSpec, config: TraverseConfig, action: Floats, q: Floats, set_points: Floats, turn_sign: Floats
 ) -> Command:
     """The command for canonical actions: bending joints go on from where they are or were set, wheels roll forwards.
 
@@ -111,10 +116,10 @@ def to_command(
         action: canonical actions, (n, drives); clipped to [-1, 1].
         q: measured joint positions in the robot's own frame, (n, joints).
         set_points: those of the command before, (n, joints).
-        side: +1 for a left turn, -1 for a right one, (n,).
+        turn_sign: +1 for a left turn, -1 for a right one, (n,).
     """
     asked, joints = np.clip(action, -1.0, 1.0) * action_scale(robot, config), q.shape[1]
-    bends = asked[:, :joints] * drive_signs(robot, side)[:, :joints]
+    bends = asked[:, :joints] * drive_signs(robot, turn_sign)[:, :joints]
     bends += q if config.set_points == "measured" else set_points
     bends = np.clip(np.clip(bends, q - config.alpha, q + config.alpha), robot.lower, robot.upper)
     # A bend to the right presses its wheel on the left wall, where turning to the left rolls forwards.

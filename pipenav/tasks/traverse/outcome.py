@@ -53,14 +53,14 @@ class OutcomeTracker:
         self._middle, self._furthest = np.zeros(n), np.zeros(n)
         self._waited, self._rolled = np.zeros(n, int), np.zeros(n)
 
-    def start(self, robots: Ints, along: Floats) -> None:
+    def start(self, indices: Ints, along: Floats) -> None:
         """Some robots begin anew, their way points at `along` (k, points)."""
-        self._middle[robots] = self._furthest[robots] = along.mean(axis=1)
-        self._waited[robots], self._rolled[robots] = 0, 0.0
+        self._middle[indices] = self._furthest[indices] = along.mean(axis=1)
+        self._waited[indices], self._rolled[indices] = 0, 0.0
 
-    def excuse(self, robots: Flags) -> None:
+    def excuse(self, indices: Flags) -> None:
         """Count it as no delay that some robots, (n,), did not come on."""
-        self._waited[robots], self._rolled[robots] = 0, 0.0
+        self._waited[indices], self._rolled[indices] = 0, 0.0
 
     def step(
         self,
@@ -93,14 +93,14 @@ class OutcomeTracker:
         sank = truth.penetration > config.max_penetration
         back = middle < self._furthest - config.slide_back * self._robot.length
         passed = (along[:, 0] >= end + config.through) & ~sank
-        verdict = np.where(steps >= limit, Outcome.TIMEOUT.value, Outcome.RUNNING.value)
+        outcome = np.where(steps >= limit, Outcome.TIMEOUT.value, Outcome.RUNNING.value)
         stuck = (self._waited >= config.patience) & ~passed
-        verdict[stuck] = self._why_stuck(along, reading)[stuck]
-        verdict[passed] = Outcome.REACHED.value
-        verdict[back] = Outcome.SLID_BACK.value
-        verdict[sank] = Outcome.PENETRATION.value
+        outcome[stuck] = self._why_stuck(along, reading)[stuck]
+        outcome[passed] = Outcome.REACHED.value
+        outcome[back] = Outcome.SLID_BACK.value
+        outcome[sank] = Outcome.PENETRATION.value
         facts = Facts(progress, truth.contact_force, truth.penetration, passed, sank | back | stuck)
-        return facts, verdict.astype(np.int8)
+        return facts, outcome.astype(np.int8)
 
     def _why_stuck(self, along: Floats, reading: Reading) -> NDArray[np.int_]:
         """The reason why a robot does not come on, if it does not, (n,)."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from pipenav.arrays import Floats, Ints
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.queries import Pipe, inner_edges, turn_sides
+from pipenav.pipes.queries import Pipe, inner_edges, turn_signs
 from pipenav.robots import kinematics
 from pipenav.robots.robot import RobotSpec
 
@@ -18,7 +18,7 @@ from pipenav.robots.robot import RobotSpec
 class CentreLines(NamedTuple):
     """The ways through n pipes of at most `legs` straight legs; of shorter ones the rows left over are 0.
 
-    A row of `mitre`, `end` and `side` is of the corner at the leg's end, of which the last leg has none.
+    A row of `mitre`, `end` and `turn_sign` is of the corner at the leg's end, of which the last leg has none.
 
     Attributes:
         start: where each leg begins on the centre line, (n, legs, 2) [m].
@@ -28,7 +28,7 @@ class CentreLines(NamedTuple):
         low, high: which part of the way is the leg's, from its start; (n, legs) [m].
         ahead, behind: where an open end is, from the leg's start; far away where there is none, (n, legs) [m].
         end: where along the way each inner wall's bend ends, (n, legs) [m].
-        side: +1 for each corner that turns left, -1 for a right one, (n, legs).
+        turn_sign: +1 for each corner that turns left, -1 for a right one, (n, legs).
         radius: of the bore, (n, 1) [m].
     """
 
@@ -41,7 +41,7 @@ class CentreLines(NamedTuple):
     ahead: Floats
     behind: Floats
     end: Floats
-    side: Floats
+    turn_sign: Floats
     radius: Floats
 
     @classmethod
@@ -76,11 +76,11 @@ class CentreLines(NamedTuple):
     @property
     def corners(self) -> Ints:
         """How many corners each pipe has, (n,)."""
-        return np.asarray(np.count_nonzero(self.side, axis=1))
+        return np.asarray(np.count_nonzero(self.turn_sign, axis=1))
 
-    def sides(self, corner: Ints) -> Floats:
+    def turn_signs(self, corner: Ints) -> Floats:
         """+1 or -1 for a corner (n,) of each pipe, the one before and the one after; 0 where there is none, (n, 3)."""
-        around = np.pad(self.side, [(0, 0), (1, 0)])  # the last leg's 0 stands behind the last corner
+        around = np.pad(self.turn_sign, [(0, 0), (1, 0)])  # the last leg's 0 stands behind the last corner
         return np.asarray(np.take_along_axis(around, corner[:, None] + np.array([1, 0, 2]), axis=1))
 
     def along(self, points: Floats) -> Floats:
@@ -127,7 +127,7 @@ def _way(pipe: Pipe) -> CentreLines:
         ahead=np.where(last, length, np.inf)[None],
         behind=np.where(first, 0.0, -np.inf)[None],
         end=np.append(np.cumsum(length)[:-1] - length[0] + inner_edges(pipe), 0.0)[None],
-        side=np.append(turn_sides(pipe), 0.0)[None],
+        turn_sign=np.append(turn_signs(pipe), 0.0)[None],
         radius=np.array([[pipe.radius]]),
     )
 
