@@ -28,7 +28,7 @@ def _batch(controller: Controller, pipes: list[PipeCorner], n: int, seed: int = 
     return ReachBatch(controller.robot, controller.task, backend, n, source)
 
 
-def _verdicts(controller: Controller, pipes: list[PipeCorner], n: int) -> list[str]:
+def _outcomes(controller: Controller, pipes: list[PipeCorner], n: int) -> list[str]:
     """How the first episode of each of n robots ends."""
     batch = _batch(controller, pipes, n)
     observation = batch.reset()
@@ -50,7 +50,7 @@ def _verdicts(controller: Controller, pipes: list[PipeCorner], n: int) -> list[s
 @pytest.mark.parametrize(("diameter", "angle", "bend"), [(100, 90, 0), (80, 70, 0), (120, 125, 0), (100, 90, 75)])
 def test_centreline_passes(diameter: float, angle: float, bend: float, turn: str) -> None:
     pipe = PipeCorner.of(diameter, angle, turn, bend)
-    assert _verdicts(open_controller("baseline:centreline"), [pipe], 4) == ["reached"] * 4
+    assert _outcomes(open_controller("baseline:centreline"), [pipe], 4) == ["reached"] * 4
 
 
 def test_centreline_does_not_depend_on_the_other_robots() -> None:
@@ -82,8 +82,8 @@ def test_random_is_reproducible_by_its_seed() -> None:
 
 
 def test_random_seldom_passes() -> None:
-    verdicts = _verdicts(open_controller("baseline:random", seed=1), [PipeCorner.of(80, 60)], 8)
-    assert verdicts.count("reached") <= 1
+    outcomes = _outcomes(open_controller("baseline:random", seed=1), [PipeCorner.of(80, 60)], 8)
+    assert outcomes.count("reached") <= 1
 
 
 def test_unknown_names_list_the_known_ones() -> None:

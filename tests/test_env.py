@@ -128,7 +128,7 @@ def test_a_vector_env_is_n_single_ones() -> None:
             step = (*(env.reset()[0], 0.0, False, False), {}) if ended[i] else env.step(actions[i])
             assert np.array_equal(observation[i], step[0])
             assert (reward[i], terminated[i], truncated[i]) == step[1:4]
-            assert info["_verdict"][i] == (not ended[i])
+            assert info["_outcome"][i] == (not ended[i])
             assert not step[4] or {key: info[key][i] for key in step[4]} == step[4]
             ended[i] = step[2] or step[3]
     vector.close()

@@ -192,7 +192,7 @@ def put_tip_at_the_goal(batch: ReachBatch, backend: Puppet) -> None:
 STILL = np.zeros((1, 4))
 
 
-def test_verdicts_have_an_order_of_precedence() -> None:
+def test_outcomes_have_an_order_of_precedence() -> None:
     batch, backend = puppet_batch(max_steps=1)
     assert batch.step(STILL).outcome == Outcome.TIMEOUT
     put_tip_at_the_goal(batch, backend)

@@ -67,7 +67,7 @@ def test_another_seed_gives_other_episodes(results: EpisodeResults) -> None:
     assert (other.steps != results.steps[:EPISODES]).any()
 
 
-@pytest.mark.parametrize("robots", [1, 5])
+@pytest.mark.parametrize("indices", [1, 5])
 def test_results_do_not_depend_on_how_many_robots_run_together(
     indices: int, results: EpisodeResults, monkeypatch: pytest.MonkeyPatch
 ) -> None:
