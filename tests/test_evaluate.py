@@ -67,11 +67,11 @@ def test_another_seed_gives_other_episodes(results: EpisodeResults) -> None:
     assert (other.steps != results.steps[:EPISODES]).any()
 
 
-@pytest.mark.parametrize("indices", [1, 5])
+@pytest.mark.parametrize("robots", [1, 5])
 def test_results_do_not_depend_on_how_many_robots_run_together(
-    indices: int, results: EpisodeResults, monkeypatch: pytest.MonkeyPatch
+    robots: int, results: EpisodeResults, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(episode_runner, "MAX_ROBOTS", indices)
+    monkeypatch.setattr(episode_runner, "MAX_ROBOTS", robots)
     require_same(run_task(Clumsy(), PIPES, EPISODES, seed=3), results)
 
 

@@ -111,7 +111,7 @@ def test_gap_and_inner_edge_of_a_mitre(diameter: float, angle: float) -> None:
 @given(pipes)
 def test_centre_line_distance_is_signed_distance_from_the_corner(pipe: PipeCorner) -> None:
     points = np.array([[-0.9 * pipe.leg, 0.0], [0.0, 0.0], 0.9 * pipe.leg * pipe.second_leg])
-    assert pipe.centre_line_distance(points) == pytest.approx([-0.9 * pipe.leg, 0.0, 0.9 * pipe.leg], abs=1e-9)
+    assert pipe.distance_along(points) == pytest.approx([-0.9 * pipe.leg, 0.0, 0.9 * pipe.leg], abs=1e-9)
 
 
 def test_contains_keeps_the_shape_of_its_points() -> None:

@@ -69,7 +69,7 @@ def test_a_run_of_one_is_that_pipe(diameter: float, angle: float, turn: str) -> 
     np.testing.assert_allclose(run.centre_line[:, :2], pipe.line(0.0), atol=1e-12)
     points = np.random.default_rng(1).uniform(-1.2, 1.2, (200, 2)) * pipe.leg
     points = points[pipe.contains(points)]
-    np.testing.assert_allclose(run.along(points), pipe.centre_line_distance(points), atol=1e-12)
+    np.testing.assert_allclose(run.along(points), pipe.distance_along(points), atol=1e-12)
     # Sorted by their middles, a pipe and a run list the same walls, with the same thick and thin boxes behind them.
     if angle > 179.9:  # where a run knows no inner side
         return

@@ -15,11 +15,11 @@ from pipenav.backends.spatial import SpaceBackend
 from pipenav.errors import PipenavError
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_legs import about_x
+from pipenav.robots.kinematics import waypoints
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.rolling.clamp import ZIGZAG, RollForward, steepness
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import GRAVITY, sample
-from pipenav.tasks.traverse.progress import waypoints
 
 ROBOT = load_robot("pirate")
 RUN = PipeRoute.of(90, [(90, "left", 0), (75, "right", 90)], [1200, 900, 800])

@@ -16,8 +16,10 @@ from pipenav.backends.registry import open_backend
 from pipenav.disturbances.disturbance import Disturbance
 from pipenav.disturbances.disturbed_backend import DisturbedBackend
 from pipenav.errors import PipenavError
+from pipenav.pipes.centre_lines import CentreLines
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.wall_distance import clearance
+from pipenav.robots.kinematics import waypoints
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach.config import TaskConfig
@@ -28,7 +30,6 @@ from pipenav.tasks.traverse.batch import TraverseBatch
 from pipenav.tasks.traverse.config import TraverseConfig, TraverseReward
 from pipenav.tasks.traverse.episode import GRAVITY, TraverseEpisodes, sample
 from pipenav.tasks.traverse.outcome import Facts, OutcomeTracker, reward
-from pipenav.tasks.traverse.progress import CentreLines, waypoints
 from pipenav.testing import KinematicBackend
 from pipenav.testing.kinematic import KinematicOptions
 
@@ -112,7 +113,7 @@ def test_the_way_is_the_pipes_centre_line(seed: int) -> None:
     points = np.random.default_rng(seed).uniform(-1.0, 1.0, (len(PIPES), 6, 2))
     along = CentreLines.of(PIPES).along(points)
     for one, pipe, own in zip(along, PIPES, points, strict=True):
-        assert one == pytest.approx(pipe.centre_line_distance(own))
+        assert one == pytest.approx(pipe.distance_along(own))
 
 
 def test_left_and_right_are_seen_and_driven_alike() -> None:

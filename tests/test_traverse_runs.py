@@ -18,12 +18,13 @@ from pipenav.disturbances.disturbance import load_disturbance
 from pipenav.disturbances.disturbed_backend import disturbed
 from pipenav.errors import PipenavError
 from pipenav.evaluation.episode_runner import random_start
-from pipenav.pipes import queries
+from pipenav.pipes.centre_lines import CentreLines
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.queries import Pipe
+from pipenav.pipes.pipe import Pipe
 from pipenav.pipes.route import CrossesItself, PipeRoute
 from pipenav.pipes.route_sets import parse_any
 from pipenav.robots import kinematics
+from pipenav.robots.kinematics import waypoints
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.registry import scale_of
@@ -31,7 +32,6 @@ from pipenav.tasks.traverse import observation
 from pipenav.tasks.traverse.batch import TraverseBatch
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import TraverseEpisodes, parse_planar, sample, with_room
-from pipenav.tasks.traverse.progress import CentreLines, waypoints
 
 ROBOT = load_robot("pirate")
 CONFIG = TraverseConfig(kind="traverse", set_points="held", start_press=0.1)
@@ -71,14 +71,14 @@ def test_the_way_is_the_centre_line_of_runs_and_corners_alike(seed: int) -> None
     points += rng.normal(0.0, 0.3, points.shape)
     along = CentreLines.of(pipes).along(points)
     for one, pipe, own in zip(along, pipes, points, strict=True):
-        expected = pipe.centre_line_distance(own) if isinstance(pipe, PipeCorner) else pipe.along(own)
+        expected = pipe.distance_along(own) if isinstance(pipe, PipeCorner) else pipe.along(own)
         assert one == pytest.approx(expected)
 
 
 def test_ways_make_room_for_more_corners() -> None:
     ways = CentreLines.of([CORNERS[0], CORNERS[1]]).put(np.array([1]), CentreLines.of([LEVEL[0]]))
     points = np.random.default_rng(0).normal(size=(2, 50, 2))
-    assert ways.along(points)[0] == pytest.approx(CORNERS[0].centre_line_distance(points[0]))
+    assert ways.along(points)[0] == pytest.approx(CORNERS[0].distance_along(points[0]))
     assert ways.along(points)[1] == pytest.approx(LEVEL[0].along(points[1]))
     assert list(ways.corners) == [1, 5]
 
@@ -89,7 +89,7 @@ def test_corners_end_one_after_the_other_and_turn_to_the_side_that_the_run_turns
     assert np.all(np.diff(ways.end[0, :-1]) > 0)
     direction = np.diff(run.centre_line[:, :2], axis=0)
     cross = direction[:-1, 0] * direction[1:, 1] - direction[:-1, 1] * direction[1:, 0]
-    assert queries.turn_signs(run) == pytest.approx(np.sign(cross))
+    assert run.turn_signs == pytest.approx(np.sign(cross))
     assert ways.turn_sign[0, :-1] == pytest.approx(np.sign(cross))
 
 
@@ -197,8 +197,8 @@ def test_a_run_and_its_mirror_image_are_seen_and_driven_alike_through_all_corner
 def test_the_side_is_that_of_the_first_corner_that_the_middle_has_not_passed(run: Pipe) -> None:
     assert isinstance(run, PipeRoute)
     ghost, indices = carried([run])
-    sides, scale = queries.turn_signs(run), scale_of(ROBOT, CONFIG)
-    ends = run.places[1:-1] + queries.inner_edges(run)
+    sides, scale = run.turn_signs, scale_of(ROBOT, CONFIG)
+    ends = run.places[1:-1] + run.inner_edges
     around, before, corner = np.array([0.0, *sides, 0.0]), sides[0], 0
     for at in np.linspace(-1.0, run.places[-1], 60):
         ghost.tail[:] = at
@@ -228,7 +228,7 @@ def test_a_corner_that_was_passed_stays_passed_where_the_robot_slides_back() -> 
 
 def test_a_run_is_passed_with_the_tail_past_the_last_corner_and_has_time_for_every_corner() -> None:
     run = PipeRoute.of(100, [(90, "left", 0), (90, "right", 0), (70, "left", 0)], [1000, 800, 800, 1000])
-    end = run.places[-2] + queries.inner_edges(run)[-1] + CONFIG.through
+    end = run.places[-2] + run.inner_edges[-1] + CONFIG.through
     config = CONFIG.model_copy(update={"max_steps": 20})
     for last, outcome, steps in ((end + 1e-6, Outcome.REACHED, 50), (end - 1e-6, Outcome.TIMEOUT, 60)):
         ghost, indices = carried([run], config)
@@ -259,7 +259,7 @@ def test_starts_in_runs_lie_free_in_the_first_straight(run: Pipe, seed: int) -> 
     start = sample(ROBOT, CONFIG, [run], np.random.default_rng(seed))
     points = waypoints(ROBOT, start.q)[0] + [start.base[0], 0.0]
     assert np.abs(points[:, 1]).max() <= run.radius - ROBOT.width / 2 + 1e-9
-    assert -points[-1, 0] - queries.inner_edges(run)[0] == pytest.approx(0.08, abs=0.02 + 1e-9)
+    assert -points[-1, 0] - run.inner_edges[0] == pytest.approx(0.08, abs=0.02 + 1e-9)
     assert start.pipes[0] == run  # whose ends are long enough
     assert isinstance(run, PipeRoute)
     assert points[0, 0] >= -run.straights[0]
@@ -280,7 +280,7 @@ def test_a_run_that_leaves_the_plane_is_refused() -> None:
         parse_planar(["runs-rolled"])
     assert len(parse_planar(["runs-level", "d=90,angle=90"])) == 25
     rolled_over = PipeRoute.of(100, [(90, "left", 180)])
-    assert queries.turn_signs(rolled_over) == [-1.0]
+    assert rolled_over.turn_signs == [-1.0]
 
 
 def test_what_goes_wrong_in_a_run_is_drawn_by_its_corners() -> None:

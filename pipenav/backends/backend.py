@@ -8,7 +8,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 
 from pipenav.arrays import Floats, Ints, Table
 from pipenav.backends.messages import Command, Reading, Truth
-from pipenav.pipes.queries import Pipe
+from pipenav.pipes.pipe import Pipe
 from pipenav.robots.robot import RobotSpec
 
 CONTROL_PERIOD = 0.1

@@ -10,8 +10,7 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
-from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.route import PipeRoute
+from pipenav.pipes.pipe import Pipe
 
 WALL_HALF_HEIGHT = 0.05
 """Half height of a wall box [m]: taller than any robot, so that contacts are those of the plane."""
@@ -56,7 +55,7 @@ SHARP = Edge()
 """Boxes that meet at the edge itself."""
 
 
-def wall_boxes(pipes: Sequence[PipeCorner | PipeRoute], slots: int, base: Floats, edge: Edge = SHARP) -> WallBoxes:
+def wall_boxes(pipes: Sequence[Pipe], slots: int, base: Floats, edge: Edge = SHARP) -> WallBoxes:
     """The wall segments of each robot's pipe as boxes behind their faces; slots that are left over are parked far away.
 
     The robot never moves its mount: the walls come to it, so `base` (k,), where the robot's frame starts on the first
@@ -73,7 +72,7 @@ def wall_boxes(pipes: Sequence[PipeCorner | PipeRoute], slots: int, base: Floats
 
 
 @lru_cache(maxsize=4096)  # every pipe of the largest shipped training set
-def _boxes(pipe: PipeCorner | PipeRoute, slots: int, edge: Edge) -> Floats:
+def _boxes(pipe: Pipe, slots: int, edge: Edge) -> Floats:
     """The boxes of one pipe in its own frame, one row each: position, quaternion, half size, both ends of the face.
 
     Where the free space is convex (the outer wall's vertices) a box runs on past the vertex by its thickness, so that

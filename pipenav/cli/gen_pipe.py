@@ -10,12 +10,12 @@ import typer
 from pipenav.pipes.corner import (
     ANGLE_RANGE_DEG,
     BEND_RADIUS_MAX_MM,
-    DEFAULT_WALL,
     DIAMETER_RANGE_MM,
     LEG_MAX_MM,
     WALL_RANGE_MM,
     PipeCorner,
 )
+from pipenav.pipes.pipe import DEFAULT_WALL
 from pipenav.units import m_to_mm, rad_to_deg
 
 if TYPE_CHECKING:

@@ -112,7 +112,6 @@ def _cells(located: Located) -> list[str]:
     import numpy as np
 
     from pipenav.evaluation.locate_stage import inside_second_leg
-    from pipenav.pipes.queries import single_corner
     from pipenav.units import m_to_mm
 
     trajectory = located.trajectory
@@ -122,7 +121,7 @@ def _cells(located: Located) -> list[str]:
     if header.goal_m is not None and located.beam is not None:
         x, y = (f"{m_to_mm(value):.1f}" for value in header.goal_m)
         beam, step = f"{located.beam + 1} of {beams}", str(located.found)
-        inside = "yes" if inside_second_leg(single_corner(header.pipe), np.array(header.goal_m)) else "no"
+        inside = "yes" if inside_second_leg(header.pipe.require_corner(), np.array(header.goal_m)) else "no"
     return [x, y, beam, step, inside, f"{force:.1f}", header.outcome or "-"]
 
 

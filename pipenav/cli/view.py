@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from pipenav.locating.locator import Variant
     from pipenav.motions.trajectory import Trajectory
-    from pipenav.pipes.queries import Pipe
+    from pipenav.pipes.pipe import Pipe
     from pipenav.recording.film import Progress
     from pipenav.recording.record import SimulatorSettings
 
@@ -79,8 +79,6 @@ def view(
     """
     from rich.console import Console
 
-    from pipenav.pipes.queries import leaves_plane
-
     if [policy is None, behaviour is None, not trajectory].count(False) != 1:
         raise PipenavError(
             "nothing to draw, or several things at once: give one of --policy, --behaviour and --trajectory."
@@ -93,7 +91,7 @@ def view(
         else:
             parse, record = _policy(policy, robot, seed) if policy else _locating(behaviour or "", robot, seed)
             chosen = _few(parse(pipes or [DEFAULT_PIPE]))
-            if policy and any(map(leaves_plane, chosen)):
+            if policy and not all(pipe.planar for pipe in chosen):
                 _view_in_space(policy, robot, chosen, seed, episode, simulator, paths, console)
                 return
             shown = [record(pipe, episode, simulator) for pipe in chosen]
@@ -172,19 +170,18 @@ def _view_in_space(
     console: Console,
 ) -> None:
     """Draw one run that leaves the plane."""
-    from pipenav.pipes.route import PipeRoute
     from pipenav.policies.controller import open_controller
     from pipenav.recording.film import SUFFIXES, check_suffix
     from pipenav.recording.record_rolling import record_in_space
     from pipenav.recording.rolling_film import draw_in_space
 
     (run, *others) = runs
-    if others or not isinstance(run, PipeRoute):
+    if others:
         raise PipenavError("a picture in space shows one run: name one, for example runs-rolled:3.")
     outputs = paths or [Path(f"view-{run.name}.png")]
     for path in outputs:
         check_suffix(path, SUFFIXES)
-    recording = record_in_space(open_controller(policy, robot, seed), policy, run, seed, episode, simulator)
+    recording = record_in_space(open_controller(policy, robot, seed), policy, run.route, seed, episode, simulator)
     said = f"{run.label}, traverse: {recording.outcome} after {recording.time[-1]:.1f} s"
     console.print(f"{said}, largest contact force {recording.contact_force.max():.1f} N", highlight=False)
     for path in outputs:
@@ -195,7 +192,6 @@ def _view_in_space(
 
 def _locating(behaviour: str, robot: str | None, seed: int) -> tuple[Parse, Record]:
     from pipenav.pipes.corner_sets import parse_pipes
-    from pipenav.pipes.queries import single_corner
     from pipenav.recording.record import record_locate
     from pipenav.robots.robot import load_robot
 
@@ -203,7 +199,7 @@ def _locating(behaviour: str, robot: str | None, seed: int) -> tuple[Parse, Reco
     return (
         parse_pipes,
         lambda pipe, episode, simulator: (
-            record_locate(spec, variant, single_corner(pipe), seed, episode, simulator).trajectory
+            record_locate(spec, variant, pipe.require_corner(), seed, episode, simulator).trajectory
         ),
     )
 

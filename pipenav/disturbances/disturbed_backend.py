@@ -15,7 +15,7 @@ from pipenav.backends.backend import Backend, BackendOptions, Inclinable, Variab
 from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.disturbances.disturbance import MAX_LATENCY, Disturbance
 from pipenav.errors import PipenavError
-from pipenav.pipes.queries import Pipe, interior_angles, turn_signs
+from pipenav.pipes.pipe import Pipe
 from pipenav.robots import laser
 from pipenav.robots.robot import RobotSpec
 
@@ -116,7 +116,7 @@ class DisturbedBackend(Backend):
 
 def _generator(seed: int, pipe: Pipe, q: Floats, base: float) -> np.random.Generator:
     """The generator of one episode."""
-    corners = np.stack([interior_angles(pipe), turn_signs(pipe)], axis=1)
+    corners = np.stack([pipe.interior_angles, pipe.turn_signs], axis=1)
     start = np.array([pipe.diameter, *corners.ravel(), base, *q], float)
     return np.random.default_rng([seed, *start.view(np.uint32).tolist()])
 

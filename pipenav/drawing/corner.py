@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipenav.arrays import Floats
 from pipenav.drawing.dimensions import (
     CENTRE,
     DIMENSION,
@@ -30,7 +29,7 @@ from pipenav.drawing.dimensions import (
     write_title,
 )
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.route import PipeRoute
+from pipenav.pipes.pipe import Pipe
 from pipenav.units import m_to_mm, rad_to_deg
 
 if TYPE_CHECKING:
@@ -62,22 +61,13 @@ def pipe_figure(pipe: PipeCorner) -> Figure:
     return figure
 
 
-def draw_walls(axes: Axes, pipe: PipeCorner | PipeRoute) -> None:
+def draw_walls(axes: Axes, pipe: Pipe) -> None:
     """Fill the free space and the walls of a pipe or a planar run, in millimetres of its frame."""
-    sides = [(m_to_mm(1.0) * near, m_to_mm(1.0) * far) for near, far in _sides(pipe)]
+    sides = [(m_to_mm(1.0) * near, m_to_mm(1.0) * far) for near, far in pipe.wall_sides]
     axes.fill(*np.concatenate([sides[0][0], sides[1][0][::-1]]).T, color=FREE, zorder=1)
     for (near, far), label in zip(sides, ("wall", None), strict=True):
         outline = np.concatenate([near, far[::-1]])
         axes.fill(*outline.T, facecolor=WALL, edgecolor=WALL, linewidth=0.8, zorder=3, label=label)
-
-
-def _sides(pipe: PipeCorner | PipeRoute) -> list[tuple[Floats, Floats]]:
-    """Each wall's face towards the free space, and its back, points (k, 2) [m]."""
-    outside = pipe.radius + pipe.wall
-    if isinstance(pipe, PipeRoute):
-        backs = pipe.legs.lines(outside, np.array([0.0, math.pi]))[..., :2]
-        return list(zip(pipe.walls, backs, strict=True))
-    return [(pipe.walls.inner, pipe.line(outside)), (pipe.walls.outer, pipe.line(-outside))]
 
 
 class _Sketch(Drafting):

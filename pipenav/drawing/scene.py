@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pipenav.arrays import Floats
 from pipenav.drawing.corner import draw_walls
 from pipenav.drawing.dimensions import INK
-from pipenav.pipes.queries import Pipe
+from pipenav.pipes.pipe import Pipe
 from pipenav.robots import kinematics
 from pipenav.robots.outline import link_outlines
 from pipenav.robots.robot import RobotSpec
@@ -100,7 +100,7 @@ def contact_point(polygons: list[Floats], pipe: Pipe) -> Floats:
     """
     corners = np.concatenate(polygons)
     edges = np.concatenate([np.stack([polygon, np.roll(polygon, -1, axis=0)], axis=1) for polygon in polygons])
-    bends = np.concatenate([wall[1:-1] for wall in pipe.walls])
+    bends = np.concatenate([wall.face[1:-1] for wall in pipe.wall_sides])
     points = np.concatenate([corners, bends])
     distances = np.concatenate([_distance(corners, pipe.segments), _distance(bends, edges)])
     return np.asarray(points[distances.argmin()])

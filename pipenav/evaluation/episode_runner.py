@@ -13,7 +13,7 @@ from pipenav.arrays import Flags, Floats, Ints
 from pipenav.backends.backend import Backend
 from pipenav.backends.registry import open_backend
 from pipenav.evaluation.stage import Stage, StageStep
-from pipenav.pipes.queries import Pipe, interior_angles, turn_signs
+from pipenav.pipes.pipe import Pipe
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach import episode
@@ -119,7 +119,7 @@ def random_start(
     def start(job: int) -> Any:
         pipe, number = pipes[job // episodes], job % episodes
         numbers = [round(m_to_mm(pipe.diameter) * 1e3)]
-        for angle, turn_sign in zip(interior_angles(pipe).tolist(), turn_signs(pipe).tolist(), strict=True):
+        for angle, turn_sign in zip(pipe.interior_angles.tolist(), pipe.turn_signs.tolist(), strict=True):
             numbers += [round(rad_to_deg(angle) * 1e3), int(turn_sign > 0)]
         rng = np.random.default_rng([seed, *numbers, number])
         return kind_of(task).sample(robot, task, [pipe], rng)

@@ -15,8 +15,7 @@ from pipenav.evaluation.results import Evaluation, PipeRecord
 from pipenav.evaluation.rolling_stage import check_in_space
 from pipenav.evaluation.thesis import thesis_best
 from pipenav.locating.locator import Variant
-from pipenav.pipes.queries import Pipe, leaves_plane
-from pipenav.pipes.route import PipeRoute
+from pipenav.pipes.pipe import Pipe
 from pipenav.policies.controller import open_controller
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import Outcome
@@ -80,7 +79,7 @@ class EvaluationRun:
         check_options(backend, load_backend(backend), self._options)
         check_fits(self._robot, self._pipes)
         self._disturb, self._disturbance = disturb, UNDISTURBED if disturb is None else load_disturbance(disturb)
-        if any(map(leaves_plane, self._pipes)):
+        if not all(pipe.planar for pipe in self._pipes):
             check_in_space(self._robot, backend, disturb)
 
     def _check_stage(self) -> None:
@@ -150,11 +149,12 @@ def _pipe_record(pipe: Pipe, parts: dict[str, StageResult], first: int, episodes
     reached = timed.outcome == Outcome.REACHED
     steps = np.concatenate([results.steps for results in seen])
     shares = np.concatenate([results.contact_share for results in seen])
+    corner = pipe.corner
     return PipeRecord(
         diameter_mm=round(m_to_mm(pipe.diameter), 6),
-        angle_deg=None if isinstance(pipe, PipeRoute) else round(rad_to_deg(pipe.angle), 6),
-        turn=None if isinstance(pipe, PipeRoute) else pipe.turn,
-        run=pipe.name if isinstance(pipe, PipeRoute) else None,
+        angle_deg=None if corner is None else round(rad_to_deg(corner.angle), 6),
+        turn=None if corner is None else corner.turn,
+        run=pipe.name if corner is None else None,
         episodes=episodes,
         failures=failures,
         mean_steps=float(timed.steps[reached].mean()) if reached.any() else None,

@@ -25,7 +25,7 @@ from pipenav.evaluation.stage import Stage, StageStep, TaskStage
 from pipenav.locating.locator import LocateConfig, Variant, robot_for
 from pipenav.motions.mirror import join, rear_motion
 from pipenav.motions.trajectory import Motion
-from pipenav.pipes.queries import Pipe, corner_count, leaves_plane, single_corner
+from pipenav.pipes.pipe import Pipe
 from pipenav.policies.controller import Controller
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.outcome import Outcome
@@ -141,7 +141,7 @@ class Passages:
     def task(self, controller: Controller, located: StageResult | None = None) -> StageResult:
         """The task, a front passage or a traverse, in every episode, or in those where a target was located."""
         jobs = np.arange(len(self._pipes)) if located is None else located.jobs[located.passed]
-        rolled = np.array([leaves_plane(self._pipes[job]) for job in jobs], bool)
+        rolled = np.array([(not self._pipes[job].planar) for job in jobs], bool)
         if rolled.any():
             return self._with_space(controller, jobs[~rolled], jobs[rolled])
         start = self._given
@@ -193,7 +193,7 @@ class Passages:
             job = int(front.jobs[k])
             parts = [front.motions[k]] if located is None else [located.motions[before[job]], front.motions[k]]
             base = float(self._given(job).base[0])
-            whole = join([Motion(single_corner(self._pipes[job]), base, rows) for rows in parts])
+            whole = join([Motion(self._pipes[job].require_corner(), base, rows) for rows in parts])
             motions[job] = rear_motion(self._robot, whole)
 
         def make(simulator: Backend, queue: EpisodeQueue[Motion]) -> Stage:
@@ -228,7 +228,7 @@ class Passages:
             return _nothing(robot)
         recorded: list[_Recorded] = []
         pipes = [self._pipes[job] for job in jobs]
-        most_steps = self._task.max_steps * max(map(corner_count, pipes))
+        most_steps = self._task.max_steps * max(len(pipe.interior_angles) for pipe in pipes)
 
         def begin(i: int) -> Episodes:
             return start(int(jobs[i]))

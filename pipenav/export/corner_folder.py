@@ -12,7 +12,7 @@ from pipenav.errors import ConfigError
 from pipenav.export.scene_xml import COLOUR, Shape, add, mjcf, sdf, text, urdf, write_xml
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.corner_solids import Box, Mesh, boards_mesh, tube_mesh, wall_boxes
-from pipenav.pipes.json_keys import FIELD_KEYS
+from pipenav.pipes.json_keys import CORNER_KEYS
 from pipenav.storage.atomic_folder import read_record, refuse_contradictions, write_record, write_whole_folder
 from pipenav.units import m_to_mm, rad_to_deg
 
@@ -92,9 +92,9 @@ def read_pipe(path: Path) -> PipeCorner:
         OutOfRange: a number outside its allowed range.
     """
     file = path / "pipe.json" if path.is_dir() else path
-    record = read_record(file, "pipe file", SCHEMA, list(FIELD_KEYS.values()))
+    record = read_record(file, "pipe file", SCHEMA, list(CORNER_KEYS.values()))
     try:
-        pipe = PipeCorner.model_validate({field: record[key] for field, key in FIELD_KEYS.items()})
+        pipe = PipeCorner.model_validate({field: record[key] for field, key in CORNER_KEYS.items()})
     except ValidationError as error:
         raise ConfigError.from_validation(str(file), error) from error
     refuse_contradictions(file, record, pipe_record(pipe))

@@ -13,7 +13,7 @@ from pipenav.arrays import Floats
 from pipenav.errors import ConfigError
 from pipenav.export.corner_folder import write_stl
 from pipenav.export.scene_xml import COLOUR, Shape, add, mjcf, sdf, text, urdf, write_xml
-from pipenav.pipes.json_keys import run_fields
+from pipenav.pipes.json_keys import ROUTE_KEYS, route_fields
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_solids import PRISM_FACES, run_boards_mesh, run_tube_mesh, wall_prisms
 from pipenav.storage.atomic_folder import read_record, refuse_contradictions, write_record, write_whole_folder
@@ -33,9 +33,6 @@ FILES = {
     "pipe.png": "drawing with dimensions",
 }
 """The files of a run folder, each with one line of what it is; `boards.stl` for planar runs only."""
-
-KEYS = ("diameter_m", "wall_m", "corners", "straights_m")
-"""The keys of run.json that a run is read from; the others follow from these."""
 
 
 def run_files(run: PipeRoute) -> dict[str, str]:
@@ -110,9 +107,9 @@ def read_run_folder(path: Path) -> PipeRoute:
         PipenavError: the run is not possible.
     """
     file = path / "run.json" if path.is_dir() else path
-    record = read_record(file, "run file", SCHEMA, KEYS)
+    record = read_record(file, "run file", SCHEMA, list(ROUTE_KEYS.values()))
     try:
-        run = PipeRoute.model_validate(run_fields(record))
+        run = PipeRoute.model_validate(route_fields(record))
     except ValidationError as error:
         raise ConfigError.from_validation(str(file), error) from error
     refuse_contradictions(file, record, run_record(run, str(record.get("name"))))

@@ -156,7 +156,7 @@ def hand_over(robot: RobotSpec, front: Motion) -> HandOver:
     place = np.array([[cos, -sin], [sin, cos]]) @ after[:2]
     # The halves are joined back to back: seen along the robot, the rear arm's base faces backwards.
     turn = after[2] + turned + math.pi - before[2]
-    along = front.pipe.centre_line_distance(place) - front.pipe.centre_line_distance(before[:2])
+    along = front.pipe.distance_along(place) - front.pipe.distance_along(before[:2])
     hinges = robot.hinges
     joint = np.abs(rear.q[0] - front.q[-1])[hinges]
     distance = float(np.linalg.norm(place - before[:2]))

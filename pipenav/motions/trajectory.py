@@ -6,22 +6,18 @@ import csv
 import io
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, NoReturn
+from typing import Annotated, Literal, NamedTuple, NoReturn
 
 import numpy as np
 from pydantic import (
     AfterValidator,
     BaseModel,
-    BeforeValidator,
     ConfigDict,
-    Discriminator,
     Field,
     JsonValue,
-    PlainSerializer,
-    Tag,
     ValidationError,
 )
 
@@ -29,9 +25,7 @@ from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.errors import FileProblem, PipenavError
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.json_keys import FIELD_KEYS, run_fields, run_keys
-from pipenav.pipes.queries import Pipe, single_corner
-from pipenav.pipes.route import PipeRoute
+from pipenav.pipes.json_keys import PipeInFile
 from pipenav.robots.robot import RobotSpec, load_robot
 from pipenav.storage.atomic_files import atomic_write
 from pipenav.tasks.outcome import Outcome
@@ -75,37 +69,6 @@ def _known_verdict(outcome: str | None) -> str | None:
     if outcome is not None and outcome not in known:
         raise ValueError(f"is none of {', '.join(known)}, null")
     return outcome
-
-
-def _pipe_of_keys(given: Any) -> Any:
-    """The keys of pipe.json as those of `PipeCorner`, those of run.json as those of `PipeRoute`."""
-    if not isinstance(given, Mapping):
-        return given
-    if "corners" in given:
-        return run_fields(given)
-    ours = {key: name for name, key in FIELD_KEYS.items()}
-    return {ours.get(key, key): value for key, value in given.items()}
-
-
-def _keys_of_pipe(pipe: Pipe) -> dict[str, Any]:
-    return (
-        run_keys(pipe)
-        if isinstance(pipe, PipeRoute)
-        else {key: getattr(pipe, name) for name, key in FIELD_KEYS.items()}
-    )
-
-
-def _tag(given: Any) -> str:
-    return (
-        "<run>" if isinstance(given, PipeRoute) or (isinstance(given, Mapping) and "corners" in given) else "<corner>"
-    )
-
-
-PipeInFile = Annotated[
-    Annotated[Annotated[PipeCorner, Tag("<corner>")] | Annotated[PipeRoute, Tag("<run>")], Discriminator(_tag)],
-    BeforeValidator(_pipe_of_keys),
-    PlainSerializer(_keys_of_pipe),
-]
 
 
 class TrajectoryHeader(BaseModel):
@@ -162,7 +125,7 @@ class Trajectory:
     @property
     def motion(self) -> Motion:
         """Raises PipenavError in a run of corners."""
-        return Motion(single_corner(self.header.pipe), self.header.base_m, self.q)
+        return Motion(self.header.pipe.require_corner(), self.header.base_m, self.q)
 
     @property
     def time(self) -> Floats:

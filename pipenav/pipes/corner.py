@@ -15,14 +15,18 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import Literal, NamedTuple, Self, cast
+from typing import TYPE_CHECKING, Literal, NamedTuple, Self, cast
 
 import numpy as np
 from pydantic import model_validator
 
-from pipenav.arrays import Flags, Floats, Table
+from pipenav.arrays import Flags, Floats
 from pipenav.errors import OutOfRange, PipenavError
+from pipenav.pipes.pipe import DEFAULT_WALL, LegFrames, Pipe, WallSide
 from pipenav.units import deg_to_rad, m_to_mm, mm_to_m, rad_to_deg
+
+if TYPE_CHECKING:
+    from pipenav.pipes.route import PipeRoute
 
 Turn = Literal["left", "right"]
 
@@ -31,9 +35,6 @@ ANGLE_RANGE_DEG = (30.0, 180.0)
 BEND_RADIUS_MAX_MM = 3000.0
 WALL_RANGE_MM = (0.5, 50.0)
 LEG_MAX_MM = 20000.0
-
-DEFAULT_WALL = 0.003
-"""Wall thickness [m]: a common PVC gas pipe of 90-110 mm has about 3 mm."""
 
 MIN_DEFAULT_LEG = 0.6
 """Shortest default leg [m]: the longest half robot (0.39 m) and its way to the corner fit in it."""
@@ -52,7 +53,7 @@ class Lines(NamedTuple):
     outer: Floats
 
 
-class PipeCorner(Table):
+class PipeCorner(Pipe):
     """One corner. All lengths in metres, angles in radians; `PipeCorner.of` takes millimetres and degrees.
 
     Attributes:
@@ -64,12 +65,10 @@ class PipeCorner(Table):
         wall: wall thickness [m].
     """
 
-    diameter: float
     angle: float
     turn: Turn = "left"
     bend_radius: float = 0.0
     leg: float
-    wall: float = DEFAULT_WALL
 
     @classmethod
     def of(
@@ -105,10 +104,6 @@ class PipeCorner(Table):
     def __hash__(self) -> int:
         """As pydantic would, ten times faster: pipes are keys of what is worked out once for each."""
         return hash((self.diameter, self.angle, self.turn, self.bend_radius, self.leg, self.wall))
-
-    @property
-    def radius(self) -> float:
-        return self.diameter / 2
 
     @property
     def turn_sign(self) -> float:
@@ -213,14 +208,46 @@ class PipeCorner(Table):
         u = self.second_leg
         return np.stack([points @ u, points @ np.array([-u[1], u[0]])], axis=-1)
 
-    def centre_line_distance(self, points: Floats) -> Floats:
-        """Distance travelled along the mitred centre line, 0 at the corner, for points (..., 2): (...) [m].
+    @property
+    def planar(self) -> bool:
+        """True: a corner lies in the plane."""
+        return True
 
-        A point counts to the leg on its side of the corner's bisector.
-        """
-        first = points[..., 0]
-        second = points @ self.second_leg
-        return np.where(first + second > 0, np.maximum(second, 0.0), np.minimum(first, 0.0))
+    @property
+    def interior_angles(self) -> Floats:
+        return np.array([self.angle])
+
+    @property
+    def turn_signs(self) -> Floats:
+        return np.array([self.turn_sign])
+
+    @property
+    def inner_edges(self) -> Floats:
+        return np.array([self.inner_edge])
+
+    @property
+    def leg_frames(self) -> LegFrames:
+        return _leg_frames(self)
+
+    @property
+    def wall_sides(self) -> list[WallSide]:
+        back = self.radius + self.wall
+        return [WallSide(self.walls.inner, self.line(back)), WallSide(self.walls.outer, self.line(-back))]
+
+    @property
+    def corner(self) -> Self:
+        return self
+
+    @property
+    def route(self) -> PipeRoute:
+        from pipenav.pipes.route import PipeRoute
+
+        return PipeRoute.from_corner(self)
+
+    def with_ends(self, first: float, last: float) -> Self:
+        """The corner with legs as long as the longer of the two; they stay alike."""
+        need = max(first, last)
+        return self if self.leg >= need else self.model_copy(update={"leg": need})
 
 
 # Kept beside the pipes and not in them: a cached array inside a model breaks its equality and outlives a copy's update.
@@ -231,6 +258,16 @@ def _walls(pipe: PipeCorner) -> Lines:
     for line in lines:
         line.setflags(write=False)
     return lines
+
+
+@lru_cache(maxsize=4096)
+def _leg_frames(pipe: PipeCorner) -> LegFrames:
+    (x, y), length = pipe.second_leg, np.array([pipe.leg, pipe.leg])
+    start = np.array([[-pipe.leg, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    axes = np.stack([np.eye(3), np.array([[x, -y, 0.0], [y, x, 0.0], [0.0, 0.0, 1.0]])])
+    for array in (start, axes, length):
+        array.setflags(write=False)
+    return LegFrames(start, axes, length)
 
 
 @lru_cache(maxsize=4096)

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Annotated, Any
 
+from pydantic import BeforeValidator, Discriminator, PlainSerializer, Tag
+
+from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.pipe import Pipe
 from pipenav.pipes.route import PipeRoute
 
-FIELD_KEYS = {
+CORNER_KEYS = {
     "turn": "turn",
     "diameter": "diameter_m",
     "angle": "angle_rad",
@@ -15,31 +19,66 @@ FIELD_KEYS = {
     "leg": "leg_m",
     "wall": "wall_m",
 }
-"""The keys of pipe.json that a pipe is read from; the others follow from these."""
+"""The field of a `PipeCorner` behind each key of pipe.json that it is read from; the other keys follow from these."""
+
+ROUTE_KEYS = {"diameter": "diameter_m", "wall": "wall_m", "corners": "corners", "straights": "straights_m"}
+"""The field of a `PipeRoute` behind each key of run.json that it is read from."""
+
+ROUTE_CORNER_KEYS = {"turn": "turn", "angle": "angle_rad", "roll": "roll_rad"}
+"""The field of a route's corner behind each key of its entry in run.json."""
 
 
-def run_fields(record: Mapping[str, Any]) -> dict[str, Any]:
-    """The fields of a run from `KEYS` of run.json; what is missing stays missing."""
-    fields = {"diameter": "diameter_m", "wall": "wall_m", "straights": "straights_m", "corners": "corners"}
-    found = {field: record[key] for field, key in fields.items() if key in record}
-    of = {"straights": lambda entry: entry, "corners": _corner}
-    return {field: _tuple(value, of[field]) if field in of else value for field, value in found.items()}
+def route_fields(record: Mapping[str, Any]) -> dict[str, Any]:
+    """The fields of a route from the keys of run.json; what is missing stays missing."""
+    found = {field: record[key] for field, key in ROUTE_KEYS.items() if key in record}
+    entries: dict[str, Callable[[Any], Any]] = {"straights": lambda entry: entry, "corners": _corner_fields}
+    return {field: _tuple(value, entries[field]) if field in entries else value for field, value in found.items()}
 
 
-def run_keys(run: PipeRoute) -> dict[str, Any]:
-    """A run under `KEYS` of run.json, in SI alone."""
-    fields = {"turn": "turn", "angle": "angle_rad", "roll": "roll_rad"}
-    corners = [{key: getattr(corner, field) for field, key in fields.items()} for corner in run.corners]
-    return {"diameter_m": run.diameter, "wall_m": run.wall, "corners": corners, "straights_m": list(run.straights)}
+def keys_of_pipe(pipe: Pipe) -> dict[str, Any]:
+    """A pipe under the keys of pipe.json or, where it is a route, of run.json, in SI units alone."""
+    if isinstance(pipe, PipeCorner):
+        return {key: getattr(pipe, field) for field, key in CORNER_KEYS.items()}
+    route = pipe.route
+    corners = [{key: getattr(corner, field) for field, key in ROUTE_CORNER_KEYS.items()} for corner in route.corners]
+    return {
+        "diameter_m": route.diameter,
+        "wall_m": route.wall,
+        "corners": corners,
+        "straights_m": list(route.straights),
+    }
 
 
-def _tuple(given: Any, of: Callable[[Any], Any]) -> Any:
-    """JSON has lists alone, and a run wants tuples; what is no list is left for it to complain about."""
-    return tuple(map(of, given)) if isinstance(given, list) else given
+def _pipe_fields(given: Any) -> Any:
+    """The fields of a pipe from its keys; what is no table is left for the model to complain about."""
+    if not isinstance(given, Mapping):
+        return given
+    if "corners" in given:
+        return route_fields(given)
+    fields = {key: field for field, key in CORNER_KEYS.items()}
+    return {fields.get(key, key): value for key, value in given.items()}
 
 
-def _corner(given: Any) -> Any:
+def _tag(given: Any) -> str:
+    return (
+        "<run>" if isinstance(given, PipeRoute) or (isinstance(given, Mapping) and "corners" in given) else "<corner>"
+    )
+
+
+PipeInFile = Annotated[
+    Annotated[Annotated[PipeCorner, Tag("<corner>")] | Annotated[PipeRoute, Tag("<run>")], Discriminator(_tag)],
+    BeforeValidator(_pipe_fields),
+    PlainSerializer(keys_of_pipe),
+]
+"""A pipe as a field of a model that is written to JSON, under the keys of pipe.json or run.json."""
+
+
+def _tuple(given: Any, convert: Callable[[Any], Any]) -> Any:
+    """A tuple of a JSON list's converted entries; what is no list is left for the model to complain about."""
+    return tuple(map(convert, given)) if isinstance(given, list) else given
+
+
+def _corner_fields(given: Any) -> Any:
     if not isinstance(given, dict):
         return given
-    fields = {"angle": "angle_rad", "turn": "turn", "roll": "roll_rad"}
-    return {field: given[key] for field, key in fields.items() if key in given}
+    return {field: given[key] for field, key in ROUTE_CORNER_KEYS.items() if key in given}

@@ -12,16 +12,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import NamedTuple, Self
+from typing import NamedTuple, Self, cast
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from pipenav.arrays import Flags, Floats, Ints, Table
 from pipenav.errors import PipenavError
+from pipenav.pipes.centre_lines import CentreLines
 from pipenav.pipes.corner import (
     ANGLE_RANGE_DEG,
-    DEFAULT_WALL,
     DIAMETER_RANGE_MM,
     LEG_MAX_MM,
     WALL_RANGE_MM,
@@ -31,6 +31,7 @@ from pipenav.pipes.corner import (
     check_turn,
     default_leg,
 )
+from pipenav.pipes.pipe import DEFAULT_WALL, LegFrames, Pipe, WallSide
 from pipenav.pipes.route_legs import Legs, about_x, frozen, make_legs
 from pipenav.units import deg_to_rad, m_to_mm, mm_to_m, rad_to_deg
 
@@ -87,7 +88,7 @@ class Sides(NamedTuple):
     right: Floats
 
 
-class PipeRoute(Table):
+class PipeRoute(Pipe):
     """Corners in a row. All lengths in metres, angles in radians; `PipeRoute.of` takes millimetres and degrees.
 
     Attributes:
@@ -100,10 +101,8 @@ class PipeRoute(Table):
     Two runs are equal where their numbers are: a left turn and a right one rolled by pi differ.
     """
 
-    diameter: float
     corners: tuple[Corner, ...] = Field(min_length=1, max_length=MAX_CORNERS)
     straights: tuple[float, ...]
-    wall: float = DEFAULT_WALL
 
     @classmethod
     def of(
@@ -140,7 +139,7 @@ class PipeRoute(Table):
         return cls(diameter=diameter, corners=made, straights=straights, wall=wall)
 
     @classmethod
-    def from_pipe(cls, pipe: PipeCorner) -> Self:
+    def from_corner(cls, pipe: PipeCorner) -> Self:
         """A corner as a run of one.
 
         Raises:
@@ -167,10 +166,6 @@ class PipeRoute(Table):
         """Over the fields, as `PipeCorner`: runs are keys of what is worked out once for each."""
         corners = tuple((corner.angle, corner.turn, corner.roll) for corner in self.corners)
         return hash((self.diameter, corners, self.straights, self.wall))
-
-    @property
-    def radius(self) -> float:
-        return self.diameter / 2
 
     @property
     def planar(self) -> bool:
@@ -236,35 +231,51 @@ class PipeRoute(Table):
         right, left = np.stack([inner[:, :-1], inner[:, 1:]], axis=2)  # (legs, 2) each
         return np.concatenate([right, left[::-1, ::-1]])
 
-    def leg_of(self, points: Floats) -> Ints:
-        """The leg that each point (..., 3), or (..., 2) of the x-y plane, belongs to: (...), counted from 0.
+    @property
+    def interior_angles(self) -> Floats:
+        return np.array([corner.angle for corner in self.corners])
 
-        See `Legs.place`; in a mitre it is the leg before.
-        """
-        return self.legs.place(_in_space(points), self.radius).leg
+    @property
+    def turn_signs(self) -> Floats:
+        return np.where(np.cos(self.legs.inside) > 0, 1.0, -1.0)
 
-    def along(self, points: Floats) -> Floats:
-        """Distance along the centre line, 0 at the first corner, of points (..., 3), or (..., 2) of the plane: (...).
+    @property
+    def inner_edges(self) -> Floats:
+        return self.radius * self.legs.reach
 
-        In metres. A point counts to its leg, there to the nearest place of the centre line, which goes on past the open
-        ends. So the distance jumps where a point passes a mitre by its inner edge, and rests where it passes farther
-        out.
-        """
-        leg, local, _ = self.legs.place(_in_space(points), self.radius)
-        low = np.append(-np.inf, np.zeros(len(self.corners)))
-        high = np.append(self.straights[:-1], np.inf)
-        return np.asarray(self.places[leg] + np.clip(local[..., 0], low[leg], high[leg]))
+    @property
+    def leg_frames(self) -> LegFrames:
+        return LegFrames(self.legs.start, self.legs.axes, self.legs.length)
+
+    @property
+    def wall_sides(self) -> list[WallSide]:
+        backs = self.legs.lines(self.radius + self.wall, np.array([0.0, math.pi]))[..., :2]
+        return [WallSide(*sides) for sides in zip(self.walls, backs, strict=True)]
+
+    @property
+    def corner(self) -> None:
+        return None
+
+    @property
+    def route(self) -> Self:
+        return self
+
+    def with_ends(self, first: float, last: float) -> Self:
+        straights = (max(self.straights[0], first), *self.straights[1:-1], max(self.straights[-1], last))
+        return self if straights == self.straights else cast(Self, _with_straights(self, straights))
 
     def to_leg(self, points: Floats, leg: Ints) -> Floats:
         """Points (..., 3), or (..., 2) of the x-y plane, in the frames of the legs (...): (..., 3) [m]."""
         origin, rotation = self.frames
-        from_start = _in_space(points) - origin[leg]
+        from_start = in_space(points) - origin[leg]
         return np.asarray((from_start[..., None, :] @ rotation[leg])[..., 0, :])
 
     def contains(self, points: Floats) -> Flags:
         """Whether points (..., 3), or (..., 2) of the x-y plane, are in the round bore, not past an open end: (...)."""
-        _, local, beyond = self.legs.place(_in_space(points), self.radius)
-        return np.asarray((beyond == 0) & (np.hypot(local[..., 1], local[..., 2]) <= self.radius))
+        points = in_space(points)
+        _, local, beyond = CentreLines.of([self], 3).locate(points.reshape(1, -1, 3))
+        inside = (beyond == 0) & (np.hypot(local[..., 1], local[..., 2]) <= self.radius)
+        return np.asarray(inside.reshape(points.shape[:-1]))
 
 
 # Kept beside the runs and not in them, as for pipes.
@@ -272,6 +283,12 @@ class PipeRoute(Table):
 def _legs(run: PipeRoute) -> Legs:
     angles = np.array([corner.angle for corner in run.corners])
     return make_legs(angles, _inside(run.corners), np.array(run.straights))
+
+
+@lru_cache(maxsize=1024)
+def _with_straights(route: PipeRoute, straights: tuple[float, ...]) -> PipeRoute:
+    """Made once each: that a route does not cross itself takes long to find out."""
+    return PipeRoute(diameter=route.diameter, corners=route.corners, straights=straights, wall=route.wall)
 
 
 @lru_cache(maxsize=4096)
@@ -294,7 +311,7 @@ def _segments(run: PipeRoute) -> Floats:
     return frozen(np.concatenate([np.stack([line[:-1], line[1:]], axis=1) for line in walls]))
 
 
-def _in_space(points: Floats) -> Floats:
+def in_space(points: Floats) -> Floats:
     """Points (..., 2) of the x-y plane as points (..., 3)."""
     points = np.asarray(points, float)
     if points.shape[-1] == 3:

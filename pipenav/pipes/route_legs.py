@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipenav.arrays import Floats, Ints
+from pipenav.arrays import Floats
 from pipenav.pipes.convex import apart
 
 SPACING = 0.02
@@ -24,20 +24,6 @@ parallel, and as sharp as they may be, their distance is 0.26 of it."""
 
 ROUND = 32
 """Sides of the prism around a leg, in the test whether legs are apart."""
-
-
-class LegCoordinates(NamedTuple):
-    """Where points (...) are.
-
-    Attributes:
-        leg: the leg that each belongs to, (...).
-        local: the point from that leg's start: along it, and across it to two sides, (..., 3) [m].
-        beyond: how far past its leg's open end it lies, 0 for most points, (...) [m].
-    """
-
-    leg: Ints
-    local: Floats
-    beyond: Floats
 
 
 class Legs(NamedTuple):
@@ -73,32 +59,6 @@ class Legs(NamedTuple):
         mitred = self.start[1:] + sideways[:, :-1] - (inwards * self.reach)[..., None] * along[:-1]
         end = self.start[-1] + self.length[-1] * along[-1]
         return np.concatenate([self.start[0] + sideways[:, :1], mitred, end + sideways[:, -1:]], axis=1)
-
-    def place(self, points: Floats, radius: float) -> LegCoordinates:
-        """The leg of points (..., 3) [m].
-
-        That is the leg in whose bore a point lies, and of a point in none the nearest of those between whose mitres it
-        lies; the first and the last leg have one mitre, and go on past their open ends. A point in a mitre counts to
-        the leg before.
-
-        Args:
-            points: where to look.
-            radius: of the bore [m].
-        """
-        local = np.einsum("...li,lij->...lj", points[..., None, :] - self.start, self.axes)  # (..., legs, 3)
-        past = ((points[..., None, :] - self.start[1:]) * self.mitre).sum(axis=-1) > 0  # (..., corners)
-        always = np.ones_like(past[..., :1])
-        between = np.concatenate([always, past], axis=-1) & np.concatenate([~past, always], axis=-1)  # (..., legs)
-        beyond = np.zeros_like(local[..., 0])
-        beyond[..., 0] = np.maximum(-local[..., 0, 0], 0.0)
-        beyond[..., -1] = np.maximum(local[..., -1, 0] - self.length[-1], 0.0)
-        off_axis = np.hypot(local[..., 1], local[..., 2])
-        in_bore = (off_axis <= radius) & (beyond == 0)
-        distance = np.where(in_bore, 0.0, np.hypot(off_axis, beyond))
-        leg = np.where(between, distance, np.inf).argmin(axis=-1)
-        chosen = leg[..., None]
-        local = np.take_along_axis(local, chosen[..., None], axis=-2)[..., 0, :]
-        return LegCoordinates(leg, local, np.take_along_axis(beyond, chosen, axis=-1)[..., 0])
 
     def meeting(self, radius: float) -> tuple[int, int] | None:
         """Two legs that are no neighbours and yet meet, or nearly so (`SPACING`), as solid rods of a radius [m]."""

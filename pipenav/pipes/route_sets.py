@@ -11,9 +11,8 @@ from typing import Literal, TypeVar
 from pydantic import BaseModel, ConfigDict, Field
 
 from pipenav.errors import ConfigError, PipenavError, UnknownName
-from pipenav.pipes.corner import DEFAULT_WALL, PipeCorner
 from pipenav.pipes.corner_sets import Values, parse_pipes, pipe_set_names, read_as, values_of
-from pipenav.pipes.queries import Pipe
+from pipenav.pipes.pipe import DEFAULT_WALL, Pipe
 from pipenav.pipes.route import MAX_CORNERS, CrossesItself, PipeRoute
 from pipenav.storage import shipped
 from pipenav.storage.atomic_files import read_toml
@@ -116,7 +115,7 @@ def parse_runs(given: Sequence[str]) -> list[PipeRoute]:
         PipenavError: something that is none of these, or a run that is not possible.
     """
     pipes = parse_any(given)
-    return list(dict.fromkeys(PipeRoute.from_pipe(pipe) if isinstance(pipe, PipeCorner) else pipe for pipe in pipes))
+    return list(dict.fromkeys(pipe.route for pipe in pipes))
 
 
 def parse_any(given: Sequence[str]) -> list[Pipe]:

@@ -20,7 +20,6 @@ from pipenav.drawing.dimensions import INK
 from pipenav.drawing.scene import Scene, draw_force_key, draw_scene, legend_handles
 from pipenav.errors import PipenavError
 from pipenav.motions.trajectory import Trajectory
-from pipenav.pipes.route import PipeRoute
 from pipenav.robots import kinematics, laser
 from pipenav.robots.outline import link_outlines
 from pipenav.storage.atomic_files import atomic_write
@@ -130,8 +129,9 @@ def box_of(trajectory: Trajectory) -> Box:
     header, pipe = trajectory.header, trajectory.header.pipe
     polygons = [polygon for link in link_outlines(trajectory.robot, trajectory.q) for polygon in link]
     points = np.concatenate([polygon.reshape(-1, 2) for polygon in polygons]) + np.array([header.base_m, 0.0])
-    walls = pipe.walls if isinstance(pipe, PipeRoute) else [pipe.walls.outer]
-    points = np.concatenate([points, *(wall[1:-1] for wall in walls), np.reshape(header.goal_m or (), (-1, 2))])
+    points = np.concatenate(
+        [points, *(wall.face[1:-1] for wall in pipe.wall_sides), np.reshape(header.goal_m or (), (-1, 2))]
+    )
     rear = points[:, 0].min()
     points = np.concatenate([points, [[rear, -pipe.radius], [rear, pipe.radius]]])
     margin = MARGIN * float(np.ptp(points[:, 0]))

@@ -19,7 +19,7 @@ from pipenav.evaluation.stage import Stage, TaskStage
 from pipenav.locating.locator import LocateConfig, Variant, robot_for
 from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.queries import Pipe
+from pipenav.pipes.pipe import Pipe
 from pipenav.policies.controller import Controller
 from pipenav.robots import kinematics
 from pipenav.robots.robot import RobotSpec

@@ -45,6 +45,17 @@ def forward(robot: RobotSpec, configuration: Floats) -> ChainPose:
     return ChainPose(points[:, 0::2].transpose(2, 1, 0), points[:, -1].T, headings.T)
 
 
+def waypoints(robot: RobotSpec, configuration: Floats) -> Floats:
+    """Rear end, joints and tip of n robots in their own frames, (n, links + 1, 2) [m].
+
+    Args:
+        robot: the chain.
+        configuration: as `forward` takes it, (n, coordinates) [rad or m].
+    """
+    pose = forward(robot, configuration)
+    return np.concatenate([pose.joints, pose.tip[:, None]], axis=1)
+
+
 def configuration(robot: RobotSpec, q: Floats, tip: Floats) -> Floats:
     """Configurations from joint positions and, of a free robot, the pose of its tip: (n, coordinates).
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pipenav.arrays import Flags, Floats, Ints
 from pipenav.backends.messages import Truth
 from pipenav.backends.spatial import SpaceTruth
-from pipenav.pipes.queries import Pipe
+from pipenav.pipes.pipe import Pipe
 from pipenav.robots.robot import RobotSpec
 
 

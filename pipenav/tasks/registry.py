@@ -11,7 +11,7 @@ from pydantic import Discriminator, Tag
 from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner_sets import parse_pipes
-from pipenav.pipes.queries import Pipe
+from pipenav.pipes.pipe import Pipe
 from pipenav.pipes.route_sets import parse_any
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.batch import TaskBatch

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from pipenav.arrays import Ints
-from pipenav.pipes.queries import Pipe
+from pipenav.pipes.pipe import Pipe
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.reach import episode
 

@@ -12,7 +12,7 @@ from pipenav.backends import backend
 from pipenav.backends.backend import CONTROL_PERIOD, Backend
 from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.errors import PipenavError
-from pipenav.pipes.queries import Pipe
+from pipenav.pipes.pipe import Pipe
 from pipenav.robots import kinematics, laser
 from pipenav.robots.robot import RobotSpec
 

@@ -20,7 +20,7 @@ from pipenav.backends.real_robot import Calibrator, Emulated, Finding, RealRobot
 from pipenav.backends.safety import Deadlines, Stopped
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.queries import Pipe
+from pipenav.pipes.pipe import Pipe
 from pipenav.robots.robot import RobotSpec
 from pipenav_hardware import packets, table
 from pipenav_hardware.arm_config import ArmConfig, load_arm

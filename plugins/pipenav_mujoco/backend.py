@@ -16,7 +16,7 @@ from pipenav.backends.contact_force import Windows, strongest
 from pipenav.backends.messages import Command, Control, Reading, Truth
 from pipenav.backends.wall_boxes import wall_boxes
 from pipenav.errors import PipenavError
-from pipenav.pipes.queries import Pipe
+from pipenav.pipes.pipe import Pipe
 from pipenav.robots import kinematics, laser
 from pipenav.robots.robot import BASE, RobotSpec
 from pipenav_mujoco.model import Contact, build_spec

@@ -13,7 +13,7 @@ from pipenav.backends import backend
 from pipenav.backends.contact_force import Windows, strongest
 from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.errors import PipenavError
-from pipenav.pipes.queries import Pipe
+from pipenav.pipes.pipe import Pipe
 from pipenav.robots import kinematics, laser
 from pipenav.robots.robot import RobotSpec
 from pipenav_pybullet.crew import Crew

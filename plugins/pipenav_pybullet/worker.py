@@ -16,7 +16,7 @@ import numpy as np
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Variation
 from pipenav.backends.messages import Control
-from pipenav.pipes.queries import Pipe
+from pipenav.pipes.pipe import Pipe
 from pipenav.robots.robot import RobotSpec
 from pipenav_pybullet.world import WORLD_SIZE, Motion, Setting, World, shares
 

@@ -14,7 +14,7 @@ from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import CONTROL_PERIOD, Variation
 from pipenav.backends.messages import Control
 from pipenav.backends.wall_boxes import WALL_HALF_HEIGHT, Edge, wall_boxes
-from pipenav.pipes.queries import Pipe
+from pipenav.pipes.pipe import Pipe
 from pipenav.robots import kinematics
 from pipenav.robots.robot import RobotSpec
 from pipenav_pybullet.quiet import silenced_stderr

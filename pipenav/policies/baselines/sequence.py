@@ -18,7 +18,6 @@ import numpy as np
 from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.queries import single_corner
 from pipenav.policies.baselines.sequence_arm import HINGES, FrontArm
 from pipenav.policies.baselines.sequence_plan import PRESS, CornerPlan, Poses, plan
 from pipenav.policies.policy import Policy
@@ -150,7 +149,7 @@ class SequenceController:
         for i, given in enumerate(batch.pipes):
             if given is None:
                 continue
-            pipe = single_corner(given)
+            pipe = given.require_corner()
             if batch.steps[i] == 0:
                 self._courses[i] = _Course()
             bends = batch.q[i, -len(self.robot.joints) :] * pipe.turn_sign

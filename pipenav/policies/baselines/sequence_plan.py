@@ -101,9 +101,9 @@ def _follow_line(robot: RobotSpec, pipe: PipeCorner, room: float) -> tuple[Poses
         bends.append(np.mod(direction - heading + math.pi, 2 * math.pi) - math.pi)
         ends.append(end)
         pivot, heading = end, direction
-    beyond = pipe.centre_line_distance(ends[0])
+    beyond = pipe.distance_along(ends[0])
     kept = slice(0, int(np.argmax((beyond >= -along) & (beyond > 0))) + 1)  # up to half-way
-    return Poses(along[kept], np.stack(bends, axis=1)[kept]), pipe.centre_line_distance(ends[-1])[kept]
+    return Poses(along[kept], np.stack(bends, axis=1)[kept]), pipe.distance_along(ends[-1])[kept]
 
 
 def _line(robot: RobotSpec, pipe: PipeCorner, lane: float) -> Floats:

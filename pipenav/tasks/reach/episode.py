@@ -11,7 +11,7 @@ import numpy as np
 from pipenav.arrays import Flags, Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.queries import Pipe
+from pipenav.pipes.pipe import Pipe
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.reach.config import TaskConfig
 from pipenav.units import m_to_mm

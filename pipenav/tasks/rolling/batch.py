@@ -12,7 +12,7 @@ import numpy as np
 
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.spatial import SpaceBackend, SpaceReading, SpaceTruth
-from pipenav.pipes.queries import inner_edges
+from pipenav.pipes.centre_lines import CentreLines
 from pipenav.pipes.route import PipeRoute
 from pipenav.robots.robot import BASE, RobotSpec
 from pipenav.tasks.batch import Sized, StepResult
@@ -21,6 +21,7 @@ from pipenav.tasks.rolling.clamp import check_robot
 from pipenav.tasks.rolling.manoeuvre import FRONT
 from pipenav.tasks.rolling.pilot import Mode, Pilot
 from pipenav.tasks.traverse import observation
+from pipenav.tasks.traverse.batch import ANYWHERE
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import TraverseEpisodes
 from pipenav.tasks.traverse.outcome import OutcomeTracker, reward
@@ -50,6 +51,7 @@ class SpaceBatch(Sized):
         self._scale = np.concatenate([part.scale for part in observation.layout(robot, config)])
         self._pilots: dict[int, Pilot] = {}
         self._runs: dict[int, PipeRoute] = {}
+        self._lines = CentreLines.of([ANYWHERE] * n, 3)
         self.steps = np.zeros(n, int)
         self._judge = OutcomeTracker(robot, config, n)
         self._action, self._end, self._limit = np.zeros((n, len(robot.drives))), np.zeros(n), np.zeros(n, int)
@@ -77,13 +79,14 @@ class SpaceBatch(Sized):
         """Start new episodes for some robots (sorted, unique), or all, the first time all of them."""
         indices = np.arange(self.n) if indices is None else np.asarray(indices, np.intp)
         episodes = self._source(indices)
-        runs = [pipe if isinstance(pipe, PipeRoute) else PipeRoute.from_pipe(pipe) for pipe in episodes.pipes]
+        runs = [pipe.route for pipe in episodes.pipes]
         planes = np.array([run.corners[0].roll for run in runs])
         reading = self._backend.reset(indices, runs, episodes.q, episodes.base, planes)
+        self._lines = self._lines.put(indices, CentreLines.of(runs, 3))
         for i, run, q in zip(indices, runs, reading.body.q, strict=True):
             self._runs[i] = run
             self._pilots[i] = Pilot(self.robot, run, q + self.config.start_press * np.sign(q))
-            self._end[i] = run.places[-2] + inner_edges(run)[-1]
+            self._end[i] = run.places[-2] + run.inner_edges[-1]
             self._limit[i] = LIMIT_FACTOR * self.config.max_steps * len(run.corners)
         self.steps[indices], self._action[indices] = 0, 0.0
         self._judge.start(indices, self._along()[indices])
@@ -129,5 +132,4 @@ class SpaceBatch(Sized):
         return np.asarray(seen / self._scale)
 
     def _along(self) -> Floats:
-        points = self._backend.truth().points
-        return np.array([run.along(place) for run, place in zip(self.pipes, points, strict=True)])
+        return self._lines.distance(self._backend.truth().points)

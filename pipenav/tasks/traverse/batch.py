@@ -10,8 +10,9 @@ from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Backend, Inclinable
 from pipenav.backends.messages import Reading, Truth
 from pipenav.errors import PipenavError
+from pipenav.pipes.centre_lines import CentreLines
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.queries import Pipe
+from pipenav.pipes.pipe import Pipe
 from pipenav.robots import kinematics
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.batch import Sized, StepResult
@@ -20,7 +21,6 @@ from pipenav.tasks.traverse import observation
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import GRAVITY, TraverseEpisodes, check_robot
 from pipenav.tasks.traverse.outcome import OutcomeTracker, reward
-from pipenav.tasks.traverse.progress import CentreLines, waypoints
 
 ANYWHERE = PipeCorner.of(100, 90)
 """Where robots are thought to be before they are first put into pipes."""
@@ -48,7 +48,7 @@ class TraverseBatch(Sized):
         self.pipes: list[Pipe | None] = [None] * n
         self.steps, self._ages = np.zeros(n, int), np.zeros(n, int)
         self._turn_signs, self._base = np.ones((n, 3)), np.zeros(n)
-        self._ways = CentreLines.of([ANYWHERE] * n)
+        self._lines = CentreLines.of([ANYWHERE] * n)
         self._corner = np.zeros(n, np.intp)
         self._gravity = np.zeros((n, 2))
         self._judge = OutcomeTracker(robot, config, n)
@@ -64,14 +64,14 @@ class TraverseBatch(Sized):
     @property
     def points(self) -> Floats:
         """Rear end, joints and tip in the pipe's frame, (n, links + 1, 2) [m]: no policy knows where it is."""
-        points = waypoints(self.robot, self._q)
+        points = kinematics.waypoints(self.robot, self._q)
         points[..., 0] += self._base[:, None]
         return points
 
     @property
     def along(self) -> Floats:
         """Where they are along the pipe, 0 at the corner, (n, links + 1) [m]."""
-        return self._ways.along(self.points)
+        return self._lines.distance(self.points)
 
     def reset(self, indices: Ints | None = None) -> Floats:
         """Start new episodes for some robots (sorted, unique), or all; observations of all robots, (n, size)."""
@@ -86,8 +86,8 @@ class TraverseBatch(Sized):
         self._base[indices], self._q[indices], self._action[indices] = episodes.base, episodes.q, 0.0
         self._gravity[indices] = episodes.gravity
         self._set_points[indices] = reading.q + self.config.start_press * np.sign(reading.q)
-        self._ways, self._corner[indices] = self._ways.put(indices, CentreLines.of(episodes.pipes)), 0
-        self._turn_signs[indices] = self._ways.turn_signs(self._corner)[indices]
+        self._lines, self._corner[indices] = self._lines.put(indices, CentreLines.of(episodes.pipes)), 0
+        self._turn_signs[indices] = self._lines.turn_signs(self._corner)[indices]
         self._judge.start(indices, self.along[indices])
         self._observation = self._observation.copy()
         self._observation[indices] = self._observe(reading, indices)
@@ -115,8 +115,8 @@ class TraverseBatch(Sized):
         if truth is None:
             raise TypeError("the traverse task needs a simulator: this backend knows no truth")
         self._place(reading, truth)
-        along, every, last = self.along, np.arange(self.n), self._ways.corners - 1
-        limit, end = self.config.max_steps * (last + 1), self._ways.end[every, last]
+        along, every, last = self.along, np.arange(self.n), self._lines.corners - 1
+        limit, end = self.config.max_steps * (last + 1), self._lines.end[every, last]
         facts, outcome = self._judge.step(self.steps, limit, along, end, reading, truth)
         self._go_on(along.mean(axis=1))
         self._observation = self._observe(reading, every)
@@ -152,7 +152,7 @@ class TraverseBatch(Sized):
 
         With the corner its side may change, and what is seen and done from there on is mirrored.
         """
-        done = (middle[:, None] >= self._ways.end) & (self._ways.turn_sign != 0)
-        self._corner = np.maximum(self._corner, np.minimum(done.sum(axis=1), self._ways.corners - 1))
-        before, self._turn_signs = self._turn_signs[:, 0], self._ways.turn_signs(self._corner)
+        done = (middle[:, None] >= self._lines.end) & (self._lines.turn_sign != 0)
+        self._corner = np.maximum(self._corner, np.minimum(done.sum(axis=1), self._lines.corners - 1))
+        before, self._turn_signs = self._turn_signs[:, 0], self._lines.turn_signs(self._corner)
         self._action = observation.seen_from(self.robot, self._action, self._turn_signs[:, 0] * before)

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
-from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.queries import Pipe, inner_edges
-from pipenav.pipes.route import PipeRoute
+from pipenav.pipes.pipe import Pipe
 from pipenav.pipes.route_sets import parse_any
 from pipenav.robots import kinematics
 from pipenav.robots.robot import BASE, RobotSpec
@@ -90,7 +87,7 @@ def parse_planar(given: Sequence[str]) -> list[Pipe]:
     """
     pipes = parse_any(given)
     for pipe in pipes:
-        if isinstance(pipe, PipeRoute) and not pipe.planar:
+        if not pipe.planar:
             raise PipenavError(
                 f"{pipe.name} leaves the plane, in which robots are trained: choose a run without rolls, as runs-level."
             )
@@ -103,24 +100,17 @@ def with_room(robot: RobotSpec, config: TraverseConfig, pipe: Pipe) -> Pipe:
     Raises:
         CrossesItself: the ends of a run are too short, and longer they would meet other straights.
     """
-    if isinstance(pipe, PipeCorner):
-        need = pipe.inner_edge + SPARE_LENGTHS * robot.length
-        return pipe if pipe.leg >= need else pipe.model_copy(update={"leg": need})
-    first, last = inner_edges(pipe)[[0, -1]]
-    need_first, need_last = (end + robot.length + max(config.start_gap[1], config.through) for end in (first, last))
-    straights = (max(pipe.straights[0], need_first), *pipe.straights[1:-1], max(pipe.straights[-1], need_last))
-    return pipe if straights == pipe.straights else _longer(pipe, straights)
-
-
-@lru_cache(maxsize=1024)
-def _longer(run: PipeRoute, straights: tuple[float, ...]) -> PipeRoute:
-    """Made once each: that it does not cross itself takes long to find out."""
-    return PipeRoute(diameter=run.diameter, corners=run.corners, straights=straights, wall=run.wall)
+    first, last = pipe.inner_edges[[0, -1]]
+    if pipe.corner is not None:
+        back = SPARE_LENGTHS * robot.length
+        return pipe.with_ends(first + back, last + back)
+    ahead = max(config.start_gap[1], config.through)
+    return pipe.with_ends(first + robot.length + ahead, last + robot.length + ahead)
 
 
 def _first_corner(pipe: Pipe) -> tuple[float, float]:
     """Radius of the pipe, and how far before its first corner the inner wall's bend begins [m]."""
-    return pipe.radius, float(inner_edges(pipe)[0])
+    return pipe.radius, float(pipe.inner_edges[0])
 
 
 def _zigzag(robot: RobotSpec, offset: Floats) -> tuple[Floats, Floats]:

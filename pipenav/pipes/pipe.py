@@ -1,0 +1,171 @@
+"""What a robot travels through: the one interface of every kind of pipe."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, NamedTuple, Self
+
+import numpy as np
+
+from pipenav.arrays import Flags, Floats, Table
+from pipenav.errors import PipenavError
+
+if TYPE_CHECKING:
+    from pipenav.pipes.corner import PipeCorner
+    from pipenav.pipes.route import PipeRoute
+
+DEFAULT_WALL = 0.003
+"""Wall thickness [m]: a common PVC gas pipe of 90-110 mm has about 3 mm."""
+
+
+class LegFrames(NamedTuple):
+    """The straight legs of one pipe.
+
+    Attributes:
+        start: where each leg begins on the centre line, (legs, 3) [m]; the second one begins at the origin.
+        axes: unit vectors along the leg, to its left and upwards as columns, (legs, 3, 3).
+        length: lengths along the centre line, from open end or corner to corner or open end, (legs,) [m].
+    """
+
+    start: Floats
+    axes: Floats
+    length: Floats
+
+
+class WallSide(NamedTuple):
+    """One wall of a pipe in the plane, as polylines from the first open end to the last, (k, 2) [m] each.
+
+    Attributes:
+        face: the surface that the robot can touch.
+        back: the surface behind it, a wall thickness away.
+    """
+
+    face: Floats
+    back: Floats
+
+
+class Pipe(Table, ABC):
+    """A pipe: straight legs of one bore, joined by corners, and walls around them.
+
+    Tasks, simulators and pictures ask what is declared here and nothing else, so a new kind of fitting needs no change
+    outside `pipenav.pipes`. Frame: the first corner is the origin, the first leg lies along -x, the robot comes from -x
+    moving towards +x, a left turn of the first corner goes towards +y, z points up.
+
+    Attributes:
+        diameter: inner diameter [m].
+        wall: wall thickness [m].
+    """
+
+    diameter: float
+    wall: float = DEFAULT_WALL
+
+    @property
+    def radius(self) -> float:
+        """Radius of the bore [m]."""
+        return self.diameter / 2
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """Short name, usable as a file name."""
+
+    @property
+    @abstractmethod
+    def label(self) -> str:
+        """Description in words, for tables and messages."""
+
+    @property
+    @abstractmethod
+    def planar(self) -> bool:
+        """Whether the whole pipe lies in the x-y plane."""
+
+    @property
+    @abstractmethod
+    def interior_angles(self) -> Floats:
+        """Interior angle of each corner, (corners,) [rad]."""
+
+    @property
+    @abstractmethod
+    def turn_signs(self) -> Floats:
+        """+1 for each corner that turns left, -1 for each that turns right, (corners,); of a planar pipe."""
+
+    @property
+    @abstractmethod
+    def inner_edges(self) -> Floats:
+        """Distance along either leg from each corner to where the inner wall's bend ends, (corners,) [m]."""
+
+    @property
+    @abstractmethod
+    def leg_frames(self) -> LegFrames:
+        """The straight legs, without twist from one to the next; the arrays are read-only."""
+
+    @property
+    @abstractmethod
+    def segments(self) -> Floats:
+        """Wall segments `[[x1, y1], [x2, y2]]`, free space on the left of each, (s, 2, 2) [m]; read-only.
+
+        Raises:
+            PipenavError: the pipe leaves the plane.
+        """
+
+    @property
+    @abstractmethod
+    def edges(self) -> Flags:
+        """Which ends of the segments lie at an inner edge, (s, 2); an open end counts as its segment's other end."""
+
+    @property
+    @abstractmethod
+    def wall_sides(self) -> list[WallSide]:
+        """The two walls in the plane.
+
+        Raises:
+            PipenavError: the pipe leaves the plane.
+        """
+
+    @property
+    @abstractmethod
+    def corner(self) -> PipeCorner | None:
+        """The pipe as a single corner; None where it is a route."""
+
+    def require_corner(self) -> PipeCorner:
+        """The pipe as a single corner.
+
+        Raises:
+            PipenavError: the pipe is a route.
+        """
+        if self.corner is None:
+            count = len(self.interior_angles)
+            raise PipenavError(f"{self.name} is a route of {count} corners, where a single corner is needed.")
+        return self.corner
+
+    @property
+    @abstractmethod
+    def route(self) -> PipeRoute:
+        """The pipe as a route.
+
+        Raises:
+            PipenavError: a corner that no route can have.
+        """
+
+    @abstractmethod
+    def contains(self, points: Floats) -> Flags:
+        """Whether points (..., 2) of the plane, or (..., 3) where it is a route, lie in the free space: (...)."""
+
+    def distance_along(self, points: Floats) -> Floats:
+        """Distance along the centre line of points (..., 2) of the plane or (..., 3), 0 at the first corner: (...) [m].
+
+        `CentreLines.distance` says which leg a point counts to, and asks the same of many pipes at once.
+        """
+        from pipenav.pipes.centre_lines import CentreLines
+
+        points = np.asarray(points, float)
+        lines = CentreLines.of([self], points.shape[-1])
+        return np.asarray(lines.distance(points.reshape(1, -1, points.shape[-1])).reshape(points.shape[:-1]))
+
+    @abstractmethod
+    def with_ends(self, first: float, last: float) -> Self:
+        """The pipe with its first and its last leg at least so long [m].
+
+        Raises:
+            CrossesItself: longer ends would meet other legs.
+        """
