@@ -22,7 +22,7 @@ from pipenav_pybullet import world
 from pipenav_pybullet.backend import PybulletOptions
 
 from pipenav.backends.messages import Command
-from pipenav.backends.registry import open_backend
+from pipenav.backends.registry import open_simulator
 from pipenav.pipes.corner_sets import parse_pipes
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.reach import episode
@@ -101,7 +101,7 @@ def worlds(size: int, count: int, episodes: int) -> float:
 def backend(n: int, episodes: int) -> tuple[float, float]:
     """The whole backend on all cores, without and with its resets."""
     rng = np.random.default_rng(0)
-    opened = open_backend("pybullet", ROBOT, n, OPTIONS)
+    opened = open_simulator("pybullet", ROBOT, n, OPTIONS)
     stepping = resetting = 0.0
     for _ in range(episodes):
         start = starts(rng, n)

@@ -29,7 +29,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import DummyVecEnv
 
 import pipenav.env  # noqa: F401  # registers the environment
-from pipenav.backends.registry import open_backend
+from pipenav.backends.registry import open_simulator
 from pipenav.backends.wall_boxes import wall_boxes
 from pipenav.envs.sb3_env import TaskVecEnv
 from pipenav.learning.callback import noise_at
@@ -53,7 +53,7 @@ def make_batch(config: TrainConfig, seed: int) -> ReachBatch:
         wall_boxes(pipes, 4, np.zeros(len(pipes)))
     rng = np.random.default_rng(seed)
     source = random_episodes(robot, config.task, sets, rng, EPISODE_STOCK)
-    return ReachBatch(robot, config.task, open_backend(config.backend, robot, n, config.options), n, source)
+    return ReachBatch(robot, config.task, open_simulator(config.backend, robot, n, config.options), n, source)
 
 
 class SideBySide:
@@ -130,7 +130,7 @@ def held_out_success(model: PPO, config: TrainConfig, each: int = 10) -> float:
     pipes = [pipe for pipe in parse_pipes(HELD_OUT) for _ in range(each)]
     rng = np.random.default_rng(3)
     episodes = episode.sample(robot, config.task, pipes, rng)
-    backend = open_backend(config.backend, robot, len(pipes), config.options)
+    backend = open_simulator(config.backend, robot, len(pipes), config.options)
     batch = ReachBatch(robot, config.task, backend, len(pipes), lambda _robots: episodes)
     observation, ended = batch.reset(), np.zeros(len(pipes), np.int8)
     while not ended.all():

@@ -18,7 +18,7 @@ from stable_baselines3.common import env_checker as sb3_checker
 from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.monitor import Monitor
 
-from pipenav.backends.registry import open_backend
+from pipenav.backends.registry import open_simulator
 from pipenav.env import CornerEnv, CornerVectorEnv
 from pipenav.envs.sb3_env import TaskVecEnv
 from pipenav.errors import ConfigError, PipenavError, UnknownName
@@ -162,7 +162,7 @@ def test_both_turns_render() -> None:
 def sb3_env(n: int = 4, seed: int = 0, **task: Any) -> TaskVecEnv:
     robot, config, pipes = load_robot("basic"), TaskConfig.model_validate(task or SHORT), parse_pipes(["thesis-train"])
     source = random_episodes(robot, config, [pipes], np.random.default_rng(seed))
-    return TaskVecEnv(ReachBatch(robot, config, open_backend("mujoco", robot, n, FAST), n, source))
+    return TaskVecEnv(ReachBatch(robot, config, open_simulator("mujoco", robot, n, FAST), n, source))
 
 
 def test_ppo_learns_on_the_vec_env() -> None:

@@ -13,7 +13,7 @@ from pipenav_hardware.emulator.servo import EmulatedServo
 from pipenav_hardware.packets import Packet, Stream
 from pipenav_hardware.table import Alarm, Register
 
-from pipenav.backends.registry import open_backend
+from pipenav.backends.registry import open_simulator
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import load_robot
@@ -182,7 +182,7 @@ def test_the_arm_in_a_pipe_moves_as_the_backend_says() -> None:
     robot = load_robot("basic")
     arm = default_arm(robot, "bus", ScannerConfig(driver="scip2", port="scanner"), None)
     pipe, q = PipeCorner.of(120, 90), np.zeros(4)
-    plant = PipePlant(robot, arm, open_backend("mujoco", robot, 1, {"threads": 1}), pipe, q, -0.6)
+    plant = PipePlant(robot, arm, open_simulator("mujoco", robot, 1, {"threads": 1}), pipe, q, -0.6)
     goals = np.array([0.02, 0.1, -0.1, 0.1])
     drives = [Drive(round(s.to_counts(g)), 250, 0.3) for s, g in zip(arm.servos, goals, strict=True)]
     plant.command(1.0, drives)
@@ -200,7 +200,7 @@ def test_the_arm_in_a_pipe_moves_as_the_backend_says() -> None:
 def test_a_joint_in_the_pipe_without_torque_stays() -> None:
     robot = load_robot("basic")
     arm = default_arm(robot, "bus", ScannerConfig(driver="scip2", port="scanner"), None)
-    plant = PipePlant(robot, arm, open_backend("mujoco", robot, 1, {}), PipeCorner.of(120, 90), np.zeros(4), -0.6)
+    plant = PipePlant(robot, arm, open_simulator("mujoco", robot, 1, {}), PipeCorner.of(120, 90), np.zeros(4), -0.6)
     plant.command(1.0, [Drive(700, 250, 0.0)] * 4)
     for k in range(5):
         positions = [shaft.position for shaft in plant.shafts(1.0 + 0.1 * k)]

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from pipenav_mujoco.backend import MujocoBackend, MujocoOptions
 
-from pipenav.backends.backend import Viewable
 from pipenav.backends.messages import Command
 from pipenav.errors import PipenavError
 from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
@@ -136,7 +135,7 @@ def test_a_recorded_motion_is_shown_pose_by_pose() -> None:
 
 def test_without_a_display_mujocos_viewer_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     backend = MujocoBackend(ROBOT, 1, MujocoOptions(threads=1))
-    assert isinstance(backend, Viewable)
+    assert backend.has_viewer
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     with pytest.raises(

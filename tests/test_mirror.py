@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipenav.arrays import Ints
-from pipenav.backends.registry import open_backend
+from pipenav.backends.registry import open_simulator
 from pipenav.errors import PipenavError
 from pipenav.evaluation.rear_stage import RearStage
 from pipenav.motions import follower, mirror
@@ -173,7 +173,7 @@ def run(stage: RearStage) -> tuple[list[str], list[int]]:
 def test_the_rear_leaves_the_corner(front: Trajectory) -> None:
     rear = rear_motion(ROBOT, front.motion)
     ends, steps = run(
-        RearStage(ROBOT, open_backend("mujoco", ROBOT, 3, FAST), 3, lambda indices: [rear] * len(indices))
+        RearStage(ROBOT, open_simulator("mujoco", ROBOT, 3, FAST), 3, lambda indices: [rear] * len(indices))
     )
     assert ends == ["reached"] * 3
     assert max(steps) <= follower.PATIENCE * (len(rear.q) - 1) + follower.SLACK
@@ -214,7 +214,7 @@ def test_a_joint_at_its_limit_and_a_link_in_the_wall_end_it() -> None:
     stage = RearStage(ROBOT, KinematicBackend(ROBOT, 1, KinematicOptions()), 1, lambda _: [at_limit])
     assert run(stage) == (["limit"], [1])
     in_wall = Motion(pipe, -0.5, np.array([[0.0, 0.5, 0.0, 0.0]] * 2))
-    assert run(RearStage(ROBOT, open_backend("mujoco", ROBOT, 1, FAST), 1, lambda _: [in_wall])) == (
+    assert run(RearStage(ROBOT, open_simulator("mujoco", ROBOT, 1, FAST), 1, lambda _: [in_wall])) == (
         ["penetration"],
         [1],
     )

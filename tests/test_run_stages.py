@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pipenav.backends.messages import Command, Reading
-from pipenav.backends.registry import open_backend
+from pipenav.backends.registry import open_simulator
 from pipenav.deployment.mission import LOCATE_TICKS, PUSH, Back, Decision, Locate, Mission
 from pipenav.locating.locator import LocateConfig
 from pipenav.pipes.corner import PipeCorner
@@ -33,7 +33,7 @@ def simulate(
     before their motion ends."""
     robot, rng = policy.header.robot, np.random.default_rng(seed)
     start = episode.sample(robot, policy.header.task, [pipe], rng)
-    backend = open_backend("mujoco", robot, 1, {"threads": 1}, len(pipe.segments))
+    backend = open_simulator("mujoco", robot, 1, {"threads": 1}, len(pipe.segments))
     now = before = backend.reset(np.array([0]), [pipe], start.q, start.base)
     given = {"goal": None, "retreat": False} | settings
     run = Mission(policy, float(start.turn_sign[0]), PERIOD, given["goal"], LocateConfig(), given["retreat"])

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipenav.backends.backend import Backend
-from pipenav.backends.registry import open_backend
+from pipenav.backends.registry import open_simulator
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines import sequence
@@ -39,7 +39,7 @@ def controller(name: str) -> SequenceController:
 @contextmanager
 def batch(start: TraverseEpisodes, one: SequenceController) -> Iterator[tuple[TraverseBatch, Backend]]:
     n = len(start.pipes)
-    simulator = open_backend("mujoco", ROBOT, n, {"threads": 1})
+    simulator = open_simulator("mujoco", ROBOT, n, {"threads": 1})
     with closing(TraverseBatch(ROBOT, one.task, simulator, n, lambda _: start)) as made:
         yield made, simulator
 

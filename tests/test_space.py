@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from pipenav.arrays import Floats
-from pipenav.backends.registry import open_backend, open_space
+from pipenav.backends.registry import open_simulator, open_space
 from pipenav.backends.spatial import SpaceBackend
 from pipenav.errors import PipenavError
 from pipenav.pipes.route import PipeRoute
@@ -70,7 +70,7 @@ def test_an_option_overrules_the_tasks_gravity() -> None:
 
 def test_the_laser_reads_in_the_corners_plane_what_it_reads_in_the_plane() -> None:
     level = PipeRoute.of(90, [(90, "left", 0), (75, "right", 0)], [1200, 900, 800])
-    with placed(level) as (backend, q, base), closing(open_backend("mujoco", ROBOT, 1, {}, 6)) as plane:
+    with placed(level) as (backend, q, base), closing(open_simulator("mujoco", ROBOT, 1, {}, 6)) as plane:
         flat = plane.reset(ONE, [level], q, np.array([base])).ranges
         assert np.abs(backend.read().body.ranges - flat).max() <= ROBOT.laser.resolution + 1e-9
 

@@ -6,7 +6,7 @@ from contextlib import closing
 
 import numpy as np
 
-from pipenav.backends.registry import open_backend
+from pipenav.backends.registry import open_simulator
 from pipenav.evaluation.episode_runner import EpisodeQueue, joined, random_start
 from pipenav.evaluation.passage import run_task
 from pipenav.evaluation.stage import TaskStage
@@ -25,7 +25,7 @@ def test_the_front_stage_is_the_corner_task_under_its_controller() -> None:
 
     def batch() -> ReachBatch:
         queue = EpisodeQueue(start, len(PIPES), len(PIPES))
-        simulator = open_backend("mujoco", controller.robot, len(PIPES), {}, 4)
+        simulator = open_simulator("mujoco", controller.robot, len(PIPES), {}, 4)
         return ReachBatch(
             controller.robot, controller.task, simulator, len(PIPES), lambda indices: joined(queue.take(indices))
         )

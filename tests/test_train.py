@@ -188,8 +188,8 @@ class Poisoned:
 def test_a_value_that_is_not_finite_stops_the_training(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     import pipenav.learning.train as module
 
-    real: Callable[..., Any] = module.open_backend
-    monkeypatch.setattr(module, "open_backend", lambda *given: Poisoned(real(*given), 60))
+    real: Callable[..., Any] = module.open_simulator
+    monkeypatch.setattr(module, "open_simulator", lambda *given: Poisoned(real(*given), 60))
     config = tiny(**{"check.every": 256})
     folder = RunFolder.create(tmp_path / "run", config, "pipenav train")
     with pytest.raises(TrainingDiverged, match=r"diverged\.json.*last\.zip"):

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from pipenav.backends.backend import Backend
 from pipenav.backends.messages import Command, Reading, Truth
-from pipenav.backends.registry import open_backend
+from pipenav.backends.registry import open_simulator
 from pipenav.disturbances.disturbance import Disturbance
 from pipenav.disturbances.disturbed_backend import DisturbedBackend
 from pipenav.errors import PipenavError
@@ -51,7 +51,7 @@ def episodes(config: TraverseConfig = CONFIG, seed: int = 0, pipes: list[PipeCor
 @contextmanager
 def batch(start: TraverseEpisodes, config: TraverseConfig = CONFIG) -> Iterator[TraverseBatch]:
     n = len(start.pipes)
-    simulator = open_backend("mujoco", ROBOT, n, {"threads": 1})
+    simulator = open_simulator("mujoco", ROBOT, n, {"threads": 1})
     with closing(TraverseBatch(ROBOT, config, simulator, n, lambda _: start)) as made:
         made.reset()
         yield made
@@ -254,7 +254,7 @@ def test_the_reward_is_the_sum_of_its_terms_and_a_failure_is_one_number() -> Non
 def test_an_arm_on_a_mount_is_refused() -> None:
     arm = load_robot("basic")
     with (
-        closing(open_backend("mujoco", arm, 1, {})) as simulator,
+        closing(open_simulator("mujoco", arm, 1, {})) as simulator,
         pytest.raises(PipenavError, match="hangs on a mount"),
     ):
         TraverseBatch(arm, CONFIG, simulator, 1, lambda _: episodes())
@@ -270,7 +270,7 @@ def test_a_backend_without_gravity_is_refused_where_pipes_are_inclined() -> None
 @pytest.mark.parametrize("steps", [3, 5])
 def test_unclamped_in_an_upright_pipe_it_falls_freely(steps: int) -> None:
     pipe, n = PipeCorner.of(120, 90, leg_mm=3000), 1
-    with closing(open_backend("mujoco", ROBOT, n, {"threads": 1})) as simulator:
+    with closing(open_simulator("mujoco", ROBOT, n, {"threads": 1})) as simulator:
         simulator.incline(np.arange(n), np.array([[-GRAVITY, 0.0]]))  # type: ignore[attr-defined]
         simulator.reset(np.arange(n), [pipe], np.zeros((n, 9)), np.array([-1.0]))
         height = _tip_x(simulator)
@@ -301,7 +301,7 @@ def _tip_x(simulator: Backend) -> float:
 
 def test_a_disturbed_robot_falls_too() -> None:
     n = 1
-    simulator = open_backend("mujoco", ROBOT, n, {"threads": 1})
+    simulator = open_simulator("mujoco", ROBOT, n, {"threads": 1})
     config = CONFIG.model_copy(update={"inclination_deg": (180.0, 180.0)})
     with closing(DisturbedBackend(simulator, ROBOT, n, Disturbance(mass=(1.5, 1.5)), 0)) as disturbed:
         one = TraverseBatch(ROBOT, config, disturbed, n, lambda _: episodes(config, pipes=[PipeCorner.of(120, 90)]))
@@ -318,7 +318,7 @@ def test_both_tasks_are_described_alike() -> None:
         kind, pipes = kind_of(task), [PipeCorner.of(90, 90)]
         assert len(kind.action_scale(robot, task)) == len(robot.drives)
         source = random_episodes(robot, task, [pipes], np.random.default_rng(0), sample=kind.sample)
-        with closing(kind.batch(robot, task, open_backend("mujoco", robot, 2, {}), 2, source)) as made:
+        with closing(kind.batch(robot, task, open_simulator("mujoco", robot, 2, {}), 2, source)) as made:
             assert made.reset().shape == (2, made.observation_size) == (2, len(scale_of(robot, task)))
             result = made.step(np.zeros((2, made.action_size)))
             assert result.reward.shape == result.cut_off.shape == (2,)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Backend, BackendOptions
 from pipenav.backends.messages import Command, Reading, Truth
-from pipenav.backends.registry import open_backend
+from pipenav.backends.registry import open_simulator
 from pipenav.disturbances.disturbance import load_disturbance
 from pipenav.disturbances.disturbed_backend import disturbed
 from pipenav.errors import PipenavError
@@ -56,7 +56,7 @@ def batch(pipes: Sequence[Pipe], seed: int = 0, config: TraverseConfig = CONFIG)
 @contextmanager
 def batch_from(start: TraverseEpisodes, config: TraverseConfig = CONFIG) -> Iterator[TraverseBatch]:
     n, slots = len(start.pipes), max(len(pipe.segments) for pipe in start.pipes)
-    simulator = open_backend("mujoco", ROBOT, n, {"threads": 1}, slots)
+    simulator = open_simulator("mujoco", ROBOT, n, {"threads": 1}, slots)
     with closing(TraverseBatch(ROBOT, config, simulator, n, lambda _: start)) as made:
         made.reset()
         yield made
@@ -286,7 +286,7 @@ def test_a_run_that_leaves_the_plane_is_refused() -> None:
 def test_what_goes_wrong_in_a_run_is_drawn_by_its_corners() -> None:
     readings = []
     for run in (LEVEL[0], LEVEL[0], LEVEL[1].model_copy(update={"diameter": LEVEL[0].diameter})):
-        simulator = open_backend("mujoco", ROBOT, 1, {"threads": 1}, 12)
+        simulator = open_simulator("mujoco", ROBOT, 1, {"threads": 1}, 12)
         q, base = np.zeros((1, ROBOT.coordinates)), np.array([-0.9])
         with closing(disturbed(simulator, ROBOT, 1, load_disturbance("noise"), 0)) as noisy:
             readings.append(noisy.reset(np.arange(1), [run], q, base).ranges[0, 5])

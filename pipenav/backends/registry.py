@@ -13,13 +13,13 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points, requires
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple, Protocol, cast
 
 from pydantic import ValidationError
 
-from pipenav.backends.backend import Backend, BackendOptions
+from pipenav.backends.backend import Backend, BackendOptions, Simulator
 from pipenav.backends.source_imports import can_find, imported_packages
-from pipenav.backends.spatial import SpaceBackend, Spatial
+from pipenav.backends.spatial import SpaceBackend
 from pipenav.errors import BackendUnavailable, ConfigError, PipenavError, UnknownName
 from pipenav.robots.robot import RobotSpec
 
@@ -36,6 +36,12 @@ _DISTRIBUTION_OF = {"serial": "pyserial", "OpenGL": "pyopengl", "cv2": "opencv-p
 
 _LAST_PYTHON = {"pybullet": (3, 11)}
 """Modules that have no wheels for later versions of Python (pybullet 3.2.7: Linux wheels for 3.10 and 3.11)."""
+
+
+class Constructor(Protocol):
+    """How a backend's class is called, see `Backend`."""
+
+    def __call__(self, robot: RobotSpec, n: int, options: BackendOptions, wall_segments: int) -> Backend: ...
 
 
 @dataclass(frozen=True)
@@ -149,22 +155,54 @@ def open_backend(
     kind = load_backend(name)
     checked = check_options(name, kind, options)
     try:
-        return kind(robot, n, checked, wall_segments)
+        return construct(kind, robot, n, checked, wall_segments)
     except ImportError as error:
         raise _not_importable(_find(name), error) from error
 
 
-def load_spatial(name: str) -> type[Backend]:
-    """Import the class of a backend that offers robots in space: see `pipenav.backends.spatial.Spatial`.
+def construct(
+    kind: type[Backend], robot: RobotSpec, n: int, options: BackendOptions, wall_segments: int = 4
+) -> Backend:
+    """Construct a backend of a class, which `Backend` says how to call."""
+    return cast(Constructor, kind)(robot, n, options, wall_segments)
+
+
+def load_simulator(name: str) -> type[Simulator]:
+    """Import the class of a backend that is a simulator.
 
     Raises:
-        PipenavError: it offers none.
-        UnknownName, BackendUnavailable: as `load_backend`.
+        UnknownName: no installed distribution declares it.
+        BackendUnavailable: it cannot be loaded, or it is no simulator.
     """
     kind = load_backend(name)
-    if not isinstance(kind, Spatial):
+    if not issubclass(kind, Simulator):
+        raise BackendUnavailable(name, "it is no simulator", "choose --backend mujoco; see pipenav backends")
+    return kind
+
+
+def open_simulator(
+    name: str, robot: RobotSpec, n: int, options: Mapping[str, Any] | BackendOptions, wall_segments: int = 4
+) -> Simulator:
+    """Load a simulator and construct it, as `open_backend` does.
+
+    Raises:
+        UnknownName, BackendUnavailable, ConfigError: see `open_backend`; also where the backend is no simulator.
+    """
+    load_simulator(name)
+    return cast(Simulator, open_backend(name, robot, n, options, wall_segments))
+
+
+def load_spatial(name: str) -> type[Simulator]:
+    """Import the class of a simulator that moves robots in space.
+
+    Raises:
+        PipenavError: it moves them in a plane alone.
+        UnknownName, BackendUnavailable: see `load_simulator`.
+    """
+    kind = load_simulator(name)
+    if not kind.moves_in_space:
         raise PipenavError(
-            f"backend {name!r} moves robots in a plane alone: choose --backend mujoco, or runs without rolls, as "
+            f"backend {name!r} moves robots in a plane alone: choose --backend mujoco, or routes without rolls, as "
             "runs-level."
         )
     return kind
@@ -173,14 +211,13 @@ def load_spatial(name: str) -> type[Backend]:
 def open_space(
     name: str, robot: RobotSpec, n: int, options: Mapping[str, Any] | BackendOptions, gravity: float
 ) -> SpaceBackend:
-    """As `open_backend`, for robots in space.
+    """Load a simulator and construct its robots in space.
 
     Raises:
-        PipenavError: the backend offers none.
-        UnknownName, BackendUnavailable, ConfigError: as `open_backend`.
+        PipenavError: the simulator moves robots in a plane alone.
+        UnknownName, BackendUnavailable, ConfigError: see `open_backend`.
     """
     kind = load_spatial(name)
-    assert isinstance(kind, Spatial)
     return kind.in_space(robot, n, check_options(name, kind, options), gravity)
 
 
@@ -213,12 +250,12 @@ def _find(name: str) -> BackendPlugin:
 def _flaw(loaded: object) -> str:
     """What keeps a loaded object from being a backend; empty if nothing does."""
     if not (inspect.isclass(loaded) and issubclass(loaded, Backend)):
-        return "is not a subclass of pipenav.backends.backend.Backend"
+        return "is not a subclass of pipenav.backends.Backend"
     if inspect.isabstract(loaded):
         return f"does not implement {', '.join(sorted(loaded.__abstractmethods__))}"
     options = getattr(loaded, "Options", None)
     if not (inspect.isclass(options) and issubclass(options, BackendOptions)):
-        return "has no Options derived from pipenav.backends.backend.BackendOptions"
+        return "has no Options derived from pipenav.backends.BackendOptions"
     return ""
 
 

@@ -8,13 +8,11 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import NamedTuple
 
 from pipenav.arrays import Floats, Ints
-from pipenav.backends.backend import BackendOptions
 from pipenav.backends.messages import Reading
 from pipenav.pipes.route import PipeRoute
-from pipenav.robots.robot import RobotSpec
 
 HALVES = 2
 """The rear half, then the front half."""
@@ -99,20 +97,3 @@ class SpaceBackend(ABC):
     @abstractmethod
     def close(self) -> None:
         """Release everything; closing twice is harmless."""
-
-
-@runtime_checkable
-class Spatial(Protocol):
-    """What a backend's class may offer besides, for runs that leave the plane."""
-
-    @staticmethod
-    def in_space(robot: RobotSpec, n: int, options: BackendOptions, gravity: float) -> SpaceBackend:
-        """n robots in space.
-
-        Args:
-            robot: the robot, with a roll joint.
-            n: how many.
-            options: an instance of the class's `Options`; it may overrule gravity.
-            gravity: downwards, along -z [m/s^2].
-        """
-        ...

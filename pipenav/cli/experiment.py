@@ -41,14 +41,14 @@ def experiment(
 
         pipenav experiment a --seeds 1 --steps 20000 --episodes 4 --out runs/quick-look
     """
-    from pipenav.backends.registry import load_backend
+    from pipenav.backends.registry import load_simulator
     from pipenav.cli.signals import stop_signals
     from pipenav.experiments.definition import chosen
     from pipenav.experiments.report import write_report
     from pipenav.experiments.runner import Settings, add_elapsed, evaluation_jobs, open_plan, training_jobs
 
     experiments = chosen(name)
-    load_backend(backend)
+    load_simulator(backend)
     plan = open_plan(experiments, seeds, Settings(steps=steps, episodes=episodes, backend=backend), out)
     cores = os.cpu_count() or 1
     processes = jobs or cores

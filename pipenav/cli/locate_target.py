@@ -55,7 +55,7 @@ def locate_target(
     """
     from rich.progress import track
 
-    from pipenav.backends.registry import check_options, load_backend
+    from pipenav.backends.registry import check_options, load_simulator
     from pipenav.cli.options import parse_options
     from pipenav.recording.record import SimulatorSettings, record_locate
     from pipenav.robots.robot import load_robot
@@ -64,7 +64,7 @@ def locate_target(
 
     wanted = _pipes(d, angle, turn, pipes or [])
     spec, options = load_robot(robot), parse_options(option or [])
-    check_options(backend, load_backend(backend), options)
+    check_options(backend, load_simulator(backend), options)
     check_fits(spec, wanted)
     folder = None if out is None else prepare_folder(out)
     console = table_console()

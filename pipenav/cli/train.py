@@ -103,14 +103,14 @@ def _prepare(
 
 def _check_names(config: TrainConfig) -> None:
     """Refuse unknown names, and a robot or a backend that cannot do it, before a folder is made for them."""
-    from pipenav.backends.registry import check_options, load_backend
+    from pipenav.backends.registry import check_options, load_simulator
     from pipenav.robots.robot import load_robot
     from pipenav.tasks.registry import kind_of
 
     kind = kind_of(config.task)
     kind.check_robot(load_robot(config.robot))
     kind.parse(config.pipes)
-    check_options(config.backend, load_backend(config.backend), config.options)
+    check_options(config.backend, load_simulator(config.backend), config.options)
 
 
 def _check_start(start: Path, config: TrainConfig) -> None:

@@ -126,13 +126,13 @@ def _checked_outputs(
 
 @contextmanager
 def _simulator(backend: str, options: list[str], live: bool) -> Iterator[SimulatorSettings]:
-    from pipenav.backends.registry import check_options, load_backend
+    from pipenav.backends.registry import check_options, load_simulator
     from pipenav.cli.options import parse_options
     from pipenav.recording.live import live_window
     from pipenav.recording.record import SimulatorSettings
 
     parsed = parse_options(options)
-    check_options(backend, load_backend(backend), parsed)
+    check_options(backend, load_simulator(backend), parsed)
     if not live:
         yield SimulatorSettings(backend, parsed)
         return

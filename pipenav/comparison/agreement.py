@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipenav.arrays import Floats, Ints
-from pipenav.backends.backend import Backend
+from pipenav.backends.backend import Simulator
 from pipenav.backends.messages import Command, Control
-from pipenav.backends.registry import open_backend
+from pipenav.backends.registry import open_simulator
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.centreline import CentrelineController
 from pipenav.robots.robot import RobotSpec
@@ -112,7 +112,7 @@ def _record(robot: RobotSpec, name: str, options: Mapping[str, Any]) -> _Passage
     controller = CentrelineController(robot)
     n = len(CORNERS)
     start = episode.sample(robot, TaskConfig(start_bend=0.0), CORNERS, np.random.default_rng(0))
-    backend = open_backend(name, robot, n, options)
+    backend = open_simulator(name, robot, n, options)
     batch = ReachBatch(robot, controller.task, backend, n, lambda _: start)
     with closing(batch):
         observation = batch.reset()
@@ -134,18 +134,18 @@ def _play(robot: RobotSpec, name: str, options: Mapping[str, Any], passages: _Pa
     pulse[:2] = FREE_DRIVE * np.eye(joints)
     step = np.tile(np.diag(action.position_step(robot, TaskConfig(control="position"))), (FREE_STEPS, 1, 1))
     press = np.diag(np.where(robot.hinges, *PRESS_TRAVEL))
-    with closing(open_backend(name, robot, joints, options)) as backend:
+    with closing(open_simulator(name, robot, joints, options)) as backend:
         driven = _run(backend, robot, "torque", pulse)
         stepped = _run(backend, robot, "position", step)
     slippery = robot.model_copy(update={"friction": 0.0})  # with friction, many forces and poses are at rest
-    with closing(open_backend(name, slippery, joints, options)) as backend:
+    with closing(open_simulator(name, slippery, joints, options)) as backend:
         pressed, force = _press(backend, robot, np.tile(press, (PRESS_STEPS, 1, 1)))
-    with closing(open_backend(name, robot, len(CORNERS), options)) as backend:
+    with closing(open_simulator(name, robot, len(CORNERS), options)) as backend:
         tips, ranges = _follow(backend, passages)
     return driven, stepped, ranges, tips, pressed, force
 
 
-def _run(backend: Backend, robot: RobotSpec, control: Control, values: Floats) -> Floats:
+def _run(backend: Simulator, robot: RobotSpec, control: Control, values: Floats) -> Floats:
     """Joint positions in free space under commands (steps, n, joints): (n, steps, joints)."""
     n = values.shape[1]
     wide = PipeCorner.of(300, 180)
@@ -153,12 +153,12 @@ def _run(backend: Backend, robot: RobotSpec, control: Control, values: Floats) -
     return np.stack([_stepped(backend, control, now) for now in values], axis=1)
 
 
-def _stepped(backend: Backend, control: Control, values: Floats) -> Floats:
+def _stepped(backend: Simulator, control: Control, values: Floats) -> Floats:
     backend.step(Command(control, values))
     return backend.read().q
 
 
-def _press(backend: Backend, robot: RobotSpec, goals: Floats) -> tuple[Floats, Floats]:
+def _press(backend: Simulator, robot: RobotSpec, goals: Floats) -> tuple[Floats, Floats]:
     """Each joint presses on a wall: a slide head-on on the far wall of a right angle, a hinge sideways."""
     n = goals.shape[1]
     pipes = [PipeCorner.of(120, 180 if hinge else 90) for hinge in robot.hinges]
@@ -173,7 +173,7 @@ def _press(backend: Backend, robot: RobotSpec, goals: Floats) -> tuple[Floats, F
     return np.stack(q, axis=1), np.stack(force, axis=1)
 
 
-def _follow(backend: Backend, passages: _Passages) -> tuple[Floats, Floats]:
+def _follow(backend: Simulator, passages: _Passages) -> tuple[Floats, Floats]:
     """Tips on the recorded passages, and the laser's readings in their poses."""
     start, indices = passages.start, np.arange(len(CORNERS))
     ranges = []

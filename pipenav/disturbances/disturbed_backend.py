@@ -1,7 +1,7 @@
 """A backend whose robots are not what their description says, whose commands come late and whose laser errs.
 
 It stands between a backend and whoever drives it. Friction, masses and motors are the simulator's part
-(`pipenav.backends.backend.Variable`); late commands and bad readings are made here, alike for every backend.
+(`Simulator.vary`); late commands and bad readings are made here, alike for every backend.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pipenav.arrays import Floats, Ints
-from pipenav.backends.backend import Backend, BackendOptions, Inclinable, Variable, Variation
+from pipenav.backends.backend import BackendOptions, Simulator, Variation
 from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.disturbances.disturbance import MAX_LATENCY, Disturbance
 from pipenav.errors import PipenavError
@@ -20,16 +20,16 @@ from pipenav.robots import laser
 from pipenav.robots.robot import RobotSpec
 
 
-def disturbed(backend: Backend, robot: RobotSpec, n: int, disturbance: Disturbance, seed: int) -> Backend:
-    """The backend under a disturbance; itself where that does nothing.
+def disturbed(simulator: Simulator, robot: RobotSpec, n: int, disturbance: Disturbance, seed: int) -> Simulator:
+    """The simulator under a disturbance; itself where that does nothing.
 
     Raises:
-        PipenavError: the robots shall differ from their description, which this backend cannot make them.
+        PipenavError: the robots are to differ from their description, which the simulator cannot do.
     """
-    return DisturbedBackend(backend, robot, n, disturbance, seed) if disturbance.acts else backend
+    return DisturbedSimulator(simulator, robot, n, disturbance, seed) if disturbance.acts else simulator
 
 
-class DisturbedBackend(Backend):
+class DisturbedSimulator(Simulator):
     """n robots of another backend under a disturbance.
 
     What befalls an episode depends on the seed, on where it starts and on its pipe alone, as every robot then draws
@@ -41,10 +41,9 @@ class DisturbedBackend(Backend):
 
     Options = BackendOptions
 
-    def __init__(self, inner: Backend, robot: RobotSpec, n: int, disturbance: Disturbance, seed: int) -> None:
+    def __init__(self, inner: Simulator, robot: RobotSpec, n: int, disturbance: Disturbance, seed: int) -> None:
         self._inner, self._robot, self._disturbance, self._seed = inner, robot, disturbance, seed
-        self._simulator = inner if isinstance(inner, Variable) else None
-        if disturbance.varies_robots and self._simulator is None:
+        if disturbance.varies_robots and not inner.can_vary:
             raise PipenavError(
                 f"{type(inner).__name__} cannot change friction, mass, strength or gain of single robots: leave them "
                 "out of the disturbance, or choose another backend."
@@ -65,22 +64,18 @@ class DisturbedBackend(Backend):
             self._latency[i] = rng.integers(*d.latency, endpoint=True)
             self._noise[i], self._dropouts[i] = rng.uniform(*d.noise), rng.uniform(*d.dropouts)
             self._missing[i] = rng.random(self._robot.laser.beams) < rng.uniform(*d.missing)
-        if self._simulator is not None and d.varies_robots:
-            self._simulator.vary(indices, Variation(*map(np.array, zip(*spans, strict=True))))
+        if d.varies_robots:
+            self._inner.vary(indices, Variation(*map(np.array, zip(*spans, strict=True))))
         reading = self._inner.reset(indices, pipes, q, base)
         self._start[indices, : reading.q.shape[1]], self._age[indices] = reading.q, 0
         self._ranges[indices] = self._seen(indices, reading.ranges)
         return reading._replace(ranges=self._ranges[indices])
 
-    def incline(self, indices: Ints, gravity: Floats) -> None:
-        """See `pipenav.backends.backend.Inclinable`.
+    @property
+    def can_incline(self) -> bool:
+        return self._inner.can_incline
 
-        Raises:
-            PipenavError: the backend behind this one knows no gravity.
-        """
-        if not isinstance(self._inner, Inclinable):
-            name = type(self._inner).__name__
-            raise PipenavError(f"{name} knows no gravity along the pipe: choose another backend.")
+    def incline(self, indices: Ints, gravity: Floats) -> None:
         self._inner.incline(indices, gravity)
 
     def step(self, command: Command) -> None:
@@ -107,7 +102,7 @@ class DisturbedBackend(Backend):
         seen = np.where(self._missing[indices], sensor.range_max, seen)
         return np.where(uniform < self._dropouts[indices, None], sensor.range_min, seen)
 
-    def truth(self) -> Truth | None:
+    def truth(self) -> Truth:
         return self._inner.truth()
 
     def close(self) -> None:

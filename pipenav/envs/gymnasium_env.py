@@ -51,7 +51,7 @@ class SeededEpisodes:
         task: TaskConfig | Mapping[str, Any] | None,
         options: Mapping[str, Any] | None,
     ) -> None:
-        from pipenav.backends.registry import open_backend
+        from pipenav.backends.registry import open_simulator
 
         self.generators: list[np.random.Generator] = []
         self.episodes: dict[int, Episodes] = {}
@@ -60,7 +60,7 @@ class SeededEpisodes:
         if not self._sets:
             raise PipenavError("no pipes given: name a pipe set, a TOML file, or a pipe such as d=90,angle=60.")
         slots = max(len(pipe.segments) for one in self._sets for pipe in one)
-        opened = open_backend(backend, self._robot, n, dict(options or {}), slots)
+        opened = open_simulator(backend, self._robot, n, dict(options or {}), slots)
         self.batch = ReachBatch(self._robot, self._config, opened, n, self._draw)
 
     def _draw(self, indices: Ints) -> Episodes:

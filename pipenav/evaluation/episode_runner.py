@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipenav.arrays import Flags, Floats, Ints
-from pipenav.backends.backend import Backend
-from pipenav.backends.registry import open_backend
+from pipenav.backends.backend import Simulator
+from pipenav.backends.registry import open_simulator
 from pipenav.evaluation.stage import Stage, StageStep
 from pipenav.pipes.pipe import Pipe
 from pipenav.robots.robot import RobotSpec
@@ -133,7 +133,7 @@ def robots_for(total: int) -> int:
 
 
 def run_stage(
-    make: Callable[[Backend, EpisodeQueue[Episode]], Stage],
+    make: Callable[[Simulator, EpisodeQueue[Episode]], Stage],
     robot: RobotSpec,
     start: Callable[[int], Episode],
     pipes: Sequence[Pipe],
@@ -155,7 +155,7 @@ def run_stage(
     segments = max(len(pipe.segments) for pipe in pipes)
 
     def make_in_plane(queue: EpisodeQueue[Episode]) -> Stage:
-        return make(open_backend(backend, robot, len(queue.running), options or {}, segments), queue)
+        return make(open_simulator(backend, robot, len(queue.running), options or {}, segments), queue)
 
     return run_queue(make_in_plane, start, len(pipes), robots_for(len(pipes)), progress)
 

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from pipenav.backends.registry import check_options, load_backend
+from pipenav.backends.registry import check_options, load_simulator
 from pipenav.disturbances.disturbance import UNDISTURBED, load_disturbance
 from pipenav.errors import PipenavError
 from pipenav.evaluation.passage import Passages, Progress, StageResult
@@ -76,7 +76,7 @@ class EvaluationRun:
         self._check_stage()
         self._pipes = kind_of(self._task).parse_tried(pipes)
         self._backend, self._options = backend, dict(options or {})
-        check_options(backend, load_backend(backend), self._options)
+        check_options(backend, load_simulator(backend), self._options)
         check_fits(self._robot, self._pipes)
         self._disturb, self._disturbance = disturb, UNDISTURBED if disturb is None else load_disturbance(disturb)
         if not all(pipe.planar for pipe in self._pipes):

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipenav.arrays import Flags, Floats, Ints
-from pipenav.backends.backend import Backend
+from pipenav.backends.backend import Simulator
 from pipenav.disturbances.disturbance import UNDISTURBED, Disturbance
 from pipenav.disturbances.disturbed_backend import disturbed
 from pipenav.evaluation.episode_runner import EpisodeQueue, EpisodeResults, joined, random_start, run_queue, run_stage
@@ -132,7 +132,7 @@ class Passages:
         """Approach I in every episode."""
         robot, config, task = robot_for(self._robot, variant), LocateConfig(), reaching(self._task, "locating a target")
 
-        def make(simulator: Backend, queue: EpisodeQueue[Episodes]) -> Stage:
+        def make(simulator: Simulator, queue: EpisodeQueue[Episodes]) -> Stage:
             n = len(queue.running)
             return LocateStage(robot, config, variant, task, simulator, n, lambda r: joined(queue.take(r)))
 
@@ -175,8 +175,8 @@ class Passages:
         results.put(np.searchsorted(jobs, rolled), in_space)
         return StageResult(jobs, results, [], np.full((len(jobs), 2), np.nan))
 
-    def _make(self, controller: Controller) -> Callable[[Backend, EpisodeQueue[Any]], Stage]:
-        def make(simulator: Backend, queue: EpisodeQueue[Any]) -> Stage:
+    def _make(self, controller: Controller) -> Callable[[Simulator, EpisodeQueue[Any]], Stage]:
+        def make(simulator: Simulator, queue: EpisodeQueue[Any]) -> Stage:
             n = len(queue.running)
             batch = self._kind.batch(self._robot, self._task, simulator, n, lambda r: joined(queue.take(r)))
             return TaskStage(batch, controller)
@@ -196,7 +196,7 @@ class Passages:
             whole = join([Motion(self._pipes[job].require_corner(), base, rows) for rows in parts])
             motions[job] = rear_motion(self._robot, whole)
 
-        def make(simulator: Backend, queue: EpisodeQueue[Motion]) -> Stage:
+        def make(simulator: Simulator, queue: EpisodeQueue[Motion]) -> Stage:
             n = len(queue.running)
             return RearStage(self._robot, self._disturbed(simulator, n), n, queue.take, task)
 
@@ -213,13 +213,13 @@ class Passages:
         )
         return StageResult(jobs, results, [], np.full((len(jobs), 2), np.nan))
 
-    def _disturbed(self, simulator: Backend, n: int) -> Backend:
+    def _disturbed(self, simulator: Simulator, n: int) -> Simulator:
         return disturbed(simulator, self._robot, n, self._disturbance, self._seed)
 
     def _run(
         self,
         name: str,
-        make: Callable[[Backend, EpisodeQueue[Episodes]], Stage],
+        make: Callable[[Simulator, EpisodeQueue[Episodes]], Stage],
         robot: RobotSpec,
         jobs: Jobs,
         start: Callable[[int], Episodes],
@@ -233,7 +233,7 @@ class Passages:
         def begin(i: int) -> Episodes:
             return start(int(jobs[i]))
 
-        def make_recorded(simulator: Backend, queue: EpisodeQueue[Episodes]) -> Stage:
+        def make_recorded(simulator: Simulator, queue: EpisodeQueue[Episodes]) -> Stage:
             stage = make(self._disturbed(simulator, len(queue.running)), queue)
             recorded.append(_Recorded(stage, queue, begin, most_steps + 1))
             return recorded[0]

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from pipenav.arrays import Ints
-from pipenav.backends.backend import CONTROL_PERIOD, Backend
+from pipenav.backends.backend import CONTROL_PERIOD, Simulator
 from pipenav.backends.messages import Command
 from pipenav.evaluation.stage import Stage, StageStep
 from pipenav.motions.follower import Follower
@@ -31,7 +31,7 @@ class RearStage(Stage):
     """
 
     def __init__(
-        self, robot: RobotSpec, backend: Backend, n: int, source: MotionSource, config: TaskConfig | None = None
+        self, robot: RobotSpec, backend: Simulator, n: int, source: MotionSource, config: TaskConfig | None = None
     ) -> None:
         self.robot, self.n = robot, n
         self._backend, self._source, self._config = backend, source, config or TaskConfig()
@@ -60,8 +60,6 @@ class RearStage(Stage):
         self._backend.step(Command("position", np.clip(set_points, self.robot.lower, self.robot.upper)))
         reading, truth = self._backend.read(), self._backend.truth()
         self._q = reading.q
-        if truth is None:
-            raise TypeError("a rear passage needs a simulator: this backend knows no truth")
         edges = np.array([motion.base + motion.pipe.inner_edge for motion in self._motions])
         outcome = np.full(self.n, Outcome.RUNNING, np.int8)
         outcome[self._steps >= self._follower.patience] = Outcome.TIMEOUT

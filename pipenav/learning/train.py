@@ -11,7 +11,7 @@ import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.logger import configure
 
-from pipenav.backends.registry import open_backend
+from pipenav.backends.registry import open_simulator
 from pipenav.disturbances.disturbed_backend import disturbed
 from pipenav.envs.sb3_env import TaskVecEnv
 from pipenav.learning import checkpoint
@@ -65,7 +65,7 @@ def train(
     n = config.learner.robots
     segments = max(len(pipe.segments) for pipes in sets for pipe in pipes)
     rng = np.random.default_rng(config.seed)
-    simulator = open_backend(config.backend, robot, n, config.options, segments)
+    simulator = open_simulator(config.backend, robot, n, config.options, segments)
     backend = disturbed(simulator, robot, n, config.randomise, config.seed)
     source = random_episodes(robot, config.randomise.starts(config.task), sets, rng, EPISODE_STOCK, kind.sample)
     batch = kind.batch(robot, config.task, backend, n, source)

@@ -8,8 +8,8 @@ from contextlib import closing, contextmanager
 
 import numpy as np
 
-from pipenav.backends.backend import CONTROL_PERIOD, Backend, Viewable, Viewer
-from pipenav.backends.registry import open_backend
+from pipenav.backends.backend import CONTROL_PERIOD, Simulator, Viewer
+from pipenav.backends.registry import open_simulator
 from pipenav.errors import PipenavError
 from pipenav.motions.trajectory import Trajectory
 from pipenav.recording.record import SimulatorSettings
@@ -27,11 +27,11 @@ class Window:
 
     def __init__(self, clock: Clock = time.monotonic, sleep: Sleep = time.sleep) -> None:
         self._clock, self._sleep = clock, sleep
-        self._backend: Backend | None = None
+        self._backend: Simulator | None = None
         self._viewer: Viewer | None = None
         self._due = 0.0
 
-    def __call__(self, backend: Backend) -> None:
+    def __call__(self, backend: Simulator) -> None:
         """Show the backend's first robot, one control period after the call before."""
         if backend is not self._backend:
             self.close()
@@ -67,7 +67,7 @@ def play(trajectories: Sequence[Trajectory], simulator: SimulatorSettings) -> No
     """Show recorded poses one after another, without physics, to who looks on."""
     for one in trajectories:
         header = one.header
-        opened = open_backend(simulator.backend, one.robot, 1, simulator.options, len(header.pipe.segments))
+        opened = open_simulator(simulator.backend, one.robot, 1, simulator.options, len(header.pipe.segments))
         with closing(opened) as backend:
             for q in one.q:
                 backend.reset(np.arange(1), [header.pipe], q[None], np.array([header.base_m]))
@@ -75,8 +75,8 @@ def play(trajectories: Sequence[Trajectory], simulator: SimulatorSettings) -> No
                     simulator.watch(backend)
 
 
-def _open(backend: Backend) -> Viewer:
-    if not isinstance(backend, Viewable):
+def _open(backend: Simulator) -> Viewer:
+    if not backend.has_viewer:
         name = type(backend).__name__
         raise PipenavError(f"{name} has no window of its own: choose --backend mujoco, or leave out --live.")
     return backend.open_viewer()

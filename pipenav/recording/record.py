@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipenav.arrays import Floats
-from pipenav.backends.backend import Backend
-from pipenav.backends.registry import open_backend
+from pipenav.backends.backend import Simulator
+from pipenav.backends.registry import open_simulator
 from pipenav.evaluation.episode_runner import random_start
 from pipenav.evaluation.locate_stage import LocateStage
 from pipenav.evaluation.rear_stage import RearStage
@@ -28,7 +28,7 @@ from pipenav.tasks.reach.config import TaskConfig
 from pipenav.tasks.reach.episode import Episodes
 from pipenav.tasks.registry import kind_of
 
-OnLooker = Callable[[Backend], None]
+OnLooker = Callable[[Simulator], None]
 """Called with the backend at the start and after every control step, for whoever looks on."""
 
 
@@ -71,7 +71,7 @@ class Tracking(NamedTuple):
 
 
 def record(
-    stage: Stage, backend: Backend, header: TrajectoryHeader, start: Floats, watch: OnLooker | None
+    stage: Stage, backend: Simulator, header: TrajectoryHeader, start: Floats, watch: OnLooker | None
 ) -> Trajectory:
     """Run one episode of a stage that was made for one robot.
 
@@ -131,7 +131,7 @@ def record_task(
         options=dict(simulator.options),
         seed=seed,
     )
-    backend = open_backend(simulator.backend, robot, 1, simulator.options, len(pipe.segments))
+    backend = open_simulator(simulator.backend, robot, 1, simulator.options, len(pipe.segments))
     stage = TaskStage(kind.batch(robot, task, backend, 1, lambda _: one), controller)
     return record(stage, backend, header, one.q[0], simulator.watch)
 
@@ -164,11 +164,11 @@ def record_locate(
         options=dict(simulator.options),
         seed=seed,
     )
-    backend = open_backend(simulator.backend, seeing, 1, simulator.options, len(pipe.segments))
+    backend = open_simulator(simulator.backend, seeing, 1, simulator.options, len(pipe.segments))
     stage = LocateStage(seeing, LocateConfig(), variant, task, backend, 1, lambda _: one)
     ranges, beams = [], []
 
-    def look(backend: Backend) -> None:
+    def look(backend: Simulator) -> None:
         ranges.append(stage.reading.ranges[0].copy())
         beams.append(int(stage.beam[0]))
         if simulator.watch is not None:
@@ -186,7 +186,7 @@ def record_locate(
 def record_rear(plan: Trajectory, simulator: SimulatorSettings) -> Trajectory:
     """A rear passage: the plan's motion under the position controllers of a backend."""
     changes = {"backend": simulator.backend, "options": dict(simulator.options)}
-    backend = open_backend(simulator.backend, plan.robot, 1, simulator.options, len(plan.header.pipe.segments))
+    backend = open_simulator(simulator.backend, plan.robot, 1, simulator.options, len(plan.header.pipe.segments))
     stage = RearStage(plan.robot, backend, 1, lambda _: [plan.motion])
     return record(stage, backend, plan.header.model_copy(update=changes), plan.q[0], simulator.watch)
 

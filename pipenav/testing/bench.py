@@ -12,7 +12,7 @@ import numpy as np
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Backend
 from pipenav.backends.messages import Command, Control
-from pipenav.backends.registry import check_options, open_backend
+from pipenav.backends.registry import check_options, construct, open_backend
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import RobotSpec, load_robot
 
@@ -38,7 +38,7 @@ class Bench:
         if isinstance(self.backend, str):
             return closing(open_backend(self.backend, self.robot, self.n, self.options, wall_segments))
         options = check_options(self.backend.__name__, self.backend, self.options)
-        return closing(self.backend(self.robot, self.n, options, wall_segments))
+        return closing(construct(self.backend, self.robot, self.n, options, wall_segments))
 
     def commands(self, steps: int, control: Control = "torque", seed: int = 0) -> list[Command]:
         """Random commands: drives, or set-points within the middle half of what joints travel and wheels turn."""

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from pipenav.arrays import Floats
-from pipenav.backends.backend import CONTROL_PERIOD, Backend
+from pipenav.backends.backend import CONTROL_PERIOD, Backend, Simulator
 from pipenav.backends.messages import Command
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
@@ -91,9 +91,9 @@ def check_contact_force_is_the_largest_of_the_links(bench: Bench) -> None:
         subject.reset(*starts(bench))
         for _ in range(15):
             subject.step(Command("torque", np.ones((bench.n, len(bench.robot.drives)))))
-            truth = subject.truth()
-            if truth is None:
+            if not isinstance(subject, Simulator):
                 return
+            truth = subject.truth()
             largest = np.linalg.norm(truth.link_forces, axis=2).max(axis=1)
             np.testing.assert_allclose(truth.contact_force, largest, rtol=1e-9, err_msg="contact force")
 
@@ -221,9 +221,9 @@ def check_tip_and_ranges_fit_the_pose(bench: Bench) -> None:
         for command in [None, *bench.commands(10)]:
             if command:
                 subject.step(command)
-            truth, reading = subject.truth(), subject.read()
-            if truth is None:
+            if not isinstance(subject, Simulator):
                 return
+            truth, reading = subject.truth(), subject.read()
             seen = truth.tip - np.column_stack([start.base, np.zeros((bench.n, 2))])
             pose = kinematics.forward(robot, kinematics.configuration(robot, reading.q, seen))
             tip = np.column_stack([pose.tip[:, 0] + start.base, pose.tip[:, 1], pose.headings[:, -1]])
@@ -300,8 +300,8 @@ CONTRACT: list[Callable[[Bench], None]] = [
 
 def _state(subject: Backend) -> dict[str, Floats]:
     """All that a backend tells, by the names of its fields."""
-    truth = subject.truth()
-    return {**subject.read().measured(), **(truth._asdict() if truth else {})}
+    truth = subject.truth()._asdict() if isinstance(subject, Simulator) else {}
+    return {**subject.read().measured(), **truth}
 
 
 def _same(one: dict[str, Floats], other: dict[str, Floats], who: str) -> None:

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from pipenav.arrays import Floats, Ints
 from pipenav.backends import backend
-from pipenav.backends.backend import CONTROL_PERIOD, Backend
+from pipenav.backends.backend import CONTROL_PERIOD, Simulator
 from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.errors import PipenavError
 from pipenav.pipes.pipe import Pipe
@@ -23,7 +23,7 @@ class KinematicOptions(backend.BackendOptions):
     speed_share: float = Field(1.0, gt=0, le=1, description="share of their no-load speed that full drives reach")
 
 
-class KinematicBackend(Backend):
+class KinematicBackend(Simulator):
     """Joints follow the command at once, up to their speed limit; walls are seen and never felt. Deterministic."""
 
     Options = KinematicOptions

@@ -1,4 +1,4 @@
-"""The laws of a backend whose robots can differ from their description (`pipenav.backends.backend.Variable`).
+"""The laws of a backend whose robots can differ from their description (`Simulator.can_vary`).
 
 They hold trivially for a backend that does not offer it.
 """
@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 
 from pipenav.arrays import Floats, Ints
-from pipenav.backends.backend import Backend, Variable, Variation
+from pipenav.backends.backend import Backend, Simulator, Variation
 from pipenav.backends.messages import Command
 from pipenav.pipes.corner import PipeCorner
 from pipenav.testing.bench import Bench, starts
@@ -22,7 +22,7 @@ WEAKER = 0.8
 def check_variation_of_one_changes_nothing(bench: Bench) -> None:
     """Factors of 1 leave every bit as it was, also after other factors."""
     with bench.open() as varied, bench.open() as plain:
-        if not isinstance(varied, Variable):
+        if not (isinstance(varied, Simulator) and varied.can_vary):
             return
         indices = np.arange(bench.n)
         varied.vary(indices, factors(bench, friction=2.0, mass=WEAKER, strength=WEAKER, gain=WEAKER))
@@ -40,7 +40,7 @@ def check_variation_of_one_changes_nothing(bench: Bench) -> None:
 def check_variation_touches_only_named_robots(bench: Bench) -> None:
     """The others go on exactly as if nothing had happened."""
     with bench.open() as varied, bench.open() as plain:
-        if not isinstance(varied, Variable):
+        if not (isinstance(varied, Simulator) and varied.can_vary):
             return
         chosen, others = np.arange(1, bench.n, 2), np.arange(0, bench.n, 2)
         changed = factors(bench, friction=0.0, mass=2.0, strength=WEAKER, gain=WEAKER)
@@ -52,7 +52,7 @@ def check_weak_actuators_push_less(bench: Bench) -> None:
     """A slide presses head-on on a wall with its effort limit times its strength."""
     robot = bench.robot
     with bench.open() as subject:
-        if not isinstance(subject, Variable) or robot.link_turns[0]:
+        if not (isinstance(subject, Simulator) and subject.can_vary) or robot.link_turns[0]:
             return
         strength = np.linspace(WEAKER, 1.0 / WEAKER, bench.n)
         changed = factors(bench)
@@ -65,10 +65,8 @@ def check_weak_actuators_push_less(bench: Bench) -> None:
         drive[:, 0] = 1.0
         for _ in range(30):
             subject.step(Command("torque", drive))
-        truth = subject.truth()
-        if truth is not None:
-            pushed = truth.contact_force
-            np.testing.assert_allclose(pushed, strength * robot.effort_limits[0], rtol=0.02, err_msg="force of a slide")
+        pushed = subject.truth().contact_force
+        np.testing.assert_allclose(pushed, strength * robot.effort_limits[0], rtol=0.02, err_msg="force of a slide")
 
 
 def check_each_factor_acts_the_right_way(bench: Bench) -> None:
@@ -87,7 +85,7 @@ def check_each_factor_acts_the_right_way(bench: Bench) -> None:
         way = []
         for factor in (changed, {}):
             with bench.open() as subject:
-                if not isinstance(subject, Variable):
+                if not (isinstance(subject, Simulator) and subject.can_vary):
                     return
                 subject.vary(np.arange(n), factors(bench, **factor))
                 subject.reset(np.arange(n), [wide] * n, straight, np.full(n, -robot.length))
@@ -101,7 +99,7 @@ def check_friction_holds_what_slides(bench: Bench) -> None:
     """An arm that presses sideways on a wall is pulled along it more slowly the rougher it is."""
     robot, n = bench.robot, bench.n
     with bench.open() as subject:
-        if not isinstance(subject, Variable) or robot.link_turns[0] or len(robot.joints) < 2:
+        if not (isinstance(subject, Simulator) and subject.can_vary) or robot.link_turns[0] or len(robot.joints) < 2:
             return
         changed = factors(bench)
         changed.friction[:] = np.linspace(0.0, 3.0, n)
@@ -144,8 +142,8 @@ def _driven(bench: Bench, subject: Backend) -> list[Floats]:
     told: list[Floats] = []
     for command in [*bench.commands(8), *bench.commands(4, "position")]:
         subject.step(command)
-        truth = subject.truth()
-        told += [*subject.read().measured().values(), *(truth if truth is not None else ())]
+        told += subject.read().measured().values()
+        told += subject.truth() if isinstance(subject, Simulator) else ()
     return told
 
 

@@ -38,10 +38,12 @@ class MujocoOptions(backend.BackendOptions):
     )
 
 
-class MujocoBackend(backend.Backend):
+class MujocoBackend(backend.Simulator):
     """See `pipenav.backends.backend.Backend`."""
 
     Options = MujocoOptions
+    moves_in_space = True
+    can_vary = can_incline = has_viewer = True
 
     def __init__(self, robot: RobotSpec, n: int, options: backend.BackendOptions, wall_segments: int = 4) -> None:
         assert isinstance(options, MujocoOptions)
@@ -59,9 +61,8 @@ class MujocoBackend(backend.Backend):
         self._effort = np.tile(robot.effort_limits, (n, 1))
         self._bind(n)
 
-    @staticmethod
-    def in_space(robot: RobotSpec, n: int, options: backend.BackendOptions, gravity: float) -> MujocoSpace:
-        """See `pipenav.backends.spatial.Spatial`."""
+    @classmethod
+    def in_space(cls, robot: RobotSpec, n: int, options: backend.BackendOptions, gravity: float) -> MujocoSpace:
         assert isinstance(options, MujocoOptions)
         _substeps(options.timestep)
         contact = Contact(options.contact_time_constant, options.contact_impedance)
@@ -134,7 +135,6 @@ class MujocoBackend(backend.Backend):
         self._bias[indices, :joints, 1], self._bias[indices, joints:, 2] = feedback[:, :joints], feedback[:, joints:]
 
     def incline(self, indices: Ints, gravity: Floats) -> None:
-        """See `pipenav.backends.backend.Inclinable`."""
         pull = self._batch.bind("xfrc_applied")  # (n, bodies, 6): forces at the centres of mass, then torques
         moving = np.flatnonzero(self._model.body_mocapid < 0)
         pull[np.ix_(indices, moving, np.arange(2))] = (
@@ -142,7 +142,7 @@ class MujocoBackend(backend.Backend):
         )
 
     def vary(self, indices: Ints, variation: backend.Variation) -> None:
-        """See `pipenav.backends.backend.Variable`. Fields become the robots' own when this is first called."""
+        """Vary some robots. Fields become the robots' own when this is first called."""
         batch, model = self._batch, self._model
         links = [model.body(link.name).id for link in self._robot.links]
         rows = np.ix_(indices, links)
@@ -193,7 +193,7 @@ class MujocoBackend(backend.Backend):
         return Truth(tip, force, self._depth.copy(), self._contact_share.copy(), self._link_forces.copy())
 
     def open_viewer(self) -> MujocoViewer:
-        """MuJoCo's own viewer on the first robot, as it is placed now: see `pipenav.backends.backend.Viewable`."""
+        """MuJoCo's own viewer on the first robot, as it is placed now."""
         model = copy.copy(self._model)
         first = model.geom("wall0").id
         model.geom_size[first : first + self._slots] = self._wall_half_size[0]

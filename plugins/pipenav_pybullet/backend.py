@@ -33,10 +33,11 @@ class PybulletOptions(backend.BackendOptions):
     contact_erp: float = Field(0.2, ge=0, le=1, description="share of an overlap that a physics step undoes")
 
 
-class PybulletBackend(backend.Backend):
+class PybulletBackend(backend.Simulator):
     """See `pipenav.backends.backend.Backend`."""
 
     Options = PybulletOptions
+    can_vary = True
 
     def __init__(self, robot: RobotSpec, n: int, options: backend.BackendOptions, wall_segments: int = 4) -> None:
         assert isinstance(options, PybulletOptions)
@@ -77,7 +78,6 @@ class PybulletBackend(backend.Backend):
         return self.read().part(indices)
 
     def vary(self, indices: Ints, variation: backend.Variation) -> None:
-        """See `pipenav.backends.backend.Variable`."""
         bounds = self._crew.bounds
         orders = [
             (indices[rows] - first, variation.part(rows)) if len(rows) else None

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipenav.arrays import Floats, Ints
-from pipenav.backends.backend import Backend
+from pipenav.backends.backend import Simulator
 from pipenav.backends.messages import Truth
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import RobotSpec
@@ -30,7 +30,7 @@ class ReachBatch(Sized):
         PipenavError: a robot that hangs on no mount.
     """
 
-    def __init__(self, robot: RobotSpec, config: TaskConfig, backend: Backend, n: int, source: EpisodeSource) -> None:
+    def __init__(self, robot: RobotSpec, config: TaskConfig, backend: Simulator, n: int, source: EpisodeSource) -> None:
         episode.check_robot(robot)
         self.robot, self.config, self.n = robot, config, n
         self._backend, self._source = backend, source
@@ -111,8 +111,6 @@ class ReachBatch(Sized):
         reading = self._backend.read()
         self._own_q, self._now = reading.q, observation.canonical(self.robot, reading, self._turn_sign)
         truth = self._backend.truth()
-        if truth is None:
-            raise TypeError("the corner task needs a simulator: this backend knows no truth")
         facts, outcome = self._judge(truth)
         result = reward.total(self.config.reward, facts)
         observed = observation.observe(self.config, self._now, self._before, self._action, self._goal)

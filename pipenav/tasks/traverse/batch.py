@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from pipenav.arrays import Floats, Ints
-from pipenav.backends.backend import Backend, Inclinable
+from pipenav.backends.backend import Simulator
 from pipenav.backends.messages import Reading, Truth
 from pipenav.errors import PipenavError
 from pipenav.pipes.centre_lines import CentreLines
@@ -37,10 +37,10 @@ class TraverseBatch(Sized):
     """
 
     def __init__(
-        self, robot: RobotSpec, config: TraverseConfig, backend: Backend, n: int, source: TraverseSource
+        self, robot: RobotSpec, config: TraverseConfig, backend: Simulator, n: int, source: TraverseSource
     ) -> None:
         check_robot(robot)
-        if config.inclination_deg is not None and not isinstance(backend, Inclinable):
+        if config.inclination_deg is not None and not backend.can_incline:
             raise PipenavError(f"{type(backend).__name__} knows no gravity along the pipe: choose --backend mujoco.")
         self.robot, self.config, self.n = robot, config, n
         self._backend, self._source = backend, source
@@ -77,7 +77,7 @@ class TraverseBatch(Sized):
         """Start new episodes for some robots (sorted, unique), or all; observations of all robots, (n, size)."""
         indices = np.arange(self.n) if indices is None else np.asarray(indices, np.intp)
         episodes = self._source(indices)
-        if self.config.inclination_deg is not None and isinstance(self._backend, Inclinable):
+        if self.config.inclination_deg is not None:
             self._backend.incline(indices, episodes.gravity)
         reading = self._backend.reset(indices, episodes.pipes, episodes.q, episodes.base)
         for i, pipe in zip(indices, episodes.pipes, strict=True):
@@ -112,8 +112,6 @@ class TraverseBatch(Sized):
         self.steps += 1
         self._action = np.clip(action, -1.0, 1.0)
         reading, truth = self._backend.read(), self._backend.truth()
-        if truth is None:
-            raise TypeError("the traverse task needs a simulator: this backend knows no truth")
         self._place(reading, truth)
         along, every, last = self.along, np.arange(self.n), self._lines.corners - 1
         limit, end = self.config.max_steps * (last + 1), self._lines.end[every, last]

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pipenav.arrays import Floats
-from pipenav.backends.backend import CONTROL_PERIOD, Backend
+from pipenav.backends.backend import CONTROL_PERIOD, Simulator
 from pipenav.backends.messages import Command
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots import kinematics, laser
@@ -132,7 +132,7 @@ class PipePlant(Plant):
     """How much earlier or later than a whole period after the last command the next one may come [s]."""
 
     def __init__(
-        self, robot: RobotSpec, arm: ArmConfig, backend: Backend, pipe: PipeCorner, q: Floats, base: float
+        self, robot: RobotSpec, arm: ArmConfig, backend: Simulator, pipe: PipeCorner, q: Floats, base: float
     ) -> None:
         self._robot, self._arm, self._backend, self._base = robot, arm, backend, base
         self._segments = pipe.segments.copy()[None]

@@ -195,11 +195,11 @@ class Server:
 def _plant(config: EmulatorConfig) -> Plant:
     if config.pipe is None:
         return FreePlant(len(config.arm.servos), config.seed)
-    from pipenav.backends.registry import open_backend
+    from pipenav.backends.registry import open_simulator
 
     robot = load_robot(config.robot)
     options = {"threads": 1} if config.backend == "mujoco" else {}
-    backend = open_backend(config.backend, robot, 1, options, len(config.pipe.segments))
+    backend = open_simulator(config.backend, robot, 1, options, len(config.pipe.segments))
     q = np.zeros(len(robot.joints)) if config.q is None else np.array(config.q)
     return PipePlant(robot, config.arm, backend, config.pipe, q, config.base)
 
