@@ -26,7 +26,7 @@ from pipenav.backends.registry import open_simulator
 from pipenav.pipes.corner_sets import parse_pipes
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.reach import episode
-from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.reach.config import ReachConfig
 
 ROBOT = load_robot("basic")
 PIPES = parse_pipes(["working-range"])
@@ -37,8 +37,8 @@ OPTIONS = PybulletOptions()
 SETTING = world.Setting(OPTIONS.timestep, OPTIONS.solver_iterations, OPTIONS.contact_erp)
 
 
-def starts(rng: np.random.Generator, n: int) -> episode.Episodes:
-    return episode.sample(ROBOT, TaskConfig(), [PIPES[i] for i in rng.integers(0, len(PIPES), n)], rng)
+def starts(rng: np.random.Generator, n: int) -> episode.ReachEpisodes:
+    return episode.sample(ROBOT, ReachConfig(), [PIPES[i] for i in rng.integers(0, len(PIPES), n)], rng)
 
 
 def drives(rng: np.random.Generator, n: int) -> np.ndarray:

@@ -21,8 +21,8 @@ from typing import Any, NamedTuple
 
 ROOT = Path(__file__).resolve().parent.parent
 
-RENAMED = {"run": "route"}
-"""Keys of eval.json that have had another name: the older one, then today's."""
+RENAMED = {"run": "route", "min_clearance_m": "min_range_m", "front": "reach", "front-rear": "reach-rear"}
+"""Keys and values of eval.json that have had another name: the older one, then today's."""
 
 
 class Job(NamedTuple):
@@ -127,7 +127,7 @@ def changed_values(before: Any, after: Any, place: str = "") -> Iterator[str]:
     """Values of `before` that `after` does not have; `after` may hold more."""
     if isinstance(before, dict) and isinstance(after, dict):
         for key, value in before.items():
-            key = key if key in after else RENAMED.get(key, key)
+            key = key if key in after else RENAMED.get(key, key.replace("front_", "reach_"))
             if key not in after:
                 yield f"{place}{key} is missing"
             elif place or key != "schema":
@@ -135,7 +135,7 @@ def changed_values(before: Any, after: Any, place: str = "") -> Iterator[str]:
     elif isinstance(before, list) and isinstance(after, list) and len(before) == len(after):
         for i, (one, other) in enumerate(zip(before, after, strict=True)):
             yield from changed_values(one, other, f"{place}{i}.")
-    elif before != after:
+    elif before != after and RENAMED.get(str(before)) != after:
         yield f"{place.rstrip('.')} is {after}, was {before}"
 
 

@@ -9,11 +9,12 @@ from pipenav.errors import PipenavError, UnknownName
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.centreline import CentrelineController
 from pipenav.policies.baselines.wall_distance import clearance
-from pipenav.policies.controller import Controller, RandomController, open_controller
+from pipenav.policies.controller import Controller
+from pipenav.policies.named import RandomController, open_controller
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach.batch import ReachBatch
-from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.sampling import random_episodes
 
 ROBOT = load_robot("basic")
@@ -97,7 +98,7 @@ def test_unknown_names_list_the_known_ones() -> None:
 
 def test_every_baseline_says_its_task() -> None:
     assert open_controller("baseline:centreline").task.control == "position"
-    assert open_controller("baseline:random").task == TaskConfig()
+    assert open_controller("baseline:random").task == ReachConfig()
 
 
 def test_clearance_of_a_straight_arm_is_what_the_walls_leave() -> None:

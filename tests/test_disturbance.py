@@ -12,7 +12,7 @@ from pipenav.cli import main
 from pipenav.disturbances.disturbance import UNDISTURBED, Disturbance, disturbance_names, load_disturbance
 from pipenav.errors import PipenavError
 from pipenav.learning.config import load_config, preset_names, validate_config
-from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.reach.config import ReachConfig
 
 DOCUMENT = Path(__file__).resolve().parents[1] / "docs" / "disturbances.md"
 
@@ -21,7 +21,7 @@ DOCUMENT = Path(__file__).resolve().parents[1] / "docs" / "disturbances.md"
 def test_every_shipped_disturbance_disturbs_something(name: str) -> None:
     disturbance = load_disturbance(name)
     assert disturbance != UNDISTURBED
-    assert disturbance.acts or disturbance.starts(TaskConfig()) != TaskConfig()
+    assert disturbance.acts or disturbance.starts(ReachConfig()) != ReachConfig()
 
 
 def test_the_documents_list_every_shipped_disturbance_and_every_key() -> None:
@@ -93,7 +93,7 @@ def test_a_training_run_takes_ranges_and_refuses_wrong_ones() -> None:
 
 
 def test_start_poses_are_those_that_are_wanted() -> None:
-    task = TaskConfig(start_bend=0.01, start_gap=(0.05, 0.06))
+    task = ReachConfig(start_bend=0.01, start_gap=(0.05, 0.06))
     assert UNDISTURBED.starts(task) == task
     assert Disturbance(start_bend=0.1).starts(task) == task.model_copy(update={"start_bend": 0.1})
     assert Disturbance(start_gap=(0.1, 0.2)).starts(task).start_gap == (0.1, 0.2)

@@ -25,7 +25,7 @@ from pipenav.errors import ConfigError, PipenavError, UnknownName
 from pipenav.pipes.corner_sets import parse_pipes
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.reach.batch import ReachBatch
-from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.sampling import random_episodes
 
 SHORT = {"max_steps": 7}
@@ -160,7 +160,7 @@ def test_both_turns_render() -> None:
 
 
 def sb3_env(n: int = 4, seed: int = 0, **task: Any) -> TaskVecEnv:
-    robot, config, pipes = load_robot("basic"), TaskConfig.model_validate(task or SHORT), parse_pipes(["thesis-train"])
+    robot, config, pipes = load_robot("basic"), ReachConfig.model_validate(task or SHORT), parse_pipes(["thesis-train"])
     source = random_episodes(robot, config, [pipes], np.random.default_rng(seed))
     return TaskVecEnv(ReachBatch(robot, config, open_simulator("mujoco", robot, n, FAST), n, source))
 

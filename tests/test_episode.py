@@ -19,18 +19,18 @@ from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach import episode
 from pipenav.tasks.reach.batch import ReachBatch
-from pipenav.tasks.reach.config import RewardConfig, TaskConfig
+from pipenav.tasks.reach.config import ReachConfig, RewardConfig
 from pipenav.tasks.reach.episode import distance_to_target
-from pipenav.tasks.reach.observation import scale_of
+from pipenav.tasks.registry import task_of
 from pipenav.tasks.sampling import random_episodes
 
-ROBOT, TASK = load_robot("basic"), TaskConfig()
+ROBOT, TASK = load_robot("basic"), ReachConfig()
 PIPES = parse_pipes(["working-range"])
 seeds = st.integers(0, 2**32 - 1)
 any_pipe = st.sampled_from(PIPES)
 
 
-def drawn(seed: int, pipes: Sequence[PipeCorner] = PIPES) -> episode.Episodes:
+def drawn(seed: int, pipes: Sequence[PipeCorner] = PIPES) -> episode.ReachEpisodes:
     return episode.sample(ROBOT, TASK, pipes, np.random.default_rng(seed))
 
 
@@ -170,7 +170,7 @@ class Puppet(Backend):
 
 
 def puppet_batch(**task: object) -> tuple[ReachBatch, Puppet]:
-    backend, config = Puppet(), TaskConfig.model_validate(task)
+    backend, config = Puppet(), ReachConfig.model_validate(task)
     source = random_episodes(ROBOT, config, [PIPES[:1]], np.random.default_rng(1))
     batch = ReachBatch(ROBOT, config, backend, 1, source)
     batch.reset()
@@ -224,7 +224,7 @@ def test_every_joint_has_two_limits(joint: int, end: str) -> None:
 
 def test_the_first_history_state_repeats_the_present_and_knows_no_action() -> None:
     batch, backend = puppet_batch(observation="history")
-    scale = scale_of(ROBOT, batch.config)
+    scale = task_of(batch.config).observation_scale(ROBOT)
     first = batch.reset()[0] * scale
     assert np.array_equal(first[:18], first[18:36])
     assert np.array_equal(first[36:40], np.zeros(4))

@@ -17,14 +17,15 @@ from pipenav.evaluation.evaluate import EvaluationRun
 from pipenav.evaluation.passage import run_task
 from pipenav.pipes.corner_sets import parse_pipes
 from pipenav.pipes.route_sets import parse_runs
-from pipenav.policies.controller import Controller, PolicyController, open_controller
+from pipenav.policies.controller import Controller
+from pipenav.policies.named import PolicyController, open_controller
 from pipenav.policies.policy import load_policy
 from pipenav.robots.robot import load_robot
 from pipenav.storage import shipped
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach.batch import ReachBatch
-from pipenav.tasks.reach.config import TaskConfig
-from pipenav.tasks.reach.observation import scale_of
+from pipenav.tasks.reach.config import ReachConfig
+from pipenav.tasks.registry import task_of
 
 EPISODES = 4
 NAMES = ["d=100,angle=90", "d=70,angle=55", "d=70,angle=55,turn=right"]
@@ -38,10 +39,10 @@ def centreline() -> Controller:
 class Clumsy:
     """Acts on its observation alone, and badly: it hits walls and limits, where episodes could disturb each other."""
 
-    robot, task = load_robot("basic"), TaskConfig()
+    robot, task = load_robot("basic"), ReachConfig()
 
     def __init__(self) -> None:
-        size = len(scale_of(self.robot, self.task))
+        size = len(task_of(self.task).observation_scale(self.robot))
         self._weights = np.random.default_rng(1).normal(0.0, 1.5, (size, len(self.robot.joints)))
 
     def act(self, observation: Floats, batch: ReachBatch) -> Floats:  # noqa: ARG002  # the seam's signature

@@ -14,7 +14,7 @@ from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
 from pipenav.pipes.corner import PipeCorner
 from pipenav.recording import live
 from pipenav.recording.live import Window
-from pipenav.recording.record import SimulatorSettings
+from pipenav.recording.record import RecordingSettings
 from pipenav.robots.robot import load_robot
 from pipenav.testing import KinematicBackend, KinematicOptions
 
@@ -128,7 +128,7 @@ def test_a_recorded_motion_is_shown_pose_by_pose() -> None:
     seen: list[Any] = []
     live.play(
         [Trajectory(header, ROBOT, poses)],
-        SimulatorSettings("mujoco", {"threads": 1}, lambda b: seen.append(b.read().q[0])),
+        RecordingSettings("mujoco", {"threads": 1}, lambda b: seen.append(b.read().q[0])),
     )
     assert np.array_equal(np.array(seen), poses)
 

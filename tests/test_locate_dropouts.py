@@ -14,7 +14,7 @@ from pipenav.evaluation.passage import Passages
 from pipenav.locating.locator import LocateConfig, MapLocator
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import load_robot
-from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.reach.config import ReachConfig
 
 ROBOT = load_robot("basic")
 LASER = ROBOT.laser
@@ -69,6 +69,6 @@ def test_a_wall_that_was_last_seen_farther_away_stops_the_advance_when_it_must_b
 def test_targets_are_located_without_a_touch(name: str, disturbance: str) -> None:
     given = Disturbance(dropouts=(0.5, 0.5)) if disturbance == "half" else load_disturbance(disturbance)
     options = {"timestep": 0.005, "threads": 1}
-    part = Passages(load_robot(name), TaskConfig(), PIPES, 4, 0, options=options, disturbance=given).locate()
+    part = Passages(load_robot(name), ReachConfig(), PIPES, 4, 0, options=options, disturbance=given).locate()
     assert part.passed.all()
     assert part.results.force.max() == 0.0

@@ -20,8 +20,8 @@ from pipenav.motions.mirror import Motion, hand_over, is_out, join, plan_rear, r
 from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.wall_distance import clearance
-from pipenav.policies.controller import open_controller
-from pipenav.recording.record import SimulatorSettings, record_task
+from pipenav.policies.named import open_controller
+from pipenav.recording.record import RecordingSettings, record_task
 from pipenav.robots.kinematics import forward
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import Outcome
@@ -105,7 +105,7 @@ def test_out_of_the_corner_is_before_the_inner_edge_with_every_point(motion: Mot
 def front() -> Trajectory:
     """A real front passage, around a right turn."""
     pipe = PipeCorner.of(100, 75, "right")
-    return record_task(open_controller("arm"), "arm", pipe, 0, 0, SimulatorSettings("mujoco", FAST))
+    return record_task(open_controller("arm"), "arm", pipe, 0, 0, RecordingSettings("mujoco", FAST))
 
 
 def changed(front: Trajectory, **header: Any) -> Trajectory:

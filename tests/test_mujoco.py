@@ -19,7 +19,7 @@ from pipenav.pipes.corner import PipeCorner
 from pipenav.robots import kinematics, laser
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.reach import episode
-from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.reach.config import ReachConfig
 
 ROBOT = load_robot("basic")
 OPTIONS = MujocoOptions(threads=1)
@@ -46,7 +46,7 @@ def random_pipes(rng: np.random.Generator, n: int, bends: Sequence[float] = (0.0
 
 def scene(rng: np.random.Generator, n: int, bends: Sequence[float] = (0.0,)) -> Scene:
     pipes = random_pipes(rng, n, bends)
-    start = episode.sample(ROBOT, TaskConfig(), pipes, rng)
+    start = episode.sample(ROBOT, ReachConfig(), pipes, rng)
     backend = MujocoBackend(ROBOT, n, OPTIONS, max(len(pipe.segments) for pipe in pipes))
     backend.reset(np.arange(n), pipes, start.q, start.base)
     return Scene(backend, pipes, start.q, start.base)

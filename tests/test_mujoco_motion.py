@@ -10,7 +10,7 @@ from pipenav.backends.messages import Command, Reading
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import RobotSpec, load_robot
 from pipenav.tasks.reach import episode
-from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.reach.config import ReachConfig
 
 ROBOT = load_robot("basic")
 N = 12
@@ -24,7 +24,7 @@ def pipes(turn: str = "left") -> list[PipeCorner]:
 def opened(turn: str = "left", threads: int = 1) -> MujocoBackend:
     """N robots at random starts."""
     backend = MujocoBackend(ROBOT, N, MujocoOptions(threads=threads))
-    start = episode.sample(ROBOT, TaskConfig(), pipes(), np.random.default_rng(1))
+    start = episode.sample(ROBOT, ReachConfig(), pipes(), np.random.default_rng(1))
     q = start.q if turn == "left" else start.q * ROBOT.mirror_signs
     backend.reset(np.arange(N), pipes(turn), q, start.base)
     return backend
@@ -71,7 +71,7 @@ def test_the_reset_of_some_leaves_the_others_alone() -> None:
 def test_a_reset_forgets_everything() -> None:
     fresh, used = opened(), opened()
     run(used, 10)
-    start = episode.sample(ROBOT, TaskConfig(), pipes(), np.random.default_rng(1))
+    start = episode.sample(ROBOT, ReachConfig(), pipes(), np.random.default_rng(1))
     used.reset(np.arange(N), pipes(), start.q, start.base)
     assert equal(run(fresh, 10), run(used, 10))
 

@@ -15,7 +15,8 @@ from pipenav.evaluation.results import Evaluation
 from pipenav.motions.mirror import join, rear_motion
 from pipenav.motions.trajectory import Motion
 from pipenav.pipes.corner_sets import parse_pipes
-from pipenav.policies.controller import Controller, open_controller
+from pipenav.policies.controller import Controller
+from pipenav.policies.named import open_controller
 from pipenav.robots import kinematics
 from pipenav.storage import shipped
 from pipenav.tasks.outcome import Outcome

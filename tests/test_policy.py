@@ -32,12 +32,12 @@ from pipenav.policies.policy import (
     save_policy,
 )
 from pipenav.robots.robot import load_robot
-from pipenav.tasks.reach.config import TaskConfig
-from pipenav.tasks.reach.observation import scale_of
+from pipenav.tasks.reach.config import ReachConfig
+from pipenav.tasks.registry import task_of
 
 ROBOT = load_robot("basic")
-TASK = TaskConfig(observation="relative")
-SIZE, JOINTS = len(scale_of(ROBOT, TASK)), len(ROBOT.joints)
+TASK = ReachConfig(observation="relative")
+SIZE, JOINTS = len(task_of(TASK).observation_scale(ROBOT)), len(ROBOT.joints)
 ROOT = Path(__file__).parent.parent
 
 Members = dict[str, bytes]
@@ -148,7 +148,7 @@ def test_header_and_scale_come_back(good: Path) -> None:
     assert [part.joint for part in header.action] == [joint.name for joint in ROBOT.joints]
     assert [part.unit for part in header.action] == ["N", "N m", "N m", "N m"]
     assert [part.scale for part in header.action] == pytest.approx(ROBOT.effort_limits)
-    np.testing.assert_allclose(policy.observation_scale, scale_of(ROBOT, TASK), rtol=1e-6)
+    np.testing.assert_allclose(policy.observation_scale, task_of(TASK).observation_scale(ROBOT), rtol=1e-6)
 
 
 def test_nothing_of_the_training_machine_is_in_the_file(good: Path) -> None:

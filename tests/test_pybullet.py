@@ -21,7 +21,7 @@ from pipenav.policies.baselines.wall_distance import clearance
 from pipenav.robots import kinematics, laser
 from pipenav.robots.robot import RobotSpec, load_robot
 from pipenav.tasks.reach import episode
-from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.reach.config import ReachConfig
 
 ROBOT = load_robot("basic")
 
@@ -37,7 +37,7 @@ def crowd(n: int, processes: int = 1, seed: int = 1) -> tuple[PybulletBackend, l
     rng = np.random.default_rng(seed)
     turns = [("left", "right")[i % 2] for i in range(n)]
     pipes = [PipeCorner.of(rng.uniform(70, 120), rng.uniform(55, 125), turn) for turn in turns]
-    start = episode.sample(ROBOT, TaskConfig(), pipes, rng)
+    start = episode.sample(ROBOT, ReachConfig(), pipes, rng)
     backend = PybulletBackend(ROBOT, n, PybulletOptions(processes=processes))
     backend.reset(np.arange(n), pipes, start.q, start.base)
     return backend, pipes, start.base

@@ -10,8 +10,8 @@ from pipenav.evaluation.passage import run_task
 from pipenav.motions.mirror import plan_rear
 from pipenav.motions.trajectory import Trajectory
 from pipenav.pipes.corner import PipeCorner
-from pipenav.policies.controller import open_controller
-from pipenav.recording.record import SimulatorSettings, record_rear, record_task, tracking
+from pipenav.policies.named import open_controller
+from pipenav.recording.record import RecordingSettings, record_rear, record_task, tracking
 from pipenav.robots.kinematics import forward
 from pipenav.tasks.outcome import Outcome
 
@@ -23,7 +23,7 @@ PIPE = PipeCorner.of(85, 70, "right")
 def fronts() -> list[Trajectory]:
     controller = open_controller("arm")
     return [
-        record_task(controller, "arm", PIPE, 5, number, SimulatorSettings("mujoco", OPTIONS)) for number in range(3)
+        record_task(controller, "arm", PIPE, 5, number, RecordingSettings("mujoco", OPTIONS)) for number in range(3)
     ]
 
 
@@ -60,20 +60,20 @@ def test_who_looks_on_sees_the_start_and_every_step() -> None:
     def watch(backend: Backend) -> None:
         seen.append(float(backend.read().time[0]))
 
-    front = record_task(open_controller("arm"), "arm", PIPE, 5, 0, SimulatorSettings("mujoco", OPTIONS, watch))
+    front = record_task(open_controller("arm"), "arm", PIPE, 5, 0, RecordingSettings("mujoco", OPTIONS, watch))
     assert seen == pytest.approx(front.time)
 
 
 def test_a_rear_passage_and_how_well_it_follows(fronts: list[Trajectory]) -> None:
     plan = plan_rear(fronts[:1])
-    rear = record_rear(plan, SimulatorSettings("mujoco", OPTIONS))
+    rear = record_rear(plan, RecordingSettings("mujoco", OPTIONS))
     assert rear.succeeded
     assert (rear.header.stage, rear.header.backend, rear.header.pipe.turn) == ("rear", "mujoco", "left")
     assert np.array_equal(rear.q[0], plan.q[0])
     error = tracking(plan, rear)
     assert 0 < error.tip < 0.05
     assert 0 < error.joint < 0.2
-    assert np.array_equal(rear.q, record_rear(plan, SimulatorSettings("mujoco", OPTIONS)).q)
+    assert np.array_equal(rear.q, record_rear(plan, RecordingSettings("mujoco", OPTIONS)).q)
 
 
 def test_tracking_is_the_largest_difference_beyond_the_plans_end_too(fronts: list[Trajectory]) -> None:

@@ -18,7 +18,7 @@ from pipenav.policies.baselines import sequence
 from pipenav.policies.baselines.sequence import SequenceController, TurnPhase
 from pipenav.policies.baselines.sequence_plan import PRESS, plan
 from pipenav.policies.baselines.wall_distance import clearance
-from pipenav.policies.controller import open_controller
+from pipenav.policies.named import open_controller
 from pipenav.policies.policy import load_policy, resolve_policy
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import Outcome

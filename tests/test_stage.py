@@ -11,7 +11,7 @@ from pipenav.evaluation.episode_runner import EpisodeQueue, joined, random_start
 from pipenav.evaluation.passage import run_task
 from pipenav.evaluation.stage import TaskStage
 from pipenav.pipes.corner_sets import parse_pipes
-from pipenav.policies.controller import open_controller
+from pipenav.policies.named import open_controller
 from pipenav.robots import kinematics
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach.batch import ReachBatch

@@ -15,9 +15,10 @@ from pipenav.backends.messages import Reading
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.reach import observation, reward
 from pipenav.tasks.reach.action import position_step, to_command
-from pipenav.tasks.reach.config import RewardConfig, TaskConfig
-from pipenav.tasks.reach.observation import Snapshot, canonical, layout, observe, scale_of
+from pipenav.tasks.reach.config import ReachConfig, RewardConfig
+from pipenav.tasks.reach.observation import Snapshot, canonical, layout, observe
 from pipenav.tasks.reach.reward import StepFacts
+from pipenav.tasks.registry import task_of
 
 ROBOT = load_robot("basic")
 LEFT, RIGHT = np.ones(1), -np.ones(1)
@@ -99,29 +100,29 @@ def test_our_own_terms() -> None:
 STATES = ("basic", "history", "relative", "relative-history")
 
 
-def names(config: TaskConfig) -> list[str]:
+def names(config: ReachConfig) -> list[str]:
     return [part.name for part in layout(ROBOT, config)]
 
 
 def test_basic_state_eq_3_1() -> None:
     # [q qd p_ee p_goal D]: 4 + 4 + 2 + 2 + 10 = 22; straight, the tip is 0.04 + 0.12 + 0.12 + 0.11 + l = 0.49 ahead.
-    config = TaskConfig(observation="basic")
+    config = ReachConfig(observation="basic")
     now = snapshot([0.1, 0, 0, 0], [5.0, 6, 7, 8], 0.01 * np.arange(1.0, 11))
     seen = observe(config, now, RESTING, np.full((1, 4), 9.0), np.array([[0.6, 0.2]]))
     expected = [0.1, 0, 0, 0, 5, 6, 7, 8, 0.49, 0, 0.6, 0.2, *(0.01 * np.arange(1, 11))]
     assert seen[0] == pytest.approx(expected)
-    assert seen.shape == (1, 22) == (1, len(scale_of(ROBOT, config)))
+    assert seen.shape == (1, 22) == (1, len(task_of(config).observation_scale(ROBOT)))
     assert names(config) == ["q", "qd", "p_ee", "p_goal", "ranges"]
 
 
 def test_history_state_eq_3_2() -> None:
     # [q qd D, the same before, a before, p_ee, p_goal]: 18 + 18 + 4 + 2 + 2 = 44.
-    config = TaskConfig(observation="history")
+    config = ReachConfig(observation="history")
     now, before = snapshot([0.0] * 4, [2.0] * 4, [3.0] * 10), snapshot([4.0] * 4, [5.0] * 4, [6.0] * 10)
     seen = observe(config, now, before, np.full((1, 4), 7.0), np.array([[0.6, 0.2]]))
     blocks = [[0.0] * 4, [2.0] * 4, [3.0] * 10, [4.0] * 4, [5.0] * 4, [6.0] * 10, [7.0] * 4, [0.39, 0.0], [0.6, 0.2]]
     assert seen[0] == pytest.approx(np.concatenate(blocks))
-    assert seen.shape == (1, 44) == (1, len(scale_of(ROBOT, config)))
+    assert seen.shape == (1, 44) == (1, len(task_of(config).observation_scale(ROBOT)))
     expected = ["q", "qd", "ranges", "q_before", "qd_before", "ranges_before", "action_before", "p_ee", "p_goal"]
     assert names(config) == expected
 
@@ -130,30 +131,30 @@ def test_relative_state_sees_the_target_from_the_tip() -> None:
     # The tip link points to +y; a target 0.03 beyond the tip lies straight ahead, at half length in `goal_near`.
     now = snapshot([0.0, 0.0, 0.0, math.pi / 2], [0.0] * 4, [0.3] * 10)
     target = np.array([[0.28, 0.11 + 0.03]])
-    seen = observe(TaskConfig(observation="relative"), now, RESTING, np.zeros((1, 4)), target)
+    seen = observe(ReachConfig(observation="relative"), now, RESTING, np.zeros((1, 4)), target)
     assert seen[0, 18:] == pytest.approx([0.03, 0.0, 0.5, 0.0], abs=1e-12)
     assert observation.NEAR == 0.03
 
 
 def test_relative_state_with_the_scan_before_and_the_last_action() -> None:
     now, before = snapshot([0.1] * 4, [2.0] * 4, [0.3] * 10), snapshot([4.0] * 4, [5.0] * 4, [0.6] * 10)
-    config, target, action = TaskConfig(observation="relative-history"), np.array([[0.6, 0.2]]), np.full((1, 4), 0.7)
+    config, target, action = ReachConfig(observation="relative-history"), np.array([[0.6, 0.2]]), np.full((1, 4), 0.7)
     seen = observe(config, now, before, action, target)
-    alone = observe(TaskConfig(observation="relative"), now, before, action, target)
+    alone = observe(ReachConfig(observation="relative"), now, before, action, target)
     assert seen[0] == pytest.approx([*alone[0], *[0.6] * 10, *[0.7] * 4])
-    assert seen.shape == (1, 36) == (1, len(scale_of(ROBOT, config)))
+    assert seen.shape == (1, 36) == (1, len(task_of(config).observation_scale(ROBOT)))
     assert names(config) == ["q", "qd", "ranges", "goal_in_tip", "goal_near", "ranges_before", "action_before"]
 
 
 def test_torque_actions_eq_3_3() -> None:
-    command = to_command(ROBOT, TaskConfig(control="torque"), np.array([[0.5, -3.0, 0, 1]]), np.zeros((1, 4)), LEFT)
+    command = to_command(ROBOT, ReachConfig(control="torque"), np.array([[0.5, -3.0, 0, 1]]), np.zeros((1, 4)), LEFT)
     assert command.control == "torque"
     assert command.values[0] == pytest.approx([0.5, -1.0, 0.0, 1.0])  # clipped
 
 
 def test_position_actions_eq_3_4_and_3_5() -> None:
     # alpha = 0.2: a hinge moves by 0.2 rad * a, the slide by 0.2 * 0.1 m * a = v0 of 5.3.1.
-    config = TaskConfig(control="position")
+    config = ReachConfig(control="position")
     q = np.array([[0.1, 0.3, -0.3, 2.35]])
     command = to_command(ROBOT, config, np.array([[1.0, 0.5, -1.0, 1.0]]), q, LEFT)
     assert config.alpha == 0.2
@@ -168,14 +169,14 @@ def test_a_right_turn_looks_like_the_left_turn_it_mirrors(q, qd, ranges, action,
     reading = Reading(q, qd, ranges, np.zeros(1))
     signs = np.array([1.0, -1, -1, -1])  # the slide stays, the hinges turn to the other side
     mirrored = Reading(q * signs, qd * signs, ranges[:, ::-1], np.zeros(1))
-    config, target = TaskConfig(observation=kind), np.array([[0.5, 0.2]])
+    config, target = ReachConfig(observation=kind), np.array([[0.5, 0.2]])
 
     left, right = canonical(ROBOT, reading, LEFT), canonical(ROBOT, mirrored, RIGHT)
     seen = [observe(config, now, RESTING, action, target) for now in (left, right)]
     assert np.array_equal(*seen)
 
     for control in ("torque", "position"):
-        task = TaskConfig(control=control)
+        task = ReachConfig(control=control)
         on_left = to_command(ROBOT, task, action, reading.q, LEFT).values
         on_right = to_command(ROBOT, task, action, mirrored.q, RIGHT).values
         assert np.allclose(on_right, on_left * signs, rtol=0, atol=1e-15)

@@ -11,7 +11,7 @@ from pipenav.cli import main
 from pipenav.errors import PipenavError
 from pipenav.learning.config import DEFAULT_PRESET, load_config, preset_names, validate_config
 from pipenav.robots.robot import load_robot
-from pipenav.tasks.registry import kind_of
+from pipenav.tasks.registry import task_of
 
 THESIS = [name for name in preset_names() if name.startswith("thesis")]
 
@@ -26,7 +26,7 @@ def problem(*settings: str) -> str:
 def test_every_preset_can_be_trained(name: str) -> None:
     config = load_config(name)
     load_robot(config.robot)
-    assert kind_of(config.task).parse(config.pipes)
+    assert task_of(config.task).parse_training_pipes(config.pipes)
     assert config.description
     assert config.learner.noise_stop < config.learner.noise_start
 

@@ -22,8 +22,8 @@ from pipenav.policies.baselines.wall_distance import clearance
 from pipenav.robots.kinematics import waypoints
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import Outcome
-from pipenav.tasks.reach.config import TaskConfig
-from pipenav.tasks.registry import kind_of, scale_of
+from pipenav.tasks.reach.config import ReachConfig
+from pipenav.tasks.registry import task_of
 from pipenav.tasks.sampling import random_episodes
 from pipenav.tasks.traverse import observation
 from pipenav.tasks.traverse.batch import TraverseBatch
@@ -143,7 +143,7 @@ def test_the_observation_has_the_size_and_the_order_that_its_layout_says() -> No
         np.ones((n, 12)),
     )
     seen = observation.observe(ROBOT, reading, np.full((n, 12), 5.0), np.ones(n), np.array([[0.0, -1.0]] * n))
-    assert seen.shape == (n, len(scale_of(ROBOT, CONFIG)))
+    assert seen.shape == (n, len(task_of(CONFIG).observation_scale(ROBOT)))
     assert list(seen[0]) == [1.0] * 6 + [2.0] * 6 + [3.0] * 6 + [1.0] * 12 + [4.0] * 10 + [5.0] * 12 + [0.0, -1.0]
 
 
@@ -314,12 +314,12 @@ def test_a_disturbed_robot_falls_too() -> None:
 
 def test_both_tasks_are_described_alike() -> None:
     arm = load_robot("basic")
-    for robot, task in ((arm, TaskConfig()), (ROBOT, CONFIG)):
-        kind, pipes = kind_of(task), [PipeCorner.of(90, 90)]
+    for robot, task in ((arm, ReachConfig()), (ROBOT, CONFIG)):
+        kind, pipes = task_of(task), [PipeCorner.of(90, 90)]
         assert len(kind.action_scale(robot, task)) == len(robot.drives)
         source = random_episodes(robot, task, [pipes], np.random.default_rng(0), sample=kind.sample)
         with closing(kind.batch(robot, task, open_simulator("mujoco", robot, 2, {}), 2, source)) as made:
-            assert made.reset().shape == (2, made.observation_size) == (2, len(scale_of(robot, task)))
+            assert made.reset().shape == (2, made.observation_size) == (2, len(task_of(task).observation_scale(robot)))
             result = made.step(np.zeros((2, made.action_size)))
             assert result.reward.shape == result.cut_off.shape == (2,)
             assert made.q.shape == (2, robot.coordinates)

@@ -27,7 +27,7 @@ from pipenav.robots import kinematics
 from pipenav.robots.kinematics import waypoints
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import Outcome
-from pipenav.tasks.registry import scale_of
+from pipenav.tasks.registry import task_of
 from pipenav.tasks.traverse import observation
 from pipenav.tasks.traverse.batch import TraverseBatch
 from pipenav.tasks.traverse.config import TraverseConfig
@@ -197,7 +197,7 @@ def test_a_run_and_its_mirror_image_are_seen_and_driven_alike_through_all_corner
 def test_the_side_is_that_of_the_first_corner_that_the_middle_has_not_passed(run: Pipe) -> None:
     assert isinstance(run, PipeRoute)
     ghost, indices = carried([run])
-    sides, scale = run.turn_signs, scale_of(ROBOT, CONFIG)
+    sides, scale = run.turn_signs, task_of(CONFIG).observation_scale(ROBOT)
     ends = run.places[1:-1] + run.inner_edges
     around, before, corner = np.array([0.0, *sides, 0.0]), sides[0], 0
     for at in np.linspace(-1.0, run.places[-1], 60):

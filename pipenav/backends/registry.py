@@ -13,6 +13,7 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points, requires
+from types import MappingProxyType
 from typing import Any, NamedTuple, Protocol, cast
 
 from pydantic import ValidationError
@@ -190,6 +191,20 @@ def open_simulator(
     """
     load_simulator(name)
     return cast(Simulator, open_backend(name, robot, n, options, wall_segments))
+
+
+class SimulatorSettings(NamedTuple):
+    """Which simulator, with which settings of its own; see `open_simulator`."""
+
+    backend: str = "mujoco"
+    options: Mapping[str, Any] = MappingProxyType({})
+
+    def open(self, robot: RobotSpec, n: int, wall_segments: int = 4) -> Simulator:
+        """The simulator with n robots, as `open_simulator` gives it."""
+        return open_simulator(self.backend, robot, n, self.options, wall_segments)
+
+
+DEFAULT_SIMULATOR = SimulatorSettings()
 
 
 def load_spatial(name: str) -> type[Simulator]:

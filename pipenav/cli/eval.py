@@ -15,8 +15,8 @@ from pipenav.cli.options import parse_options
 from pipenav.errors import PipenavError
 
 STAGE_HELP = (
-    "front: a policy reaches a given target; front-rear: then the rear half follows; "
-    "locate: the robot finds a target itself; passage: locate, front and rear; "
+    "reach: a policy reaches a given target; reach-rear: then the rear half follows; "
+    "locate: the robot finds a target itself; passage: locate, reach and rear; "
     "traverse: a whole robot goes through. Default: what the policy was trained for."
 )
 VARIANT_HELP = "How a target is located: map, or thesis for the method exactly as printed."
@@ -29,9 +29,10 @@ def evaluate(
             help="best.zip, a shipped policy's name, or baseline:random, :centreline, :sequence, :sequence-line."
         ),
     ] = None,
-    # The names of pipenav.evaluation.evaluate.StageName and pipenav.locating.locator.Variant, whose import would slow down --help.
+    # The names of StageName and pipenav.locating.locator.Variant, whose import would slow down --help.
     stage: Annotated[
-        Literal["front", "front-rear", "locate", "passage", "traverse"] | None, typer.Option(help=STAGE_HELP)
+        Literal["locate", "reach", "reach-rear", "passage", "traverse", "front", "front-rear"] | None,
+        typer.Option(help=STAGE_HELP, metavar="STAGE"),
     ] = None,
     backend: Annotated[str, typer.Option(help="Simulator backend; see `pipenav backends`.")] = "mujoco",
     pipes: Annotated[
@@ -80,13 +81,26 @@ def evaluate(
 
         pipenav eval --policy arm --disturb real-world
     """
+    from pipenav.evaluation.config import EvaluationConfig, todays_stage
     from pipenav.evaluation.evaluate import EvaluationRun
     from pipenav.evaluation.report import evaluation_table, write_evaluation
     from pipenav.storage.atomic_files import prepare_folder
 
     names = pipes or ["working-range"]
     options = parse_options(option or [])
-    run = EvaluationRun(policy, names, episodes, seed, stage, robot, variant, backend, options, disturb)
+    config = EvaluationConfig(
+        policy=policy,
+        pipes=tuple(names),
+        episodes=episodes,
+        seed=seed,
+        stage=todays_stage(stage),
+        robot=robot,
+        variant=variant,
+        backend=backend,
+        options=options,
+        disturb=disturb,
+    )
+    run = EvaluationRun(config)
     folder = out or _default_folder(policy, stage, robot or "basic", variant, [*names, *([disturb] if disturb else [])])
     fresh = not folder.exists()
     prepare_folder(folder)
@@ -124,6 +138,6 @@ def _default_folder(policy: str | None, stage: str | None, robot: str, variant: 
     label = "-".join(Path(name).stem.replace("=", "").replace(",", "-").replace(":", "-") for name in pipes)
     if policy is None:
         return Path("runs") / f"{robot}-{variant}" / f"eval-{stage}-{label}"
-    folder = f"eval-{label}" if stage in (None, "front", "traverse") else f"eval-{stage}-{label}"
+    folder = f"eval-{label}" if stage in (None, "reach", "traverse") else f"eval-{stage}-{label}"
     path = Path(policy)
     return path.parent / folder if path.suffix == ".zip" else Path("runs") / policy.replace(":", "-") / folder

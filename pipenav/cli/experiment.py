@@ -56,9 +56,9 @@ def experiment(
     console = Console()
     rounds: Sequence[tuple[str, Callable[[ExperimentPlan], list[Job]]]] = (
         ("training", lambda p: training_jobs(p, threads)),
-        ("measuring the fronts", lambda p: evaluation_jobs(p, threads, ("front",))),
+        ("measuring the fronts", lambda p: evaluation_jobs(p, threads, ("reach",))),
         # These may need the best agent of the fronts.
-        ("measuring passages", lambda p: evaluation_jobs(p, threads, ("front-rear", "locate", "passage"))),
+        ("measuring passages", lambda p: evaluation_jobs(p, threads, ("reach-rear", "locate", "passage"))),
     )
     with stop_signals() as stopped:
         for what, jobs_of in rounds:

@@ -57,7 +57,7 @@ def locate_target(
 
     from pipenav.backends.registry import check_options, load_simulator
     from pipenav.cli.options import parse_options
-    from pipenav.recording.record import SimulatorSettings, record_locate
+    from pipenav.recording.record import RecordingSettings, record_locate
     from pipenav.robots.robot import load_robot
     from pipenav.storage.atomic_files import prepare_folder
     from pipenav.tasks.reach.episode import check_fits
@@ -70,7 +70,7 @@ def locate_target(
     console = table_console()
     found = []
     for pipe in track(wanted, "locating", console=console, transient=True, disable=not console.is_terminal):
-        found.append(record_locate(spec, variant, pipe, seed, 0, SimulatorSettings(backend, options)))
+        found.append(record_locate(spec, variant, pipe, seed, 0, RecordingSettings(backend, options)))
         if folder is not None:
             _write(folder, found[-1])
     console.print(_facts(found[0]) if len(found) == 1 else _table(found))

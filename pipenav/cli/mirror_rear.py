@@ -74,12 +74,12 @@ def _replay(plan: Trajectory, backend: str, options: list[str]) -> tuple[Traject
     """What the arm did, and the same in a sentence."""
     from pipenav.backends.registry import check_options, load_simulator
     from pipenav.cli.options import parse_options
-    from pipenav.recording.record import SimulatorSettings, record_rear, tracking
+    from pipenav.recording.record import RecordingSettings, record_rear, tracking
     from pipenav.units import m_to_mm, rad_to_deg
 
     parsed = parse_options(options)
     check_options(backend, load_simulator(backend), parsed)
-    done = record_rear(plan, SimulatorSettings(backend, parsed))
+    done = record_rear(plan, RecordingSettings(backend, parsed))
     error = tracking(plan, done)
     force = 0.0 if done.contact_force is None else float(done.contact_force.max())
     end = "the arm came out of the corner" if done.succeeded else f"the arm did not come out: {done.header.outcome}"

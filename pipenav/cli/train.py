@@ -105,11 +105,11 @@ def _check_names(config: TrainConfig) -> None:
     """Refuse unknown names, and a robot or a backend that cannot do it, before a folder is made for them."""
     from pipenav.backends.registry import check_options, load_simulator
     from pipenav.robots.robot import load_robot
-    from pipenav.tasks.registry import kind_of
+    from pipenav.tasks.registry import task_of
 
-    kind = kind_of(config.task)
+    kind = task_of(config.task)
     kind.check_robot(load_robot(config.robot))
-    kind.parse(config.pipes)
+    kind.parse_training_pipes(config.pipes)
     check_options(config.backend, load_simulator(config.backend), config.options)
 
 
@@ -117,10 +117,10 @@ def _check_start(start: Path, config: TrainConfig) -> None:
     """Refuse a run whose weights do not fit the new one, before a folder is made for it."""
     from pipenav.learning.run_folder import RunFolder
     from pipenav.robots.robot import load_robot
-    from pipenav.tasks.registry import scale_of
+    from pipenav.tasks.registry import task_of
 
     def interface(run: TrainConfig) -> tuple[object, ...]:
-        scale = scale_of(load_robot(run.robot), run.task).tolist()
+        scale = task_of(run.task).observation_scale(load_robot(run.robot)).tolist()
         return run.network, run.task.kind, run.task.observation, run.task.control, scale
 
     _, other = RunFolder.open(start)
@@ -153,7 +153,7 @@ def _run(
         def report(progress: TrainingProgress) -> None:
             text = (
                 f"{progress.steps_per_s:,.0f} steps/s, success {progress.success:.1%}, "
-                f"clearance {progress.clearance * 1e3:.0f} mm"
+                f"clearance {progress.min_range * 1e3:.0f} mm"
             )
             bar.update(task, completed=progress.steps, description=text)
             if not console.is_terminal and time.monotonic() - last_line[0] > 10:

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from pipenav.motions.trajectory import Trajectory
     from pipenav.pipes.pipe import Pipe
     from pipenav.recording.film import Progress
-    from pipenav.recording.record import SimulatorSettings
+    from pipenav.recording.record import RecordingSettings
 
-    Record = Callable[[Pipe, int, SimulatorSettings], Trajectory]
+    Record = Callable[[Pipe, int, RecordingSettings], Trajectory]
     Parse = Callable[[Sequence[str]], Sequence[Pipe]]
 
 TABLE = ".csv"
@@ -125,19 +125,19 @@ def _checked_outputs(
 
 
 @contextmanager
-def _simulator(backend: str, options: list[str], live: bool) -> Iterator[SimulatorSettings]:
+def _simulator(backend: str, options: list[str], live: bool) -> Iterator[RecordingSettings]:
     from pipenav.backends.registry import check_options, load_simulator
     from pipenav.cli.options import parse_options
     from pipenav.recording.live import live_window
-    from pipenav.recording.record import SimulatorSettings
+    from pipenav.recording.record import RecordingSettings
 
     parsed = parse_options(options)
     check_options(backend, load_simulator(backend), parsed)
     if not live:
-        yield SimulatorSettings(backend, parsed)
+        yield RecordingSettings(backend, parsed)
         return
     with live_window() as window:
-        yield SimulatorSettings(backend, parsed, window)
+        yield RecordingSettings(backend, parsed, window)
 
 
 def _few(pipes: Sequence[Pipe]) -> Sequence[Pipe]:
@@ -149,12 +149,12 @@ def _few(pipes: Sequence[Pipe]) -> Sequence[Pipe]:
 
 
 def _policy(name: str, robot: str | None, seed: int) -> tuple[Parse, Record]:
-    from pipenav.policies.controller import open_controller
+    from pipenav.policies.named import open_controller
     from pipenav.recording.record import record_task
-    from pipenav.tasks.registry import kind_of
+    from pipenav.tasks.registry import task_of
 
     controller = open_controller(name, robot, seed)
-    return kind_of(controller.task).parse_tried, lambda pipe, episode, simulator: record_task(
+    return task_of(controller.task).parse_pipes, lambda pipe, episode, simulator: record_task(
         controller, name, pipe, seed, episode, simulator
     )
 
@@ -165,12 +165,12 @@ def _view_in_space(
     runs: Sequence[Pipe],
     seed: int,
     episode: int,
-    simulator: SimulatorSettings,
+    simulator: RecordingSettings,
     paths: list[Path],
     console: Console,
 ) -> None:
     """Draw one run that leaves the plane."""
-    from pipenav.policies.controller import open_controller
+    from pipenav.policies.named import open_controller
     from pipenav.recording.film import SUFFIXES, check_suffix
     from pipenav.recording.record_rolling import record_in_space
     from pipenav.recording.rolling_film import draw_in_space
@@ -204,7 +204,7 @@ def _locating(behaviour: str, robot: str | None, seed: int) -> tuple[Parse, Reco
     )
 
 
-def _read(paths: list[Path], robot: str | None, simulator: SimulatorSettings | None) -> list[Trajectory]:
+def _read(paths: list[Path], robot: str | None, simulator: RecordingSettings | None) -> list[Trajectory]:
     from pipenav.motions.trajectory import read_trajectory
     from pipenav.recording.live import play
     from pipenav.robots.robot import load_robot

@@ -18,7 +18,7 @@ from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach import action, episode
 from pipenav.tasks.reach.batch import ReachBatch
-from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.reach.config import ReachConfig
 
 FREE_STEPS = 6
 """Control steps of a free motion; the drive is on for the first two."""
@@ -105,15 +105,15 @@ class _Passages(NamedTuple):
 
     goals: Floats
     steps: Ints
-    start: episode.Episodes
+    start: episode.ReachEpisodes
 
 
 def _record(robot: RobotSpec, name: str, options: Mapping[str, Any]) -> _Passages:
     controller = CentrelineController(robot)
     n = len(CORNERS)
-    start = episode.sample(robot, TaskConfig(start_bend=0.0), CORNERS, np.random.default_rng(0))
+    start = episode.sample(robot, ReachConfig(start_bend=0.0), CORNERS, np.random.default_rng(0))
     backend = open_simulator(name, robot, n, options)
-    batch = ReachBatch(robot, controller.task, backend, n, lambda _: start)
+    batch = ReachBatch(robot, controller.config, backend, n, lambda _: start)
     with closing(batch):
         observation = batch.reset()
         goals: list[Floats] = []
@@ -132,7 +132,7 @@ def _play(robot: RobotSpec, name: str, options: Mapping[str, Any], passages: _Pa
     joints = len(robot.joints)
     pulse = np.zeros((FREE_STEPS, joints, joints))
     pulse[:2] = FREE_DRIVE * np.eye(joints)
-    step = np.tile(np.diag(action.position_step(robot, TaskConfig(control="position"))), (FREE_STEPS, 1, 1))
+    step = np.tile(np.diag(action.position_step(robot, ReachConfig(control="position"))), (FREE_STEPS, 1, 1))
     press = np.diag(np.where(robot.hinges, *PRESS_TRAVEL))
     with closing(open_simulator(name, robot, joints, options)) as backend:
         driven = _run(backend, robot, "torque", pulse)

@@ -14,12 +14,12 @@ from pipenav.backends.messages import Command, Reading
 from pipenav.locating.locator import LocateConfig, MapLocator
 from pipenav.motions.follower import Follower
 from pipenav.policies.policy import Policy
-from pipenav.robots import kinematics
+from pipenav.robots import frames, kinematics
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.reach import action as actions
 from pipenav.tasks.reach import episode, observation
 from pipenav.tasks.reach.observation import Snapshot
-from pipenav.tasks.registry import reaching
+from pipenav.tasks.registry import require_reach, task_of
 
 LOCATE_TICKS = 300
 """Ticks in which a target must be found: time to go to the corner and back several times."""
@@ -78,8 +78,8 @@ class Reach:
 
     def __init__(self, policy: Policy, turn_sign: float, target: Floats) -> None:
         self._policy, self._turn_sign = policy, np.array([turn_sign])
-        self._target = (target * np.array([1.0, turn_sign]))[None]  # canonical
-        self._robot, self._task = policy.header.robot, reaching(policy.header.task, "a run on an arm")
+        self._target = frames.robot_to_canonical(target, turn_sign)[None]
+        self._robot, self._task = policy.header.robot, require_reach(policy.header.task, "a run on an arm")
         self._before: Snapshot | None = None
         self._action = np.zeros((1, len(self._robot.joints)))
         self._steps = 0
@@ -96,7 +96,7 @@ class Reach:
             return "timeout"
         before = now if self._before is None else self._before
         raw = observation.observe(self._task, now, before, self._action, self._target)
-        seen = raw / observation.scale_of(self._robot, self._task)
+        seen = raw / task_of(self._task).observation_scale(self._robot)
         self._action = self._policy.act(seen).astype(float)
         self._before, self._steps = now, self._steps + 1
         command = actions.to_command(self._robot, self._task, self._action, reading.q, self._turn_sign)

@@ -31,7 +31,7 @@ from pipenav.policies.policy import Policy, load_policy, policy_names, resolve_p
 from pipenav.robots import kinematics
 from pipenav.robots.robot import RobotSpec, load_robot
 from pipenav.storage.atomic_files import atomic_write, prepare_folder
-from pipenav.tasks.registry import reaching
+from pipenav.tasks.registry import require_reach
 
 TELEMETRY, PICTURE = "telemetry.jsonl", "run.png"
 PASSED = "passed"
@@ -122,7 +122,7 @@ def _shipped_policy(robot: RobotSpec) -> Policy:
 def _require_drivable(policy: Policy) -> None:
     require_arm(policy.header.robot)
     header = policy.header
-    reaching(header.task, "a run on an arm")
+    require_reach(header.task, "a run on an arm")
     if header.task.control != "position":
         raise PipenavError(
             f"policy {policy.path} commands torques, and the arm's servos take positions: "

@@ -18,12 +18,14 @@ from pipenav.arrays import Ints
 from pipenav.drawing.scene import Scene, scene_pixels
 from pipenav.errors import ConfigError, PipenavError
 from pipenav.pipes.corner_sets import parse_pipes
+from pipenav.robots import frames
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.batch import StepResult, TaskBatch
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach.batch import ReachBatch
-from pipenav.tasks.reach.config import RewardConfig, TaskConfig
-from pipenav.tasks.reach.episode import Episodes
+from pipenav.tasks.reach.config import ReachConfig, RewardConfig
+from pipenav.tasks.reach.episode import ReachEpisodes
+from pipenav.tasks.reach.task import ReachTask
 from pipenav.tasks.sampling import random_episodes
 
 Float32s = NDArray[np.float32]
@@ -39,7 +41,7 @@ class SeededEpisodes:
     Attributes:
         batch: the robots.
         generators: one for each robot; whoever resets the batch sets them first.
-        episodes: each robot's running episode, as `Episodes` of k = 1.
+        episodes: each robot's running episode, as `ReachEpisodes` of k = 1.
     """
 
     def __init__(
@@ -48,13 +50,13 @@ class SeededEpisodes:
         robot: str,
         pipes: Sequence[str],
         backend: str,
-        task: TaskConfig | Mapping[str, Any] | None,
+        task: ReachConfig | Mapping[str, Any] | None,
         options: Mapping[str, Any] | None,
     ) -> None:
         from pipenav.backends.registry import open_simulator
 
         self.generators: list[np.random.Generator] = []
-        self.episodes: dict[int, Episodes] = {}
+        self.episodes: dict[int, ReachEpisodes] = {}
         self._robot, self._config = load_robot(robot), _task_config(task)
         self._sets = [parse_pipes([text]) for text in ([pipes] if isinstance(pipes, str) else pipes)]
         if not self._sets:
@@ -63,21 +65,21 @@ class SeededEpisodes:
         opened = open_simulator(backend, self._robot, n, dict(options or {}), slots)
         self.batch = ReachBatch(self._robot, self._config, opened, n, self._draw)
 
-    def _draw(self, indices: Ints) -> Episodes:
+    def _draw(self, indices: Ints) -> ReachEpisodes:
         for i in indices:
-            draw = random_episodes(self._robot, self._config, self._sets, self.generators[i])
+            draw = random_episodes(ReachTask(self._config), self._robot, self._sets, self.generators[i])
             self.episodes[int(i)] = draw(np.array([i]))
         pipes, *arrays = zip(*(self.episodes[int(i)] for i in indices), strict=True)
-        return Episodes(tuple(one for (one,) in pipes), *map(np.concatenate, arrays))
+        return ReachEpisodes(tuple(one for (one,) in pipes), *map(np.concatenate, arrays))
 
 
-def _task_config(task: TaskConfig | Mapping[str, Any] | None) -> TaskConfig:
-    if isinstance(task, TaskConfig):
+def _task_config(task: ReachConfig | Mapping[str, Any] | None) -> ReachConfig:
+    if isinstance(task, ReachConfig):
         return task
     try:
-        return TaskConfig.model_validate(dict(task or {}))
+        return ReachConfig.model_validate(dict(task or {}))
     except ValidationError as error:
-        known = [*TaskConfig.model_fields, *(f"reward.{key}" for key in RewardConfig.model_fields)]
+        known = [*ReachConfig.model_fields, *(f"reward.{key}" for key in RewardConfig.model_fields)]
         raise ConfigError.from_validation("task", error, known) from error
 
 
@@ -97,7 +99,7 @@ def step_info(result: StepResult, indices: Ints | slice = slice(None)) -> dict[s
     return {
         "outcome": OUTCOME_LABELS[outcome],
         "is_success": outcome == Outcome.REACHED.value,
-        "clearance_m": result.clearance[indices],
+        "min_range_m": result.min_range[indices],
         "contact_force_n": result.truth.contact_force[indices],
         "penetration_m": result.truth.penetration[indices],
     }
@@ -135,7 +137,7 @@ class CornerEnv(gymnasium.Env[Float32s, Float32s]):
     | `position` (eq 3.4, 3.5) | a set-point alpha x 1 rad, or alpha x slide_unit, from the measured position |
 
     An episode terminates when the tip reaches the target, a joint its limit, or the robot sinks into the wall; it is
-    truncated after `task.max_steps`. `info` after each step: `outcome`, `is_success`, `clearance_m` (the smallest laser
+    truncated after `task.max_steps`. `info` after each step: `outcome`, `is_success`, `min_range_m` (the smallest laser
     reading), `contact_force_n` and `penetration_m` (the step's peaks).
 
     Args:
@@ -154,7 +156,7 @@ class CornerEnv(gymnasium.Env[Float32s, Float32s]):
         robot: str = "basic",
         pipes: Sequence[str] = ("thesis-train",),
         backend: str = "mujoco",
-        task: TaskConfig | Mapping[str, Any] | None = None,
+        task: ReachConfig | Mapping[str, Any] | None = None,
         options: Mapping[str, Any] | None = None,
         render_mode: str | None = None,
     ) -> None:
@@ -204,7 +206,7 @@ class CornerVectorEnv(VectorEnv[Float32s, Float32s, NDArray[Any]]):
         robot: str = "basic",
         pipes: Sequence[str] = ("thesis-train",),
         backend: str = "mujoco",
-        task: TaskConfig | Mapping[str, Any] | None = None,
+        task: ReachConfig | Mapping[str, Any] | None = None,
         options: Mapping[str, Any] | None = None,
     ) -> None:
         self.num_envs = num_envs
@@ -254,7 +256,7 @@ class CornerVectorEnv(VectorEnv[Float32s, Float32s, NDArray[Any]]):
         self.batch.close()
 
 
-def top_view(batch: ReachBatch, episodes: Episodes, pixels: int = 480) -> NDArray[np.uint8]:
+def top_view(batch: ReachBatch, episodes: ReachEpisodes, pixels: int = 480) -> NDArray[np.uint8]:
     """A picture of the first robot from above, (pixels, pixels, 3): walls, links, beams and target.
 
     Args:
@@ -264,5 +266,5 @@ def top_view(batch: ReachBatch, episodes: Episodes, pixels: int = 480) -> NDArra
     """
     turn_sign, base = float(episodes.turn_sign[0]), float(episodes.base[0])
     ranges = batch.snapshot.ranges[0, :: int(turn_sign)]  # those of the canonical frame are mirrored for right turns
-    target = episodes.target[0] * [1.0, turn_sign] + [base, 0.0]
+    target = frames.robot_to_pipe(frames.canonical_to_robot(episodes.target[0], turn_sign), base)
     return scene_pixels(Scene(episodes.pipes[0], batch.robot, base, batch.q[0], ranges, target), pixels)

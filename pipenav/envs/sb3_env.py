@@ -10,7 +10,7 @@ from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import VecEnv
 
 from pipenav.envs.gymnasium_env import action_space, observation_space, one_info, step_info
-from pipenav.tasks.batch import TaskBatch
+from pipenav.tasks.batch import TrainingBatch
 from pipenav.tasks.outcome import Outcome
 
 
@@ -19,16 +19,16 @@ class TaskVecEnv(VecEnv):  # type: ignore[misc]  # Stable-Baselines3 is imported
 
     Attributes:
         batch: the robots.
-        clearance: each one's smallest laser reading after the last step, (n,) [m].
+        min_range: each one's smallest laser reading after the last step, (n,) [m].
     """
 
     render_mode: str | None = None
 
-    def __init__(self, batch: TaskBatch) -> None:
+    def __init__(self, batch: TrainingBatch) -> None:
         self.batch = batch
         super().__init__(batch.n, observation_space(batch), action_space(batch))
         self._returns = np.zeros(batch.n)
-        self.clearance = np.zeros(batch.n)
+        self.min_range = np.zeros(batch.n)
 
     def reset(self) -> np.ndarray:
         self._returns[:] = 0.0
@@ -41,7 +41,7 @@ class TaskVecEnv(VecEnv):  # type: ignore[misc]  # Stable-Baselines3 is imported
         result = self.batch.step(self._actions)
         observation = result.observation.astype(np.float32)
         self._returns += result.reward
-        self.clearance = result.clearance
+        self.min_range = result.min_range
         done = result.outcome != Outcome.RUNNING.value
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         ended = np.flatnonzero(done)

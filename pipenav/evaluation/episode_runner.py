@@ -11,21 +11,21 @@ from numpy.typing import NDArray
 
 from pipenav.arrays import Flags, Floats, Ints
 from pipenav.backends.backend import Simulator
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.registry import DEFAULT_SIMULATOR, SimulatorSettings
 from pipenav.evaluation.stage import Stage, StageStep
 from pipenav.pipes.pipe import Pipe
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach import episode
-from pipenav.tasks.reach.episode import Episodes
-from pipenav.tasks.registry import AnyTask, kind_of
+from pipenav.tasks.reach.episode import ReachEpisodes
+from pipenav.tasks.registry import TaskConfig, task_of
 from pipenav.tasks.traverse.episode import TraverseEpisodes
 from pipenav.units import m_to_mm, rad_to_deg
 
 Episode = TypeVar("Episode")
 """What a stage's episode starts from: a task's episodes of k = 1, or a motion to replay."""
 
-Starting = TypeVar("Starting", Episodes, TraverseEpisodes)
+Starting = TypeVar("Starting", ReachEpisodes, TraverseEpisodes)
 
 MAX_ROBOTS = 256
 """Robots stepped together: enough to keep every core busy, few enough that the last ones to finish cost little."""
@@ -40,7 +40,7 @@ class EpisodeResults(NamedTuple):
     Attributes:
         outcome: a `Outcome` each, (k,).
         steps: control steps, (k,).
-        clearance: smallest laser reading, (k,) [m].
+        min_range: smallest laser reading, (k,) [m].
         penetration: deepest overlap with the wall, (k,) [m].
         force: peak contact force, (k,) [N].
         contact_share: share of the time in contact, (k,).
@@ -49,7 +49,7 @@ class EpisodeResults(NamedTuple):
 
     outcome: NDArray[np.int8]
     steps: Ints
-    clearance: Floats
+    min_range: Floats
     penetration: Floats
     force: Floats
     contact_share: Floats
@@ -63,9 +63,9 @@ class EpisodeResults(NamedTuple):
     @classmethod
     def empty(cls, total: int, robot: RobotSpec) -> EpisodeResults:
         """Room for so many."""
-        clearance, penetration, force, contact_share = np.zeros((4, total))
+        min_range, penetration, force, contact_share = np.zeros((4, total))
         outcome, steps, q = np.zeros(total, np.int8), np.zeros(total, np.intp), np.zeros((total, robot.coordinates))
-        return cls(outcome, steps, clearance, penetration, force, contact_share, q)
+        return cls(outcome, steps, min_range, penetration, force, contact_share, q)
 
     def select(self, which: Flags) -> EpisodeResults:
         """Those of the episodes that are marked, (k,)."""
@@ -104,7 +104,7 @@ def joined(parts: Sequence[Starting]) -> Starting:
 
 
 def random_start(
-    robot: RobotSpec, task: AnyTask, pipes: Sequence[Pipe], episodes: int, seed: int
+    robot: RobotSpec, task: TaskConfig, pipes: Sequence[Pipe], episodes: int, seed: int
 ) -> Callable[[int], Any]:
     """Episodes by number: all of the first pipe, then of the next.
 
@@ -122,7 +122,7 @@ def random_start(
         for angle, turn_sign in zip(pipe.interior_angles.tolist(), pipe.turn_signs.tolist(), strict=True):
             numbers += [round(rad_to_deg(angle) * 1e3), int(turn_sign > 0)]
         rng = np.random.default_rng([seed, *numbers, number])
-        return kind_of(task).sample(robot, task, [pipe], rng)
+        return task_of(task).sample(robot, [pipe], rng)
 
     return start
 
@@ -137,8 +137,7 @@ def run_stage(
     robot: RobotSpec,
     start: Callable[[int], Episode],
     pipes: Sequence[Pipe],
-    backend: str = "mujoco",
-    options: dict[str, Any] | None = None,
+    simulator: SimulatorSettings = DEFAULT_SIMULATOR,
     progress: Callable[[int, int], None] | None = None,
 ) -> EpisodeResults:
     """Run every episode of a stage once.
@@ -148,14 +147,13 @@ def run_stage(
         robot: the robot.
         start: gives an episode by its number.
         pipes: the pipe of every episode.
-        backend: name of a simulator backend.
-        options: the backend's own settings.
+        simulator: the simulator.
         progress: called with (episodes done, successes so far) now and then.
     """
     segments = max(len(pipe.segments) for pipe in pipes)
 
     def make_in_plane(queue: EpisodeQueue[Episode]) -> Stage:
-        return make(open_simulator(backend, robot, len(queue.running), options or {}, segments), queue)
+        return make(simulator.open(robot, len(queue.running), segments), queue)
 
     return run_queue(make_in_plane, start, len(pipes), robots_for(len(pipes)), progress)
 
@@ -185,17 +183,17 @@ class _Peaks:
     """What has been seen of each robot's running episode."""
 
     def __init__(self, n: int) -> None:
-        self.clearance, self.penetration = np.full(n, np.inf), np.zeros(n)
+        self.min_range, self.penetration = np.full(n, np.inf), np.zeros(n)
         self.force, self.contact_steps = np.zeros(n), np.zeros(n)
 
     def add(self, step: StageStep) -> None:
-        self.clearance = np.minimum(self.clearance, step.clearance)
+        self.min_range = np.minimum(self.min_range, step.min_range)
         self.penetration = np.maximum(self.penetration, step.truth.penetration)
         self.force = np.maximum(self.force, step.truth.contact_force)
         self.contact_steps = self.contact_steps + step.truth.contact_share
 
     def forget(self, indices: Ints) -> None:
-        self.clearance[indices], self.penetration[indices] = np.inf, 0.0
+        self.min_range[indices], self.penetration[indices] = np.inf, 0.0
         self.force[indices], self.contact_steps[indices] = 0.0, 0.0
 
 
@@ -217,7 +215,7 @@ def drain(
         counted = ended[queue.running[ended] >= 0]
         jobs = queue.running[counted]
         results.outcome[jobs], results.steps[jobs] = step.outcome[counted], stage.steps[counted]
-        results.clearance[jobs], results.penetration[jobs] = peaks.clearance[counted], peaks.penetration[counted]
+        results.min_range[jobs], results.penetration[jobs] = peaks.min_range[counted], peaks.penetration[counted]
         results.force[jobs], results.q[jobs] = peaks.force[counted], step.q[counted]
         results.contact_share[jobs] = peaks.contact_steps[counted] / stage.steps[counted]
         finished += len(counted)

@@ -2,150 +2,122 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, Literal
-
 import numpy as np
 
-from pipenav.backends.registry import check_options, load_simulator
+from pipenav.arrays import Flags
+from pipenav.backends.registry import SimulatorSettings, check_options, load_simulator
 from pipenav.disturbances.disturbance import UNDISTURBED, load_disturbance
 from pipenav.errors import PipenavError
-from pipenav.evaluation.passage import Passages, Progress, StageResult
+from pipenav.evaluation.config import EvaluationConfig, StageName
+from pipenav.evaluation.episode_runner import EpisodeResults
+from pipenav.evaluation.passage import EpisodePlan, Passages, Progress, StageResult, no_progress
 from pipenav.evaluation.results import Evaluation, PipeRecord
 from pipenav.evaluation.rolling_stage import check_in_space
 from pipenav.evaluation.thesis import thesis_best
-from pipenav.locating.locator import Variant
 from pipenav.pipes.pipe import Pipe
-from pipenav.policies.controller import open_controller
+from pipenav.policies.named import open_controller
 from pipenav.robots.robot import load_robot
-from pipenav.tasks.outcome import Outcome
-from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.outcome import Outcome, PassageStage
+from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.reach.episode import check_fits
-from pipenav.tasks.registry import AnyTask, kind_of
-from pipenav.tasks.traverse.config import TraverseConfig
+from pipenav.tasks.registry import TaskConfig, task_of
 from pipenav.units import m_to_mm, rad_to_deg
 
-StageName = Literal["front", "front-rear", "locate", "passage", "traverse"]
+StageResults = dict[PassageStage, StageResult]
 
 
 class EvaluationRun:
-    """An evaluation of some stages that has been checked and can begin.
+    """An evaluation that has been checked and can begin.
 
     Args:
-        policy: as `pipenav.policies.controller.open_controller` takes it; None for the stage locate.
-        pipes: as `pipenav.pipes.corner_sets.parse_pipes` takes them, of a whole robot `pipenav.pipes.route_sets.parse_any`.
-        episodes: in each pipe.
-        seed: of starts and targets.
-        stage: what to run; by default what the policy was trained for, a front passage or a traverse.
-        robot: of the stage locate and of baselines, `basic` where none is named; a policy brings its own.
-        variant: of approach I.
-        backend: name of a simulator backend.
-        options: the backend's own settings.
-        disturb: as `pipenav.disturbances.disturbance.load_disturbance` takes it; None for nothing.
+        config: what to compute.
 
     Raises:
         PipenavError: something is unknown, the robot does not fit into a pipe, or there is no policy where one is
             needed.
     """
 
-    def __init__(
-        self,
-        policy: str | None,
-        pipes: Sequence[str],
-        episodes: int,
-        seed: int,
-        stage: StageName | None = None,
-        robot: str | None = None,
-        variant: Variant = "map",
-        backend: str = "mujoco",
-        options: dict[str, Any] | None = None,
-        disturb: str | None = None,
-    ) -> None:
-        if (policy is None) != (stage == "locate"):
+    def __init__(self, config: EvaluationConfig) -> None:
+        if (config.policy is None) != (config.stage == "locate"):
             raise PipenavError(
-                f"stage {stage} measures a policy: give --policy, for example --policy arm."
-                if policy is None
+                f"stage {config.stage} measures a policy: give --policy, for example --policy arm."
+                if config.policy is None
                 else "stage locate runs without a policy: leave out --policy."
             )
-        self._policy, self._variant = policy, variant
-        self._episodes, self._seed = episodes, seed
-        self._controller = None if policy is None else open_controller(policy, robot, seed)
-        self._robot = load_robot(robot or "basic") if self._controller is None else self._controller.robot
-        self._task: AnyTask = TaskConfig() if self._controller is None else self._controller.task
-        self._stage: StageName = stage or kind_of(self._task).stage
-        self._check_stage()
-        self._pipes = kind_of(self._task).parse_tried(pipes)
-        self._backend, self._options = backend, dict(options or {})
-        check_options(backend, load_simulator(backend), self._options)
-        check_fits(self._robot, self._pipes)
-        self._disturb, self._disturbance = disturb, UNDISTURBED if disturb is None else load_disturbance(disturb)
-        if not all(pipe.planar for pipe in self._pipes):
-            check_in_space(self._robot, backend, disturb)
+        self._controller = None if config.policy is None else open_controller(config.policy, config.robot, config.seed)
+        self._robot = load_robot(config.robot or "basic") if self._controller is None else self._controller.robot
+        self._config: TaskConfig = ReachConfig() if self._controller is None else self._controller.task
+        self._task = task_of(self._config)
+        self.config = config.model_copy(update={"stage": self._stage_of(config)})
+        pipes = self._task.parse_pipes(config.pipes)
+        simulator = SimulatorSettings(config.backend, config.options)
+        check_options(config.backend, load_simulator(config.backend), config.options)
+        check_fits(self._robot, pipes)
+        disturbance = UNDISTURBED if config.disturb is None else load_disturbance(config.disturb)
+        if not all(pipe.planar for pipe in pipes):
+            check_in_space(self._robot, config.backend, config.disturb)
+        self._plan = EpisodePlan(self._robot, self._config, pipes, config.episodes, config.seed, simulator, disturbance)
 
-    def _check_stage(self) -> None:
-        traverses = isinstance(self._task, TraverseConfig)
-        if self._controller is not None and traverses != (self._stage == "traverse"):
+    def _stage_of(self, config: EvaluationConfig) -> StageName:
+        """The stage to run, by default what the policy was trained for."""
+        traverses = self._task.stage is PassageStage.TRAVERSE
+        stage: StageName = config.stage or ("traverse" if traverses else "reach")
+        if self._controller is not None and traverses != (stage == "traverse"):
             does = "traverses the pipe as a whole" if traverses else "reaches a target around the corner"
-            fits = "traverse" if traverses else "front, front-rear or passage"
-            raise PipenavError(f"policy {self._policy} {does}: its stage is {fits}, given {self._stage}.")
+            fits = "traverse" if traverses else "reach, reach-rear or passage"
+            raise PipenavError(f"policy {config.policy} {does}: its stage is {fits}, given {stage}.")
+        return stage
 
-    def run(self, progress: Progress = lambda _part, _total, _done, _successes: None) -> Evaluation:
-        """Every stage over all episodes, one after the other."""
-        pipes, episodes, controller = self._pipes, self._episodes, self._controller
-        runs = Passages(
-            self._robot,
-            self._task,
-            pipes,
-            episodes,
-            self._seed,
-            self._backend,
-            self._options,
-            progress,
-            self._disturbance,
-        )
-        parts: dict[str, StageResult] = {}
-        if self._stage in ("locate", "passage"):
-            parts["locate"] = runs.locate(self._variant)
-        if controller is not None:
-            parts[kind_of(self._task).stage] = runs.task(controller, parts.get("locate"))
-        if self._stage in ("front-rear", "passage"):
-            parts["rear"] = runs.rear(parts["front"], parts.get("locate"))
-        deepest = np.zeros(len(pipes) * episodes)
+    def run(self, progress: Progress = no_progress) -> Evaluation:
+        """Run every stage over all episodes, one after the other."""
+        config, plan = self.config, self._plan
+        parts = self._run_stages(Passages(plan, progress))
+        deepest = np.zeros(len(plan.pipes) * plan.episodes)
         for part in parts.values():
             deepest[part.jobs] = np.maximum(deepest[part.jobs], part.results.penetration)
+        records = [_pipe_record(pipe, parts, i * plan.episodes, plan.episodes) for i, pipe in enumerate(plan.pipes)]
+        trained = None if self._controller is None else self._controller.task.control
         return Evaluation.of(
-            [_pipe_record(pipe, parts, i * episodes, episodes) for i, pipe in enumerate(pipes)],
-            policy=self._policy or f"locate:{self._variant}",
-            backend=self._backend,
+            records,
+            config=config,
             robot=self._robot.name,
-            stage=self._stage,
-            seed=self._seed,
-            episodes_per_pipe=episodes,
             penetration_p99_m=float(np.percentile(deepest, 99)),
-            options=self._options,
-            disturb=self._disturb,
-            thesis={} if controller is None else thesis_best(controller.task.control, self._robot.name),
+            thesis={} if trained is None else thesis_best(trained, self._robot.name),
         )
 
+    def _run_stages(self, passages: Passages) -> StageResults:
+        parts: StageResults = {}
+        if self.config.stage in ("locate", "passage"):
+            parts[PassageStage.LOCATE] = passages.locate(self.config.variant)
+        if self._controller is not None:
+            parts[self._task.stage] = passages.task(self._controller, parts.get(PassageStage.LOCATE))
+        if self.config.stage in ("reach-rear", "passage"):
+            parts[PassageStage.REAR] = passages.rear(parts[PassageStage.REACH], parts.get(PassageStage.LOCATE))
+        return parts
 
-def _pipe_record(pipe: Pipe, parts: dict[str, StageResult], first: int, episodes: int) -> PipeRecord:
+
+def _pipe_record(pipe: Pipe, parts: StageResults, first: int, episodes: int) -> PipeRecord:
     """The record of one pipe, whose episodes are `first` and the ones after it."""
     counts: dict[str, int] = {}
     failures: dict[str, int] = {}
-    seen = []
-    for name, part in parts.items():
-        here = (part.jobs >= first) & (part.jobs < first + episodes)
-        results, passed = part.results.select(here), part.passed[here]
+    seen: list[EpisodeResults] = []
+
+    def here(part: StageResult) -> Flags:
+        return np.asarray((part.jobs >= first) & (part.jobs < first + episodes))
+
+    for stage, part in parts.items():
+        results, passed = part.results.select(here(part)), part.passed[here(part)]
         seen.append(results)
-        if name == "locate":
+        if stage is PassageStage.LOCATE:
             counts["located"] = int(passed.sum())
         else:
-            counts |= {f"{name}_attempts": len(passed), f"{name}_successes": int(passed.sum())}
+            counts |= {f"{stage}_attempts": len(passed), f"{stage}_successes": int(passed.sum())}
+        main_task = stage in (PassageStage.REACH, PassageStage.TRAVERSE)
         for outcome in results.outcome[~passed]:
-            reason = Outcome(outcome).label if name in ("front", "traverse") else f"{name} {Outcome(outcome).label}"
+            reason = Outcome(outcome).label if main_task else f"{stage} {Outcome(outcome).label}"
             failures[reason] = failures.get(reason, 0) + 1
-    main = parts.get("front") or parts.get("traverse") or parts["locate"]
-    timed = main.results.select((main.jobs >= first) & (main.jobs < first + episodes))
+    main = parts.get(PassageStage.REACH) or parts.get(PassageStage.TRAVERSE) or parts[PassageStage.LOCATE]
+    timed = main.results.select(here(main))
     reached = timed.outcome == Outcome.REACHED
     steps = np.concatenate([results.steps for results in seen])
     shares = np.concatenate([results.contact_share for results in seen])
@@ -154,11 +126,11 @@ def _pipe_record(pipe: Pipe, parts: dict[str, StageResult], first: int, episodes
         diameter_mm=round(m_to_mm(pipe.diameter), 6),
         angle_deg=None if corner is None else round(rad_to_deg(corner.angle), 6),
         turn=None if corner is None else corner.turn,
-        run=pipe.name if corner is None else None,
+        route=pipe.name if corner is None else None,
         episodes=episodes,
         failures=failures,
         mean_steps=float(timed.steps[reached].mean()) if reached.any() else None,
-        min_clearance_m=min(float(results.clearance.min(initial=np.inf)) for results in seen),
+        min_range_m=min(float(results.min_range.min(initial=np.inf)) for results in seen),
         max_penetration_m=max(float(results.penetration.max(initial=0.0)) for results in seen),
         peak_force_n=max(float(results.force.max(initial=0.0)) for results in seen),
         contact_time_share=float((steps * shares).sum() / steps.sum()),

@@ -78,7 +78,7 @@ def pooled(pipes: Sequence[PipeRecord]) -> dict[float, Cell]:
 
 def run_cells(evaluation: Evaluation) -> dict[float, dict[float, Cell]]:
     """Episodes in runs of corners, by diameter [mm], widest first, and by the run's number among all runs, from 1."""
-    runs = [record for record in evaluation.pipes if record.run is not None]
+    runs = [record for record in evaluation.pipes if record.route is not None]
     numbers = {id(record): number for number, record in enumerate(runs, 1)}
     return {
         diameter: {float(numbers[id(r)]): Cell(r.successes, r.episodes) for r in group}
@@ -98,7 +98,7 @@ def success_figure(evaluation: Evaluation) -> Figure:
     figure = Figure((9.0, 5.4), facecolor="white", layout="constrained")
     axes = figure.add_subplot()
     plain(axes)
-    corners = [record for record in evaluation.pipes if record.run is None]
+    corners = [record for record in evaluation.pipes if record.route is None]
     lines = {d: pooled(records) for d, records in by_diameter(corners).items()} if corners else run_cells(evaluation)
     angles = sorted({angle for line in lines.values() for angle in line})
     shades = colormaps["viridis"]

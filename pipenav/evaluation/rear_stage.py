@@ -14,8 +14,8 @@ from pipenav.motions.follower import Follower
 from pipenav.motions.trajectory import Motion
 from pipenav.robots.outline import foremost
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.outcome import Outcome
-from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.outcome import Outcome, decide
+from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.reach.episode import at_limit
 
 MotionSource = Callable[[Ints], Sequence[Motion]]
@@ -31,10 +31,10 @@ class RearStage(Stage):
     """
 
     def __init__(
-        self, robot: RobotSpec, backend: Simulator, n: int, source: MotionSource, config: TaskConfig | None = None
+        self, robot: RobotSpec, backend: Simulator, n: int, source: MotionSource, config: ReachConfig | None = None
     ) -> None:
         self.robot, self.n = robot, n
-        self._backend, self._source, self._config = backend, source, config or TaskConfig()
+        self._backend, self._source, self._config = backend, source, config or ReachConfig()
         self._steps = np.zeros(n, np.intp)
         self._motions: list[Motion] = []
         self._follower, self._q = Follower(robot, n, CONTROL_PERIOD), np.zeros((n, len(robot.joints)))
@@ -61,11 +61,13 @@ class RearStage(Stage):
         reading, truth = self._backend.read(), self._backend.truth()
         self._q = reading.q
         edges = np.array([motion.base + motion.pipe.inner_edge for motion in self._motions])
-        outcome = np.full(self.n, Outcome.RUNNING, np.int8)
-        outcome[self._steps >= self._follower.patience] = Outcome.TIMEOUT
-        outcome[foremost(self.robot, reading.q) + edges <= 0] = Outcome.REACHED
-        outcome[at_limit(self.robot, self._config, reading.q)] = Outcome.LIMIT
-        outcome[truth.penetration > self._config.max_penetration] = Outcome.PENETRATION
+        holds = {
+            Outcome.TIMEOUT: self._steps >= self._follower.patience,
+            Outcome.REACHED: foremost(self.robot, reading.q) + edges <= 0,
+            Outcome.LIMIT: at_limit(self.robot, self._config, reading.q),
+            Outcome.PENETRATION: truth.penetration > self._config.max_penetration,
+        }
+        outcome = decide(self.n, holds)
         return StageStep(outcome, reading.ranges.min(axis=1), truth, reading.q)
 
     def close(self) -> None:

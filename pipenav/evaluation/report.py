@@ -83,7 +83,7 @@ def _successes(evaluation: Evaluation) -> Table:
     """Success by diameter: the stages that were run, what the thesis has, why episodes failed."""
     pipes = evaluation.pipes
     located = any(record.located is not None for record in pipes)
-    front = any(record.front_attempts is not None for record in pipes)
+    front = any(record.reach_attempts is not None for record in pipes)
     rear = any(record.rear_attempts is not None for record in pipes)
     traverse = any(record.traverse_attempts is not None for record in pipes)
     headings = ["diameter\nmm", "episodes\n"]
@@ -94,8 +94,8 @@ def _successes(evaluation: Evaluation) -> Table:
 
     def cells(row: DiameterRecord) -> list[str]:
         found = [_percent(row.located_share)] * located
-        interval = _interval(row.front_success_low, row.front_success_high)
-        passed = [_percent(row.front_success), interval, _number(row.thesis_percent, 0)] * front
+        interval = _interval(row.reach_success_low, row.reach_success_high)
+        passed = [_percent(row.reach_success), interval, _number(row.thesis_percent, 0)] * front
         through = _interval(row.traverse_success_low, row.traverse_success_high)
         traversed = [_percent(row.traverse_success), through] * traverse
         return [f"{row.episodes:,}", *found, *passed, *[_percent(row.rear_success)] * rear, *traversed]
@@ -119,7 +119,7 @@ def _contacts(evaluation: Evaluation) -> Table:
         table.add_row(
             f"{diameter:g}",
             _number(_weighted_mean(steps), 1),
-            _number(_extreme(min, [r.min_clearance_m for r in records]), 1, 1000),
+            _number(_extreme(min, [r.min_range_m for r in records]), 1, 1000),
             _number(_extreme(max, [r.peak_force_n for r in records]), 1),
             _percent(_weighted_mean(contact)),
             _number(_extreme(max, [r.max_penetration_m for r in records]), 2, 1000),
@@ -147,7 +147,7 @@ def _worst(pipes: Sequence[PipeRecord]) -> RenderableType:
             _percent(record.success),
             _interval(*wilson(record.successes, record.episodes)),
             _number(record.mean_steps, 1),
-            _number(record.min_clearance_m, 1, 1000),
+            _number(record.min_range_m, 1, 1000),
             _number(record.peak_force_n, 1),
             _failures([record]),
         )
@@ -178,14 +178,14 @@ def _table(title: str, numbers: Sequence[str], words: Sequence[str]) -> Table:
 def _worst_pipe(records: Sequence[PipeRecord]) -> str:
     worst = min(records, key=lambda record: record.success)
     angle, turn = _corner_cells(worst)
-    where = turn.replace("-", " ") if worst.run else f"{angle}° {turn}"  # with places to break the line
+    where = turn.replace("-", " ") if worst.route else f"{angle}° {turn}"  # with places to break the line
     return f"{where}: {_percent(worst.success)} %" if worst.success < 1 else MISSING
 
 
 def _corner_cells(record: PipeRecord) -> tuple[str, str]:
     """Angle and turn of a corner; of a run its first corners as its name has them: the diameter stands beside."""
-    if record.run is not None:
-        corners = record.run.split("-")[2:]
+    if record.route is not None:
+        corners = record.route.split("-")[2:]
         return "run", "-".join(corners[:SHOWN_CORNERS]) + "-..." * (len(corners) > SHOWN_CORNERS)
     return f"{record.angle_deg:g}", str(record.turn)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import (
     AfterValidator,
@@ -19,6 +19,7 @@ from pydantic import (
 )
 
 from pipenav.errors import ConfigError, FileProblem
+from pipenav.evaluation.config import EvaluationConfig
 from pipenav.evaluation.thesis import is_thesis_set
 
 Z_95 = 1.959963984540054
@@ -60,9 +61,26 @@ def wilson(successes: int, n: int) -> Interval:
     return Interval(low, high)
 
 
+def _todays_key(key: str) -> str:
+    key = EARLIER_KEYS.get(key, key)
+    return f"reach_{key.removeprefix('front_')}" if key.startswith("front_") else key
+
+
+EARLIER_KEYS = {"run": "route", "min_clearance_m": "min_range_m"}
+"""Keys of schema 1 that have another name in schema 2; besides, `front_` was what is `reach_` today."""
+
+
 class _Record(BaseModel):
     # Unknown keys are skipped, so that a file of a later version that only adds keys can still be read.
     model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False, populate_by_name=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _todays_keys(cls, given: Any) -> Any:
+        """Keys of schema 1 as those of today."""
+        if not isinstance(given, dict):
+            return given
+        return {_todays_key(key): value for key, value in given.items()}
 
 
 class PipeRecord(_Record):
@@ -72,17 +90,17 @@ class PipeRecord(_Record):
         diameter_mm: inner diameter [mm].
         angle_deg: interior corner angle [deg]; None of a run.
         turn: side of the corner, seen by the robot; None of a run.
-        run: name of a run of corners, as `PipeRoute.name`; None of a single corner.
+        route: name of a route, as `PipeRoute.name`; None of a single corner.
         episodes: episodes run.
         located: episodes in which the robot found a target itself.
-        front_attempts: front passages begun.
-        front_successes: front passages that reached their target.
+        reach_attempts: front passages begun.
+        reach_successes: front passages that reached their target.
         rear_attempts, rear_successes: the same of rear passages, which succeed by leaving the corner.
         traverse_attempts, traverse_successes: the same of whole robots, which succeed once their tail is through.
         failures: how many episodes ended by each reason other than success.
         mean_steps: mean control steps of a successful front passage or traverse, or of finding a target where neither
             was run; None without one.
-        min_clearance_m: smallest laser reading of all episodes [m].
+        min_range_m: smallest laser reading of all episodes [m].
         max_penetration_m: deepest overlap of robot and wall of all episodes [m].
         peak_force_n: largest contact force of all episodes [N].
         contact_time_share: share of the time in contact with the wall, mean over episodes.
@@ -91,18 +109,18 @@ class PipeRecord(_Record):
     diameter_mm: Typed
     angle_deg: Typed | None
     turn: Literal["left", "right"] | None
-    run: str | None = None
+    route: str | None = None
     episodes: Positive
     located: Count | None = None
-    front_attempts: Count | None = None
-    front_successes: Count | None = None
+    reach_attempts: Count | None = None
+    reach_successes: Count | None = None
     rear_attempts: Count | None = None
     rear_successes: Count | None = None
     traverse_attempts: Count | None = None
     traverse_successes: Count | None = None
     failures: dict[str, Count] = Field(default_factory=dict)
     mean_steps: Amount | None = None
-    min_clearance_m: float | None = None
+    min_range_m: float | None = None
     max_penetration_m: float | None = None
     peak_force_n: Amount | None = None
     contact_time_share: Share | None = None
@@ -111,43 +129,43 @@ class PipeRecord(_Record):
     def _counts_fit(self) -> Self:
         """Every stage begins with what the stage before left."""
         given = [value is not None for value in (self.angle_deg, self.turn)]
-        if given != [self.run is None] * 2:
-            raise ValueError("a corner has angle_deg and turn, and a run has neither but its name in run")
+        if given != [self.route is None] * 2:
+            raise ValueError("a corner has angle_deg and turn, and a route has neither but its name in route")
         left = self.episodes
-        for name in ("located", "front_attempts", "front_successes", "rear_attempts", "rear_successes"):
+        for name in ("located", "reach_attempts", "reach_successes", "rear_attempts", "rear_successes"):
             count = getattr(self, name)
             if count is not None and count > left:
                 raise ValueError(f"{name} is {count}, more than the {left} before it")
             left = left if count is None else count
         if self.traverse_attempts is not None and not (self.traverse_successes or 0) <= self.traverse_attempts <= left:
             raise ValueError(f"traverse_attempts must lie between traverse_successes and the {left} episodes")
-        for stage in ("front", "rear", "traverse"):
+        for stage in ("reach", "rear", "traverse"):
             if (getattr(self, f"{stage}_attempts") is None) != (getattr(self, f"{stage}_successes") is None):
                 raise ValueError(f"{stage}_attempts and {stage}_successes must be given together")
         return self
 
     @computed_field  # type: ignore[prop-decorator]  # mypy knows no decorated properties
     @property
-    def front_success_low(self) -> float | None:
+    def reach_success_low(self) -> float | None:
         """Lower end of the 95 % interval of the front's success."""
-        return self.front_interval and self.front_interval.low
+        return self.reach_interval and self.reach_interval.low
 
     @computed_field  # type: ignore[prop-decorator]
     @property
-    def front_success_high(self) -> float | None:
+    def reach_success_high(self) -> float | None:
         """Upper end of the 95 % interval of the front's success."""
-        return self.front_interval and self.front_interval.high
+        return self.reach_interval and self.reach_interval.high
 
     @property
-    def front_interval(self) -> Interval | None:
-        if self.front_attempts is None or self.front_successes is None:
+    def reach_interval(self) -> Interval | None:
+        if self.reach_attempts is None or self.reach_successes is None:
             return None
-        return wilson(self.front_successes, self.front_attempts)
+        return wilson(self.reach_successes, self.reach_attempts)
 
     @property
     def successes(self) -> int:
         """Episodes that passed every stage that was run."""
-        counts = (self.traverse_successes, self.rear_successes, self.front_successes, self.located)
+        counts = (self.traverse_successes, self.rear_successes, self.reach_successes, self.located)
         return next((count for count in counts if count is not None), 0)
 
     @property
@@ -164,9 +182,9 @@ class DiameterRecord(_Record):
         pipes: number of pipes.
         episodes: episodes in all of them.
         located_share: share of the episodes in which a target was found.
-        front_success: share of the front attempts that succeeded, mean over the pipes (as the thesis takes it over
+        reach_success: share of the front attempts that succeeded, mean over the pipes (as the thesis takes it over
             the angles).
-        front_success_low, front_success_high: its 95 % interval, over all attempts together.
+        reach_success_low, reach_success_high: its 95 % interval, over all attempts together.
         rear_success: share of the rear attempts that succeeded, mean over the pipes that had any.
         traverse_success: share of the traverses that succeeded, mean over the pipes.
         traverse_success_low, traverse_success_high: its 95 % interval, over all of them together.
@@ -177,9 +195,9 @@ class DiameterRecord(_Record):
     pipes: Positive
     episodes: Positive
     located_share: Share | None = None
-    front_success: Share | None = None
-    front_success_low: Share | None = None
-    front_success_high: Share | None = None
+    reach_success: Share | None = None
+    reach_success_low: Share | None = None
+    reach_success_high: Share | None = None
     rear_success: Share | None = None
     traverse_success: Share | None = None
     traverse_success_low: Share | None = None
@@ -194,7 +212,7 @@ class DiameterRecord(_Record):
             records: at least one, all of the same diameter.
             thesis_percent: the thesis's figure for this diameter, kept only if the angles are the thesis's.
         """
-        fronts = [(r.front_successes, r.front_attempts) for r in records]
+        fronts = [(r.reach_successes, r.reach_attempts) for r in records]
         traverses = [(r.traverse_successes, r.traverse_attempts) for r in records]
         front, traverse = _pooled_interval(fronts), _pooled_interval(traverses)
         located = [r.located for r in records if r.located is not None]
@@ -204,9 +222,9 @@ class DiameterRecord(_Record):
             pipes=len(records),
             episodes=episodes,
             located_share=sum(located) / episodes if located else None,
-            front_success=_mean_rate(fronts),
-            front_success_low=front and front.low,
-            front_success_high=front and front.high,
+            reach_success=_mean_rate(fronts),
+            reach_success_low=front and front.low,
+            reach_success_high=front and front.high,
             rear_success=_mean_rate((r.rear_successes, r.rear_attempts) for r in records),
             traverse_success=_mean_rate(traverses),
             traverse_success_low=traverse and traverse.low,
@@ -220,48 +238,50 @@ class Evaluation(_Record):
 
     Attributes:
         schema_version: version of the format; the key is `schema`.
-        policy, backend, robot: their names.
-        stage, seed: what was run, by its name on the command line; of starts and targets.
-        episodes_per_pipe: episodes in every pipe.
+        config: everything that decided what was computed, its stage named.
+        robot: name of the robot.
         success: share of all episodes that passed every stage that was run.
-        success_low, success_high: its 95 % interval.
+        success_low, success_high: ends of its 95 % interval.
         penetration_p99_m: 99th percentile over the episodes of the deepest overlap [m].
-        options: the backend's settings.
-        disturb: name or file of what went wrong on purpose; None for nothing.
         pipes: one record for each pipe, in the order they were given.
         diameters: one record for each diameter, widest first.
     """
 
-    schema_version: Literal[1] = Field(1, alias="schema")
-    policy: str
-    backend: str
+    schema_version: Literal[1, 2] = Field(2, alias="schema")
+    config: EvaluationConfig
     robot: str
-    stage: str
-    seed: int
-    episodes_per_pipe: Positive
     success: Share
     success_low: Share
     success_high: Share
     penetration_p99_m: float | None = None
-    options: dict[str, JsonValue] = Field(default_factory=dict)
-    disturb: str | None = None
     pipes: tuple[PipeRecord, ...] = Field(min_length=1)
     diameters: tuple[DiameterRecord, ...] = Field(min_length=1)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _config_of_schema_1(cls, given: Any) -> Any:
+        """The configuration from the single keys that schema 1 had; which pipes were asked for it does not say."""
+        if not isinstance(given, dict) or "config" in given or "stage" not in given:
+            return given
+        policy, pipes = str(given.get("policy")), given.get("pipes")
+        names = [_typed_pipe(record) for record in pipes] if isinstance(pipes, list | tuple) else []
+        config = {
+            "policy": None if policy.startswith("locate:") else policy,
+            "variant": policy.removeprefix("locate:") if policy.startswith("locate:") else "map",
+            "pipes": names,
+            "episodes": given.get("episodes_per_pipe"),
+            **{key: given[key] for key in ("seed", "stage", "backend", "options", "disturb") if key in given},
+        }
+        return {**given, "config": config}
 
     @classmethod
     def of(
         cls,
         pipes: Sequence[PipeRecord],
         *,
-        policy: str,
-        backend: str,
+        config: EvaluationConfig,
         robot: str,
-        stage: str,
-        seed: int,
-        episodes_per_pipe: int,
         penetration_p99_m: float | None = None,
-        options: Mapping[str, JsonValue] | None = None,
-        disturb: str | None = None,
         thesis: Mapping[float, float] | None = None,
     ) -> Self:
         """An evaluation of at least one pipe; `thesis` holds figures [percent] to compare with, by diameter [mm]."""
@@ -269,21 +289,57 @@ class Evaluation(_Record):
         diameters = [DiameterRecord.of(group, (thesis or {}).get(d)) for d, group in by_diameter(pipes).items()]
         low, high = wilson(successes, episodes)
         return cls(
-            policy=policy,
-            backend=backend,
+            config=config,
             robot=robot,
-            stage=stage,
-            seed=seed,
-            episodes_per_pipe=episodes_per_pipe,
             success=successes / episodes,
             success_low=low,
             success_high=high,
             penetration_p99_m=penetration_p99_m,
-            options=dict(options or {}),
-            disturb=disturb,
             pipes=tuple(pipes),
             diameters=tuple(diameters),
         )
+
+    @computed_field  # type: ignore[prop-decorator]  # mypy knows no decorated properties
+    @property
+    def policy(self) -> str:
+        """What was evaluated, as in schema 1: a policy's name, or the behaviour that locates a target."""
+        return self.config.subject
+
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def backend(self) -> str:
+        """Name of the backend, as in schema 1."""
+        return self.config.backend
+
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def stage(self) -> str:
+        """What was run, as in schema 1."""
+        return str(self.config.stage)
+
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def seed(self) -> int:
+        """Seed of starts and targets, as in schema 1."""
+        return self.config.seed
+
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def episodes_per_pipe(self) -> int:
+        """Episodes in every pipe, as in schema 1."""
+        return self.config.episodes
+
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def options(self) -> dict[str, JsonValue]:
+        """The simulator's settings, as in schema 1."""
+        return self.config.options
+
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def disturb(self) -> str | None:
+        """Name or file of what went wrong on purpose, as in schema 1."""
+        return self.config.disturb
 
     @property
     def episodes(self) -> int:
@@ -291,6 +347,13 @@ class Evaluation(_Record):
 
     def to_json(self) -> str:
         return self.model_dump_json(by_alias=True, indent=2) + "\n"
+
+
+def _typed_pipe(record: Any) -> str:
+    """A record of schema 1 as a person names its pipe; a route by its name."""
+    if not isinstance(record, dict) or record.get("run"):
+        return str(record.get("run")) if isinstance(record, dict) else "?"
+    return f"d={record.get('diameter_mm')},angle={record.get('angle_deg')},turn={record.get('turn')}"
 
 
 def by_diameter(pipes: Sequence[PipeRecord]) -> dict[float, list[PipeRecord]]:

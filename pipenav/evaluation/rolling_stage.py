@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
-from pipenav.backends.registry import load_spatial, open_space
+from pipenav.backends.registry import SimulatorSettings, load_spatial, open_space
 from pipenav.errors import PipenavError
 from pipenav.evaluation.episode_runner import EpisodeQueue, joined
 from pipenav.evaluation.stage import TaskStage
-from pipenav.policies.controller import Controller
+from pipenav.policies.controller import AnyController
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.rolling.batch import SpaceBatch
+from pipenav.tasks.rolling.batch import RollingBatch
 from pipenav.tasks.rolling.clamp import check_robot
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import GRAVITY, TraverseEpisodes
@@ -34,11 +31,11 @@ def gravity_of(task: TraverseConfig) -> float:
     return 0.0 if task.inclination_deg is None else GRAVITY
 
 
-def space_stage(
-    controller: Controller, backend: str, options: Mapping[str, Any], queue: EpisodeQueue[TraverseEpisodes]
+def rolling_stage(
+    controller: AnyController, settings: SimulatorSettings, queue: EpisodeQueue[TraverseEpisodes]
 ) -> TaskStage:
     """The controller's task in space, with as many robots as the queue, which is its source."""
     robot, task, n = controller.robot, controller.task, len(queue.running)
     assert isinstance(task, TraverseConfig)  # no other task takes such runs
-    simulator = open_space(backend, robot, n, options, gravity_of(task))
-    return TaskStage(SpaceBatch(robot, task, simulator, n, lambda r: joined(queue.take(r))), controller)
+    simulator = open_space(settings.backend, robot, n, settings.options, gravity_of(task))
+    return TaskStage(RollingBatch(robot, task, simulator, n, lambda r: joined(queue.take(r))), controller)

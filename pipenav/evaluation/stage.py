@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.messages import Truth
 from pipenav.backends.spatial import SpaceTruth
-from pipenav.policies.controller import Controller
+from pipenav.policies.controller import AnyController, actions_of
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.batch import TaskBatch
 
@@ -21,13 +21,13 @@ class StageStep(NamedTuple):
 
     Attributes:
         outcome: a `Outcome` for each, (n,); other than RUNNING ends the episode, REACHED is the stage's success.
-        clearance: smallest laser reading, (n,) [m].
+        min_range: smallest laser reading, (n,) [m].
         truth: what the simulator knows.
         q: configurations after the step in the robot's own frame, (n, coordinates): where a next stage starts.
     """
 
     outcome: NDArray[np.int8]
-    clearance: Floats
+    min_range: Floats
     truth: Truth | SpaceTruth
     q: Floats
 
@@ -67,7 +67,7 @@ class Stage(ABC):
 class TaskStage(Stage):
     """A task under a controller: the front half reaches a target, or the whole robot traverses the pipe."""
 
-    def __init__(self, batch: TaskBatch, controller: Controller) -> None:
+    def __init__(self, batch: TaskBatch, controller: AnyController) -> None:
         self.robot, self.n = batch.robot, batch.n
         self._batch, self._controller = batch, controller
         self._observation = np.zeros((batch.n, batch.observation_size))
@@ -80,9 +80,9 @@ class TaskStage(Stage):
         self._observation = self._batch.reset(indices)
 
     def step(self) -> StageStep:
-        result = self._batch.step(self._controller.act(self._observation, self._batch))
+        result = self._batch.step(actions_of(self._controller, self._observation, self._batch))
         self._observation = result.observation
-        return StageStep(result.outcome, result.clearance, result.truth, self._batch.q)
+        return StageStep(result.outcome, result.min_range, result.truth, self._batch.q)
 
     def close(self) -> None:
         self._batch.close()

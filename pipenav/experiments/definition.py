@@ -10,7 +10,7 @@ from pydantic import Field, TypeAdapter, ValidationError, model_validator
 
 from pipenav.arrays import Table
 from pipenav.errors import ConfigError, UnknownName
-from pipenav.evaluation.evaluate import StageName
+from pipenav.evaluation.config import StageName
 from pipenav.learning.config import TrainConfig, load_config
 from pipenav.locating.locator import Variant
 from pipenav.storage.atomic_files import read_toml
@@ -42,7 +42,7 @@ class Row(Table):
     note: str | None = Field(None, description="what sets it apart from a row of the same label")
     agent: str | None = None
     robot: str | None = Field(None, description="of a stage without an agent")
-    stage: StageName = "front"
+    stage: StageName = "reach"
     variant: Variant = Field("map", description="of the stages that locate a target")
     table: str | None = Field(None, description="the thesis's table, e.g. 5.1")
     candidate: bool = Field(True, description="whether the experiment's best agent is chosen from it too")

@@ -27,7 +27,7 @@ ITERATION = 800
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 """Okabe and Ito's palette, which the colour-blind can tell apart."""
 
-PHASE_WORDS: dict[Phase, str] = {"located": "target located", "front": "front", "rear": "rear of the successful fronts"}
+PHASE_WORDS: dict[Phase, str] = {"locate": "target located", "reach": "front", "rear": "rear of the successful fronts"}
 
 
 def training_figure(plan: ExperimentPlan, results: Sequence[Result], title: str) -> Figure | None:
@@ -63,7 +63,7 @@ def _curves(plan: ExperimentPlan, agent: str) -> tuple[Floats, Floats, Floats]:
     curves = np.full((2, len(columns), count), np.nan)
     for seed, column in enumerate(columns):
         place = np.ceil(np.array(column["steps"]) / ITERATION).astype(int) - 1
-        for row, name in enumerate(("success", "clearance_m")):
+        for row, name in enumerate(("success", "min_range_m")):
             values = np.array(column[name])
             for i in np.unique(place[place < count]):
                 here = values[place == i]
@@ -128,10 +128,10 @@ def _by_angle(evaluation: Evaluation, phase: Phase, diameter: float) -> dict[flo
 
 
 def _counts(record: PipeRecord, phase: Phase) -> tuple[int, int]:
-    if phase == "located":
+    if phase == "locate":
         return record.located or 0, record.episodes
-    if phase == "front":
-        return record.front_successes or 0, record.front_attempts or 0
+    if phase == "reach":
+        return record.reach_successes or 0, record.reach_attempts or 0
     return record.rear_successes or 0, record.rear_attempts or 0
 
 

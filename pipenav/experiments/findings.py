@@ -33,7 +33,7 @@ def paragraph(name: str, results: Sequence[Result]) -> str:
 
 
 def _sweet_spot(results: Sequence[Result]) -> Outcome:
-    means = [result.line("front").mean for result in results]
+    means = [result.line("reach").mean for result in results]
     best = means.index(max(means))
     inside = 0 < best < len(means) - 1
     drops = means[best] - means[0] > NOTICEABLE and means[best] - means[-1] > NOTICEABLE
@@ -49,9 +49,9 @@ def _sweet_spot(results: Sequence[Result]) -> Outcome:
 
 
 def _change_reward_helps(results: Sequence[Result]) -> Outcome:
-    basic, without, _, full = (result.line("front").mean for result in results[:4])
+    basic, without, _, full = (result.line("reach").mean for result in results[:4])
     held = full - without > NOTICEABLE and full - basic > NOTICEABLE
-    narrow = [result.line("front") for result in results[:4]]
+    narrow = [result.line("reach") for result in results[:4]]
     smallest = min(narrow[0].ours)
     at = ", ".join(f"{line.ours[smallest].mean:.1f}" for line in narrow)
     because = (
@@ -85,7 +85,7 @@ def _peak_forces(results: Sequence[Result]) -> list[float]:
 
 
 def _always_located(results: Sequence[Result]) -> Outcome:
-    printed, ours = (result.line("located").mean for result in results)
+    printed, ours = (result.line("locate").mean for result in results)
     because = (
         f"as printed, the behaviour found a target inside the second leg in {printed:.1f} % of the episodes; ours did"
         f" in {ours:.1f} %. The thesis gives neither its starts nor which beams lie ahead (eq 3.18); here those within"
@@ -96,7 +96,7 @@ def _always_located(results: Sequence[Result]) -> Outcome:
 
 def _locating_helps(results: Sequence[Result]) -> Outcome:
     given, located = results
-    fronts = given.line("front").mean, located.line("front").mean
+    fronts = given.line("reach").mean, located.line("reach").mean
     rears = given.line("rear").mean, located.line("rear").mean
     held = fronts[1] - fronts[0] > NOTICEABLE
     because = (

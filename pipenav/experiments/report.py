@@ -21,7 +21,7 @@ INTRODUCTION = (
     " A rear's success is over the successful fronts; `whole` is every stage together, over all episodes."
 )
 
-PHASE_LABELS = {"located": "located", "front": "front", "rear": "rear", "whole": "whole passage"}
+PHASE_LABELS = {"locate": "locate", "reach": "reach", "rear": "rear", "whole": "whole passage"}
 
 STYLE = (
     "body{font:16px/1.5 system-ui,sans-serif;color:#20262c;max-width:70rem;margin:2rem auto;padding:0 1rem}"

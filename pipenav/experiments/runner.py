@@ -115,6 +115,7 @@ class Measurement:
     threads: int
 
     def __call__(self, report: Callable[[int], None], should_stop: Callable[[], bool]) -> None:
+        from pipenav.evaluation.config import EvaluationConfig
         from pipenav.evaluation.evaluate import EvaluationRun
         from pipenav.evaluation.report import write_evaluation
 
@@ -123,9 +124,9 @@ class Measurement:
             if should_stop():
                 raise KeyboardInterrupt
 
-        evaluation = EvaluationRun(
+        config = EvaluationConfig(
             policy=None if self.policy is None else str(self.policy),
-            pipes=[self.pipes],
+            pipes=(self.pipes,),
             episodes=self.settings.episodes,
             seed=EVALUATION_SEED,
             stage=self.row.stage,
@@ -133,7 +134,8 @@ class Measurement:
             variant=self.row.variant,
             backend=self.settings.backend,
             options={"threads": self.threads} if self.settings.backend == "mujoco" else {},
-        ).run(progress)
+        )
+        evaluation = EvaluationRun(config).run(progress)
         write_evaluation(self.folder, evaluation)
 
 

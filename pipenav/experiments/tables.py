@@ -11,13 +11,13 @@ from pipenav.evaluation.thesis import thesis_rows
 from pipenav.experiments.definition import Row, load_experiment
 from pipenav.experiments.runner import ExperimentPlan, evaluations
 
-Phase = Literal["located", "front", "rear", "whole"]
+Phase = Literal["locate", "reach", "rear", "whole"]
 
 PHASES: dict[str, tuple[Phase, ...]] = {
-    "front": ("front",),
-    "front-rear": ("front", "rear", "whole"),
-    "locate": ("located",),
-    "passage": ("located", "front", "rear", "whole"),
+    "reach": ("reach",),
+    "reach-rear": ("reach", "rear", "whole"),
+    "locate": ("locate",),
+    "passage": ("locate", "reach", "rear", "whole"),
 }
 """What each stage has figures of; the rear's are shares of the successful fronts, `whole` is all stages together."""
 
@@ -106,10 +106,10 @@ def _line(row: Row, phase: Phase, found: Sequence[Evaluation]) -> Line:
 
 
 def _share(record: DiameterRecord, evaluation: Evaluation, phase: Phase) -> float | None:
-    if phase == "located":
+    if phase == "locate":
         return record.located_share
-    if phase == "front":
-        return record.front_success
+    if phase == "reach":
+        return record.reach_success
     if phase == "rear":
         return record.rear_success
     pipes = [pipe for pipe in evaluation.pipes if pipe.diameter_mm == record.diameter_mm]

@@ -12,19 +12,20 @@ import numpy as np
 import torch
 from stable_baselines3.common.callbacks import BaseCallback
 
+from pipenav.backends.registry import SimulatorSettings
 from pipenav.errors import PipenavError
 from pipenav.evaluation.passage import run_task
 from pipenav.learning import checkpoint
 from pipenav.learning.config import TrainConfig
 from pipenav.learning.figures import write_training_plot
 from pipenav.learning.run_folder import RunFolder
-from pipenav.policies.controller import PolicyController
 from pipenav.policies.header import PolicyHeader, header_for
+from pipenav.policies.named import PolicyController
 from pipenav.policies.policy import load_policy, save_policy
 from pipenav.robots.robot import load_robot
 from pipenav.storage.atomic_files import atomic_write
 from pipenav.tasks.outcome import Outcome
-from pipenav.tasks.registry import kind_of
+from pipenav.tasks.registry import task_of
 
 NOISE_SETTLED = 0.9
 """Share of the steps after which the exploration noise stays at its last value."""
@@ -43,14 +44,14 @@ class Progress(NamedTuple):
         steps: control steps so far.
         steps_per_s: since the last report.
         success: share of the episodes since the last report that reached their target; NaN without any.
-        clearance: mean over steps of the smallest laser reading [m].
+        min_range: mean over steps of the smallest laser reading [m].
         check_success: success of the last noise-free check; NaN before the first.
     """
 
     steps: int
     steps_per_s: float
     success: float
-    clearance: float
+    min_range: float
     check_success: float
 
 
@@ -93,7 +94,7 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
 
     def _clear_counts(self) -> None:
         self._episodes = self._successes = self._episode_steps = 0
-        self._clearance, self._reward, self._samples = 0.0, 0.0, 0
+        self._min_range, self._reward, self._samples = 0.0, 0.0, 0
 
     def _on_rollout_start(self) -> None:
         self.model.policy.log_std.data.fill_(math.log(noise_at(self._config, self.num_timesteps)))
@@ -105,7 +106,7 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         rewards, observations = self.locals["rewards"], self.locals["new_obs"]
         if not (np.isfinite(observations).all() and np.isfinite(rewards).all()):
             self._diverge(observations, rewards)
-        self._clearance += float(env.clearance.sum())
+        self._min_range += float(env.min_range.sum())
         self._reward += float(rewards.sum())
         self._samples += len(rewards)
         for info in self.locals["infos"]:
@@ -149,7 +150,7 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
             steps=steps,
             steps_per_s=(steps - self._last_steps) / max(now - self._last_time, 1e-9),
             success=self._successes / episodes if episodes else math.nan,
-            clearance=self._clearance / max(self._samples, 1),
+            min_range=self._min_range / max(self._samples, 1),
             check_success=self._check_success,
         )
         self._folder.add_progress(
@@ -158,7 +159,7 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
                 "seconds": f"{self.seconds:.2f}",
                 "steps_per_s": f"{row.steps_per_s:.0f}",
                 "success": f"{row.success:.4f}" if episodes else "",
-                "clearance_m": f"{row.clearance:.5f}",
+                "min_range_m": f"{row.min_range:.5f}",
                 "reward": f"{self._reward / max(self._samples, 1):.4f}",
                 "episode_steps": f"{self._episode_steps / episodes:.2f}" if episodes else "",
                 "std": f"{float(self.model.policy.log_std.exp()[0]):.3f}",
@@ -191,13 +192,15 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
     def _measure(self) -> float:
         """Success of the noise-free policy on episodes spread evenly over the training pipes."""
         check = self._config.check
-        pipes = kind_of(self._config.task).parse(self._config.pipes)
+        pipes = task_of(self._config.task).parse_training_pipes(self._config.pipes)
         chosen = [pipes[i] for i in np.linspace(0, len(pipes) - 1, min(check.episodes, len(pipes))).astype(int)]
         each = math.ceil(check.episodes / len(chosen))
         seed = self._config.seed + CHECK_SEED
         controller = PolicyController(load_policy(self._folder.last))
         config = self._config
-        results = run_task(controller, chosen, each, seed, config.backend, config.options, config.randomise)
+        results = run_task(
+            controller, chosen, each, seed, SimulatorSettings(config.backend, config.options), config.randomise
+        )
         return float((results.outcome == Outcome.REACHED).mean())
 
     def _header(self) -> PolicyHeader:

@@ -15,8 +15,8 @@ from pipenav.disturbances.disturbance import UNDISTURBED, Disturbance
 from pipenav.errors import ConfigError, PipenavError, UnknownName
 from pipenav.storage import shipped
 from pipenav.storage.atomic_files import read_toml
-from pipenav.tasks.reach.config import TaskConfig
-from pipenav.tasks.registry import AnyTask
+from pipenav.tasks.reach.config import ReachConfig
+from pipenav.tasks.registry import TaskConfig
 
 DEFAULT_PRESET = "arm"
 
@@ -76,7 +76,7 @@ class TrainConfig(Table):
     pipes: tuple[str, ...] = Field(("thesis-train",), strict=False, min_length=1, description="pipe sets to train in")
     steps: int = Field(120_000, ge=1, description="control steps of all robots together")
     seed: int = Field(0, ge=0, lt=2**32)
-    task: AnyTask = TaskConfig()
+    task: TaskConfig = ReachConfig()
     network: NetworkConfig = NetworkConfig()
     learner: LearnerConfig = LearnerConfig()
     check: CheckConfig = CheckConfig()

@@ -20,7 +20,7 @@ from pipenav.learning.config import TrainConfig
 from pipenav.learning.run_folder import RunFolder
 from pipenav.learning.schedule import LearningRate
 from pipenav.robots.robot import load_robot
-from pipenav.tasks.registry import kind_of
+from pipenav.tasks.registry import task_of
 from pipenav.tasks.sampling import random_episodes
 
 EPISODE_STOCK = 512
@@ -60,15 +60,15 @@ def train(
     """
     torch.set_num_threads(1)  # physics has the cores; torch on one thread is 1.3 times faster for nets this small
     robot = load_robot(config.robot)
-    kind = kind_of(config.task)
-    sets = [kind.parse([name]) for name in config.pipes]
+    task = task_of(config.task)
+    sets = [task.parse_training_pipes([name]) for name in config.pipes]
     n = config.learner.robots
     segments = max(len(pipe.segments) for pipes in sets for pipe in pipes)
     rng = np.random.default_rng(config.seed)
     simulator = open_simulator(config.backend, robot, n, config.options, segments)
     backend = disturbed(simulator, robot, n, config.randomise, config.seed)
-    source = random_episodes(robot, config.randomise.starts(config.task), sets, rng, EPISODE_STOCK, kind.sample)
-    batch = kind.batch(robot, config.task, backend, n, source)
+    starting = task_of(config.randomise.starts(config.task))
+    batch = task.batch(robot, backend, n, random_episodes(starting, robot, sets, rng, EPISODE_STOCK))
     env = TaskVecEnv(batch)
     try:
         model = new_model(config, env)

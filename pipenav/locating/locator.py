@@ -22,7 +22,7 @@ from pipenav.arrays import Flags, Floats, Ints, Table
 from pipenav.backends.messages import Reading
 from pipenav.errors import PipenavError
 from pipenav.locating.corner_map import CornerMap
-from pipenav.robots import kinematics
+from pipenav.robots import frames, kinematics
 from pipenav.robots.robot import RobotSpec
 
 Flags = Flags
@@ -88,6 +88,8 @@ class Decision(NamedTuple):
 class Locator(Protocol):
     """A behaviour of n robots that finds targets from what their sensors give."""
 
+    n: int
+
     def start(self, indices: Ints, reading: Reading, turn_sign: Floats) -> None:
         """Begin anew with k robots.
 
@@ -107,7 +109,7 @@ class PrintedLocator:
     """Eq 3.16 to 3.19 as printed. Where several beams are open, the longest counts, of equal ones the first."""
 
     def __init__(self, robot: RobotSpec, config: LocateConfig, n: int) -> None:
-        self._robot, self._config = robot, config
+        self._robot, self._config, self.n = robot, config, n
         self._advance, self._turn_sign = np.full(n, config.v0), np.ones(n)
         self._start = np.zeros((n, len(robot.joints)))
 
@@ -138,7 +140,7 @@ class MapLocator:
     """
 
     def __init__(self, robot: RobotSpec, config: LocateConfig, n: int) -> None:
-        self._robot, self._config = robot, config
+        self._robot, self._config, self.n = robot, config, n
         self._map = CornerMap(robot.laser, n, config.tolerance)
         self._advance, self._turn_sign, self._home = np.full(n, config.v0), np.ones(n), np.zeros(n)
         self._agreed, self._back = np.zeros(n, int), np.zeros(n, bool)
@@ -184,14 +186,15 @@ class MapLocator:
         robot, config, turn_sign = self._robot, self._config, self._turn_sign[indices]
         pose = kinematics.forward(robot, reading.q)
         beams = pose.headings[:, -1:] + robot.laser.angles
-        mirror = np.stack([np.ones_like(turn_sign), turn_sign], axis=1)
-        self._map.add(indices, pose.tip * mirror, beams * turn_sign[:, None], reading.ranges)
+        self._map.add(
+            indices, frames.robot_to_canonical(pose.tip, turn_sign), beams * turn_sign[:, None], reading.ranges
+        )
         corner = self._map.corner(indices, config.depth)
         known = (corner.spread <= config.spread) & (corner.votes >= config.votes)
         known &= corner.agreement >= config.agreement
         self._agreed[indices] = np.where(known, self._agreed[indices] + 1, 0)
         sure = self._agreed[indices] >= config.scans
-        target = (corner.target * mirror)[sure]
+        target = frames.canonical_to_robot(corner.target, turn_sign)[sure]
         away = target - pose.tip[sure]
         off = np.arctan2(away[:, 1], away[:, 0])[:, None] - beams[sure]
         self._target[indices[sure]] = target

@@ -21,6 +21,7 @@ from pipenav.pipes.corner import PipeCorner
 from pipenav.robots import kinematics
 from pipenav.robots.outline import foremost
 from pipenav.robots.robot import RobotSpec
+from pipenav.tasks.outcome import PassageStage
 from pipenav.units import rad_to_deg
 
 STRAIGHT = 0.1
@@ -110,7 +111,7 @@ def plan_rear(parts: Sequence[Trajectory]) -> Trajectory:
             each other, or the first pose is not straight or not before the corner.
     """
     for part in parts:
-        if part.header.stage == "rear":
+        if part.header.stage is PassageStage.REAR:
             raise PipenavError("the trajectory is a rear half's already: give the front half's.")
         if not part.succeeded:
             outcome = part.header.outcome or "not run"
@@ -119,15 +120,17 @@ def plan_rear(parts: Sequence[Trajectory]) -> Trajectory:
                 "front passage can be mirrored."
             )
     last = parts[-1]
-    if last.header.stage == "traverse":
+    if last.header.stage is PassageStage.TRAVERSE:
         raise PipenavError("a whole robot passes in one motion: no rear half is left to follow it.")
-    if last.header.stage != "front":
-        raise PipenavError(f"the passage ends with a part of stage {last.header.stage!r}: give its front part last.")
+    if last.header.stage is not PassageStage.REACH:
+        raise PipenavError(
+            f"the passage ends with a part of stage {str(last.header.stage)!r}: give its front part last."
+        )
     front = join([part.motion for part in parts])
     _require_straight_start(last.robot, front)
     rear = rear_motion(last.robot, front)
     header = TrajectoryHeader(
-        robot=last.robot.name, pipe=rear.pipe, base_m=rear.base, stage="rear", controller="mirror-rear"
+        robot=last.robot.name, pipe=rear.pipe, base_m=rear.base, stage=PassageStage.REAR, controller="mirror-rear"
     )
     return Trajectory(header, last.robot, rear.q)
 

@@ -9,12 +9,13 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal, NamedTuple, NoReturn
+from typing import Annotated, Any, Literal, NamedTuple, NoReturn
 
 import numpy as np
 from pydantic import (
     AfterValidator,
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Field,
     JsonValue,
@@ -28,7 +29,7 @@ from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.json_keys import PipeInFile
 from pipenav.robots.robot import RobotSpec, load_robot
 from pipenav.storage.atomic_files import atomic_write
-from pipenav.tasks.outcome import Outcome
+from pipenav.tasks.outcome import Outcome, PassageStage
 
 PREFIX = "# pipenav-trajectory "
 TIME, FORCE = "t_s", "contact_force_n"
@@ -71,6 +72,14 @@ def _known_verdict(outcome: str | None) -> str | None:
     return outcome
 
 
+def _todays_stage(given: Any) -> Any:
+    """A stage, which schema 1 called `front` where it is `reach` today, as its enum."""
+    try:
+        return PassageStage("reach" if given == "front" else given)
+    except ValueError:
+        raise ValueError(f"is none of {', '.join(PassageStage)}") from None
+
+
 class TrajectoryHeader(BaseModel):
     """What the first line of a trajectory file says.
 
@@ -90,12 +99,12 @@ class TrajectoryHeader(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="ignore", strict=True, allow_inf_nan=False, populate_by_name=True)
 
-    schema_version: Literal[1] = Field(1, alias="schema")
+    schema_version: Literal[1, 2] = Field(2, alias="schema")
     robot: str
     pipe: PipeInFile
     base_m: float
     goal_m: Annotated[tuple[float, float] | None, Field(strict=False)] = None
-    stage: Literal["front", "locate", "rear", "traverse"]
+    stage: Annotated[PassageStage, BeforeValidator(_todays_stage)]
     outcome: Annotated[str | None, AfterValidator(_known_verdict)] = None
     backend: str | None = None
     controller: str | None = None

@@ -1,93 +1,82 @@
-"""What acts in an episode: a trained policy, or a baseline to compare it with."""
+"""Who decides in an episode: a controller that sees what a robot's sensors give, or one that also knows the truth."""
 
 from __future__ import annotations
 
-from typing import Protocol
-
-import numpy as np
+from abc import ABC, abstractmethod
+from typing import Any, ClassVar, Generic, Protocol, TypeVar
 
 from pipenav.arrays import Floats
-from pipenav.errors import UnknownName
-from pipenav.policies.baselines.centreline import CentrelineController
-from pipenav.policies.baselines.sequence import SequenceController
-from pipenav.policies.policy import Policy, load_policy, resolve_policy
-from pipenav.robots.robot import RobotSpec, load_robot
+from pipenav.errors import PipenavError
+from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.batch import TaskBatch
-from pipenav.tasks.registry import AnyTask, default_task
+from pipenav.tasks.registry import TaskConfig
 
-BASELINE = "baseline:"
-
-BASELINES = {"random": "basic", "centreline": "basic", "sequence": "pirate", "sequence-line": "pirate"}
-"""Controllers to compare a policy with, and the robot that each drives where none is named."""
+BatchT = TypeVar("BatchT", bound=TaskBatch)
 
 
 class Controller(Protocol):
-    """Anything that can act in a task.
+    """Anything that acts on observations alone.
 
     Attributes:
         robot: the robot that it acts for.
-        task: the task with the control mode and the observation that it wants.
+        task: settings of the task, with the control mode and the observation that it wants.
     """
 
     @property
     def robot(self) -> RobotSpec: ...
 
     @property
-    def task(self) -> AnyTask: ...
+    def task(self) -> TaskConfig: ...
 
-    def act(self, observation: Floats, batch: TaskBatch) -> Floats:
-        """Canonical actions in [-1, 1], (n, action_size).
-
-        Args:
-            observation: scaled, (n, size), as `batch` gave it.
-            batch: where the robots are; a policy does not look at it.
-        """
+    def act(self, observation: Floats) -> Floats:
+        """Canonical actions in [-1, 1], (n, action_size), for scaled observations, (n, size)."""
         ...
 
 
-class PolicyController:
-    """A trained policy: acts on its observation alone."""
+class PrivilegedController(ABC, Generic[BatchT]):
+    """A scripted controller that also looks at the batch, where robots and pipes are known: to compare policies with.
 
-    def __init__(self, policy: Policy) -> None:
-        self.policy = policy
-        self.robot, self.task = policy.header.robot, policy.header.task
+    Attributes:
+        robot: the robot that it acts for.
+        task: settings of the task.
+        batch_type: the kind of batch that it can look at.
+        only: what to choose where it is given another, as the end of a sentence.
+    """
 
-    def act(self, observation: Floats, batch: TaskBatch) -> Floats:  # noqa: ARG002  # the seam's signature
-        return self.policy.act(observation).astype(float)
+    robot: RobotSpec
+    task: TaskConfig
+    batch_type: type[BatchT]
+    only: ClassVar[str]
+
+    @abstractmethod
+    def act(self, observation: Floats, batch: BatchT) -> Floats:
+        """Canonical actions in [-1, 1], (n, action_size), for scaled observations, (n, size), of a batch."""
+
+    def require(self, batch: TaskBatch) -> BatchT:
+        """The batch, where the controller can look at it.
+
+        Raises:
+            PipenavError: it is of another kind.
+        """
+        if isinstance(batch, self.batch_type):
+            return batch
+        raise PipenavError(self.only)
 
 
-class RandomController:
-    """Uniform random actions, for a floor under every comparison."""
-
-    def __init__(self, robot: RobotSpec, seed: int, task: AnyTask | None = None) -> None:
-        self.robot, self.task = robot, task or default_task(robot)
-        self._rng = np.random.default_rng(seed)
-
-    def act(self, observation: Floats, batch: TaskBatch) -> Floats:  # noqa: ARG002  # the seam's signature
-        return self._rng.uniform(-1.0, 1.0, (len(observation), len(self.robot.drives)))
+AnyController = Controller | PrivilegedController[Any]
 
 
-def open_controller(text: str, robot_name: str | None = None, seed: int = 0) -> Controller:
-    """The controller that a person named.
+def actions_of(controller: AnyController, observation: Floats, batch: TaskBatch) -> Floats:
+    """A controller's actions in [-1, 1], (n, action_size).
 
     Args:
-        text: `baseline:` and one of `BASELINES`, a shipped policy's name, or a policy file.
-        robot_name: robot of a baseline, by default as `BASELINES` says; a policy brings its own.
-        seed: of `baseline:random`.
+        controller: who decides.
+        observation: scaled observations, (n, size), as the batch gave them.
+        batch: the robots.
 
     Raises:
-        UnknownName: no such baseline, policy or robot.
-        PolicyFileError: a policy file that cannot be used.
-        PipenavError: a robot that the baseline cannot drive.
+        PipenavError: a privileged controller cannot look at this kind of batch.
     """
-    if not text.startswith(BASELINE):
-        return PolicyController(load_policy(resolve_policy(text)))
-    name = text.removeprefix(BASELINE)
-    if name not in BASELINES:
-        raise UnknownName("baseline", text, [BASELINE + known for known in BASELINES])
-    robot = load_robot(robot_name or BASELINES[name])
-    if name == "random":
-        return RandomController(robot, seed)
-    if name == "centreline":
-        return CentrelineController(robot)
-    return SequenceController(robot, load_policy(resolve_policy("arm")) if name == "sequence" else None)
+    if isinstance(controller, PrivilegedController):
+        return controller.act(observation, controller.require(batch))
+    return controller.act(observation)

@@ -15,7 +15,7 @@ from pydantic import BaseModel, ValidationError
 
 from pipenav.errors import ConfigError, PipenavError, dotted
 from pipenav.policies.header import FORMAT_VERSION, RATE_HZ, PolicyHeader, action_parts, observation_parts
-from pipenav.tasks.registry import scale_of
+from pipenav.tasks.registry import task_of
 
 Array32 = NDArray[np.float32]
 
@@ -161,7 +161,7 @@ def _chain(path: Path, header: PolicyHeader, tensors: dict[str, Array32]) -> lis
         raise PolicyFileError(path, problem, "save it again")
     size, joints = sum(part.size for part in header.observation), len(header.action)
     _check_shape(path, "observation_scale", tensors["observation_scale"], (size,))
-    scale = scale_of(header.robot, header.task)
+    scale = task_of(header.task).observation_scale(header.robot)
     if not np.allclose(tensors["observation_scale"], scale, rtol=1e-5, atol=0.0):
         problem = "was made with another observation scale than this pipenav's"
         raise PolicyFileError(path, problem, "train it again with this version")

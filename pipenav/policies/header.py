@@ -15,7 +15,7 @@ import pipenav
 from pipenav.arrays import Table
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.registry import AnyTask, kind_of
+from pipenav.tasks.registry import TaskConfig, task_of
 
 FORMAT_VERSION = 1
 RATE_HZ = 1 / CONTROL_PERIOD
@@ -49,7 +49,7 @@ class PolicyHeader(Table):
     format: Literal["pipenav-policy"] = "pipenav-policy"
     version: Literal[1] = 1
     robot: RobotSpec
-    task: AnyTask
+    task: TaskConfig
     observation: tuple[ObservationPart, ...]
     action: tuple[ActionPart, ...]
     rate_hz: float = Field(gt=0, description="control rate that the policy was trained at [Hz]")
@@ -59,7 +59,7 @@ class PolicyHeader(Table):
 
 
 def header_for(
-    robot: RobotSpec, task: AnyTask, train_pipes: Sequence[str], training: dict[str, str | int | float | bool]
+    robot: RobotSpec, task: TaskConfig, train_pipes: Sequence[str], training: dict[str, str | int | float | bool]
 ) -> PolicyHeader:
     """The header of a policy that this installation trained for this robot and task."""
     return PolicyHeader(
@@ -74,19 +74,19 @@ def header_for(
     )
 
 
-def observation_parts(robot: RobotSpec, task: AnyTask) -> tuple[ObservationPart, ...]:
+def observation_parts(robot: RobotSpec, task: TaskConfig) -> tuple[ObservationPart, ...]:
     """The observation's parts, in order."""
-    parts = kind_of(task).layout(robot, task)
+    parts = task_of(task).layout(robot)
     return tuple(ObservationPart(name=part.name, unit=part.unit, size=len(part.scale)) for part in parts)
 
 
-def action_parts(robot: RobotSpec, task: AnyTask) -> tuple[ActionPart, ...]:
+def action_parts(robot: RobotSpec, task: TaskConfig) -> tuple[ActionPart, ...]:
     """What each action value means: the joints' in order, then the wheels'."""
     torque = task.control == "torque"
     units = {"slide": "N", "hinge": "N m"} if torque else {"slide": "m", "hinge": "rad"}
     named = [(joint.name, units[joint.type]) for joint in robot.joints]
     named += [(wheel.name, "N m" if torque else "rad/s") for wheel in robot.wheels]
-    scales = zip(named, kind_of(task).action_scale(robot, task), strict=True)
+    scales = zip(named, task_of(task).action_scale(robot), strict=True)
     return tuple(ActionPart(joint=name, unit=unit, scale=float(scale)) for (name, unit), scale in scales)
 
 

@@ -24,7 +24,7 @@ from pipenav.policies.header import PolicyHeader, action_parts, header_for, robo
 from pipenav.robots.robot import RobotSpec
 from pipenav.storage import shipped
 from pipenav.storage.atomic_files import atomic_write
-from pipenav.tasks.registry import AnyTask, scale_of
+from pipenav.tasks.registry import TaskConfig, task_of
 
 if TYPE_CHECKING:
     from stable_baselines3 import PPO
@@ -74,7 +74,7 @@ class Policy:
         actions: Array32 = np.clip(np.einsum("ni,io->no", x, weight) + bias, -1.0, 1.0)
         return actions
 
-    def require(self, robot: RobotSpec | None = None, task: AnyTask | None = None) -> None:
+    def require(self, robot: RobotSpec | None = None, task: TaskConfig | None = None) -> None:
         """Check that the policy was made for this robot and for these observations and actions.
 
         Raises:
@@ -129,7 +129,7 @@ def save_policy(path: Path, model: PPO, header: PolicyHeader) -> None:
         PipenavError: an actor of another kind.
         FileProblem: the file cannot be written.
     """
-    scale = scale_of(header.robot, header.task).astype(np.float32)
+    scale = task_of(header.task).observation_scale(header.robot).astype(np.float32)
     weights = safetensors.numpy.save({"observation_scale": scale, **_actor_weights(model)})
     saved, buffer = io.BytesIO(), io.BytesIO()
     model.save(saved, exclude=TRANSIENT)

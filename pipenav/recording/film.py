@@ -23,6 +23,7 @@ from pipenav.motions.trajectory import Trajectory
 from pipenav.robots import kinematics, laser
 from pipenav.robots.outline import link_outlines
 from pipenav.storage.atomic_files import atomic_write
+from pipenav.tasks.outcome import PassageStage
 from pipenav.units import m_to_mm
 
 if TYPE_CHECKING:
@@ -220,10 +221,10 @@ def _frame(axes: Axes, trajectory: Trajectory, row: int, box: Box, size: float) 
 
 
 STAGE_WORDS = {
-    "front": "front half",
-    "locate": "locating a target",
-    "rear": "rear half, mirrored pipe",
-    "traverse": "whole robot",
+    PassageStage.REACH: "front half",
+    PassageStage.LOCATE: "locating a target",
+    PassageStage.REAR: "rear half, mirrored pipe",
+    PassageStage.TRAVERSE: "whole robot",
 }
 
 

@@ -12,14 +12,14 @@ from pipenav.backends.backend import CONTROL_PERIOD, Simulator, Viewer
 from pipenav.backends.registry import open_simulator
 from pipenav.errors import PipenavError
 from pipenav.motions.trajectory import Trajectory
-from pipenav.recording.record import SimulatorSettings
+from pipenav.recording.record import RecordingSettings
 
 Clock = Callable[[], float]
 Sleep = Callable[[float], None]
 
 
 class Window:
-    """Shows one episode after another; a `OnLooker` of `pipenav.recording.record`. Where a window is closed, the episode goes on.
+    """Shows one episode after another; a `Onlooker` of `pipenav.recording.record`. Where a window is closed, the episode goes on.
 
     Args:
         clock, sleep: of real time.
@@ -63,7 +63,7 @@ def live_window() -> Iterator[Window]:
         window.close()
 
 
-def play(trajectories: Sequence[Trajectory], simulator: SimulatorSettings) -> None:
+def play(trajectories: Sequence[Trajectory], simulator: RecordingSettings) -> None:
     """Show recorded poses one after another, without physics, to who looks on."""
     for one in trajectories:
         header = one.header

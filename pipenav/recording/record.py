@@ -16,28 +16,28 @@ from pipenav.evaluation.episode_runner import random_start
 from pipenav.evaluation.locate_stage import LocateStage
 from pipenav.evaluation.rear_stage import RearStage
 from pipenav.evaluation.stage import Stage, TaskStage
-from pipenav.locating.locator import LocateConfig, Variant, robot_for
+from pipenav.locating.locator import LOCATORS, LocateConfig, Variant, robot_for
 from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.pipe import Pipe
-from pipenav.policies.controller import Controller
-from pipenav.robots import kinematics
+from pipenav.policies.controller import AnyController
+from pipenav.robots import frames, kinematics
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.outcome import Outcome
-from pipenav.tasks.reach.config import TaskConfig
-from pipenav.tasks.reach.episode import Episodes
-from pipenav.tasks.registry import kind_of
+from pipenav.tasks.outcome import Outcome, PassageStage
+from pipenav.tasks.reach.config import ReachConfig
+from pipenav.tasks.reach.episode import ReachEpisodes
+from pipenav.tasks.registry import task_of
 
-OnLooker = Callable[[Simulator], None]
+Onlooker = Callable[[Simulator], None]
 """Called with the backend at the start and after every control step, for whoever looks on."""
 
 
-class SimulatorSettings(NamedTuple):
+class RecordingSettings(NamedTuple):
     """On what an episode runs: a backend's name, its own settings, and who looks on."""
 
     backend: str = "mujoco"
     options: Mapping[str, Any] = {}
-    watch: OnLooker | None = None
+    watch: Onlooker | None = None
 
 
 class Located(NamedTuple):
@@ -71,7 +71,7 @@ class Tracking(NamedTuple):
 
 
 def record(
-    stage: Stage, backend: Simulator, header: TrajectoryHeader, start: Floats, watch: OnLooker | None
+    stage: Stage, backend: Simulator, header: TrajectoryHeader, start: Floats, watch: Onlooker | None
 ) -> Trajectory:
     """Run one episode of a stage that was made for one robot.
 
@@ -80,7 +80,7 @@ def record(
         backend: what the stage runs on.
         header: what is known of the episode; its outcome is filled in.
         start: the configuration that the episode starts in, (coordinates,).
-        watch: see `OnLooker`.
+        watch: see `Onlooker`.
     """
     look = watch or (lambda _: None)
     q, force, links = [start], [0.0], [np.zeros((len(stage.robot.links), 2))]
@@ -100,7 +100,7 @@ def record(
 
 
 def record_task(
-    controller: Controller, name: str, pipe: Pipe, seed: int, episode: int, simulator: SimulatorSettings
+    controller: AnyController, name: str, pipe: Pipe, seed: int, episode: int, simulator: RecordingSettings
 ) -> Trajectory:
     """A controller's task: the episode that an evaluation with this seed runs as its number `episode` in this pipe.
 
@@ -113,12 +113,12 @@ def record_task(
         simulator: on what.
     """
     robot, task = controller.robot, controller.task
-    kind = kind_of(task)
+    kind = task_of(task)
     one = random_start(robot, task, [pipe], episode + 1, seed)(episode)
     base = float(one.base[0])
     target = None
-    if isinstance(one, Episodes):
-        x, y = one.target[0] * [1.0, one.turn_sign[0]] + [base, 0.0]
+    if isinstance(one, ReachEpisodes):
+        x, y = frames.robot_to_pipe(frames.canonical_to_robot(one.target[0], one.turn_sign[0]), base)
         target = (float(x), float(y))
     header = TrajectoryHeader(
         robot=robot.name,
@@ -132,12 +132,12 @@ def record_task(
         seed=seed,
     )
     backend = open_simulator(simulator.backend, robot, 1, simulator.options, len(pipe.segments))
-    stage = TaskStage(kind.batch(robot, task, backend, 1, lambda _: one), controller)
+    stage = TaskStage(kind.batch(robot, backend, 1, lambda _: one), controller)
     return record(stage, backend, header, one.q[0], simulator.watch)
 
 
 def record_locate(
-    robot: RobotSpec, variant: Variant, pipe: PipeCorner, seed: int, episode: int, simulator: SimulatorSettings
+    robot: RobotSpec, variant: Variant, pipe: PipeCorner, seed: int, episode: int, simulator: RecordingSettings
 ) -> Located:
     """Approach I: the same episode that an evaluation with this seed runs as its number `episode` in this pipe.
 
@@ -152,20 +152,20 @@ def record_locate(
     Raises:
         PipenavError: a pipe that is too narrow, or a robot of other joints.
     """
-    task, seeing = TaskConfig(), robot_for(robot, variant)
+    task, seeing = ReachConfig(), robot_for(robot, variant)
     one = random_start(seeing, task, [pipe], episode + 1, seed)(episode)
     header = TrajectoryHeader(
         robot=robot.name,
         pipe=pipe,
         base_m=float(one.base[0]),
-        stage="locate",
+        stage=PassageStage.LOCATE,
         backend=simulator.backend,
         controller=f"locate:{variant}",
         options=dict(simulator.options),
         seed=seed,
     )
     backend = open_simulator(simulator.backend, seeing, 1, simulator.options, len(pipe.segments))
-    stage = LocateStage(seeing, LocateConfig(), variant, task, backend, 1, lambda _: one)
+    stage = LocateStage(seeing, LOCATORS[variant](seeing, LocateConfig(), 1), task, backend, lambda _: one)
     ranges, beams = [], []
 
     def look(backend: Simulator) -> None:
@@ -177,13 +177,13 @@ def record_locate(
     trajectory = record(stage, backend, header, one.q[0], look)
     if beams[-1] < 0:
         return Located(trajectory, np.array(ranges), None, None)
-    x, y = stage.target[0] * [1.0, one.turn_sign[0]] + [one.base[0], 0.0]
+    x, y = frames.robot_to_pipe(frames.canonical_to_robot(stage.target[0], one.turn_sign[0]), one.base[0])
     header = trajectory.header.model_copy(update={"goal_m": (float(x), float(y))})
     found = int(np.argmax(np.array(beams) >= 0)) - 1  # a step decides on the scan before it
     return Located(replace(trajectory, header=header), np.array(ranges), found, beams[-1])
 
 
-def record_rear(plan: Trajectory, simulator: SimulatorSettings) -> Trajectory:
+def record_rear(plan: Trajectory, simulator: RecordingSettings) -> Trajectory:
     """A rear passage: the plan's motion under the position controllers of a backend."""
     changes = {"backend": simulator.backend, "options": dict(simulator.options)}
     backend = open_simulator(simulator.backend, plan.robot, 1, simulator.options, len(plan.header.pipe.segments))

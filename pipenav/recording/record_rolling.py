@@ -15,11 +15,11 @@ from pipenav.evaluation.episode_runner import random_start
 from pipenav.evaluation.rolling_stage import check_in_space, gravity_of
 from pipenav.evaluation.stage import TaskStage
 from pipenav.pipes.route import PipeRoute
-from pipenav.policies.controller import Controller
-from pipenav.recording.record import SimulatorSettings
+from pipenav.policies.controller import AnyController
+from pipenav.recording.record import RecordingSettings
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.outcome import Outcome
-from pipenav.tasks.rolling.batch import SpaceBatch
+from pipenav.tasks.rolling.batch import RollingBatch
 from pipenav.tasks.traverse.config import TraverseConfig
 
 
@@ -60,7 +60,7 @@ class SpaceRecording:
 
 
 def record_in_space(
-    controller: Controller, name: str, run: PipeRoute, seed: int, episode: int, simulator: SimulatorSettings
+    controller: AnyController, name: str, run: PipeRoute, seed: int, episode: int, simulator: RecordingSettings
 ) -> SpaceRecording:
     """The episode that an evaluation with this seed runs as its number `episode` in this run: as `record_task`.
 
@@ -74,7 +74,7 @@ def record_in_space(
     assert isinstance(task, TraverseConfig)  # no other task takes such runs
     one = random_start(robot, task, [run], episode + 1, seed)(episode)
     world = open_space(simulator.backend, robot, 1, simulator.options, gravity_of(task))
-    batch = SpaceBatch(robot, task, world, 1, lambda _: one)
+    batch = RollingBatch(robot, task, world, 1, lambda _: one)
     outcome = Outcome.RUNNING
     with closing(TaskStage(batch, controller)) as stage:
         stage.start(np.arange(1))

@@ -1,29 +1,18 @@
-"""The tasks that a policy can be trained for: what each is made of, in one place."""
+"""The tasks that there are: found by the class of their settings, which files tell apart by the key `kind`."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any
 
-import numpy as np
 from pydantic import Discriminator, Tag
 
-from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
-from pipenav.pipes.corner_sets import parse_pipes
-from pipenav.pipes.pipe import Pipe
-from pipenav.pipes.route_sets import parse_any
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.batch import TaskBatch
-from pipenav.tasks.layout import ObservationField
-from pipenav.tasks.reach import action, episode
-from pipenav.tasks.reach import observation as corner_observation
-from pipenav.tasks.reach.batch import ReachBatch
-from pipenav.tasks.reach.config import TaskConfig
-from pipenav.tasks.traverse import episode as traverse_episode
-from pipenav.tasks.traverse import observation as traverse_observation
-from pipenav.tasks.traverse.batch import TraverseBatch
+from pipenav.tasks.reach.config import ReachConfig
+from pipenav.tasks.reach.task import ReachTask
+from pipenav.tasks.task import AnyTask
 from pipenav.tasks.traverse.config import TraverseConfig
+from pipenav.tasks.traverse.task import TraverseTask
 
 
 def _tag(given: Any) -> str:
@@ -31,81 +20,30 @@ def _tag(given: Any) -> str:
     return f"<{kind}>"
 
 
-AnyTask = Annotated[
-    Annotated[TaskConfig, Tag("<reach>")] | Annotated[TraverseConfig, Tag("<traverse>")], Discriminator(_tag)
+TaskConfig = Annotated[
+    Annotated[ReachConfig, Tag("<reach>")] | Annotated[TraverseConfig, Tag("<traverse>")], Discriminator(_tag)
 ]
-"""A task's settings, told apart by the key `kind`; without it they are those of the corner task."""
+"""A task's settings, told apart by the key `kind`; without it they are those of the reach task."""
 
 
-class Kind(NamedTuple):
-    """What a kind of task is made of; the functions take the robot and the task's settings first.
-
-    Attributes:
-        stage: name of the part of a passage that it is.
-        parse: pipes that it can be trained in, as a person names them.
-        parse_tried: pipes that it can be tried in: runs that leave the plane among them, where the robot can roll.
-        check_robot: refuses a robot that cannot do it; takes the robot alone.
-        layout: parts of the observation.
-        action_scale: what a full action is, (drives,).
-        sample: episodes in given pipes.
-        batch: n episodes on a backend; then takes the backend, n and a source of episodes.
-    """
-
-    stage: Literal["front", "traverse"]
-    parse: Callable[[Sequence[str]], Sequence[Pipe]]
-    parse_tried: Callable[[Sequence[str]], Sequence[Pipe]]
-    check_robot: Callable[[RobotSpec], None]
-    layout: Callable[..., list[ObservationField]]
-    action_scale: Callable[..., Floats]
-    sample: Callable[..., Any]
-    batch: Callable[..., TaskBatch]
+def task_of(config: ReachConfig | TraverseConfig) -> AnyTask:
+    """The task with these settings."""
+    return ReachTask(config) if isinstance(config, ReachConfig) else TraverseTask(config)
 
 
-KINDS: dict[type, Kind] = {
-    TaskConfig: Kind(
-        "front",
-        parse_pipes,
-        parse_pipes,
-        episode.check_robot,
-        corner_observation.layout,
-        action.full_action,
-        episode.sample,
-        ReachBatch,
-    ),
-    TraverseConfig: Kind(
-        "traverse",
-        traverse_episode.parse_planar,
-        parse_any,
-        traverse_episode.check_robot,
-        traverse_observation.layout,
-        traverse_observation.action_scale,
-        traverse_episode.sample,
-        TraverseBatch,
-    ),
-}
+def default_config(robot: RobotSpec) -> ReachConfig | TraverseConfig:
+    """Settings of what a robot does where nothing else is said: an arm on a mount reaches, a whole robot traverses."""
+    return TraverseConfig(kind="traverse") if robot.free else ReachConfig()
 
 
-def kind_of(task: TaskConfig | TraverseConfig) -> Kind:
-    """What this task is made of."""
-    return KINDS[type(task)]
-
-
-def default_task(robot: RobotSpec) -> TaskConfig | TraverseConfig:
-    """What a robot does where nothing else is said: an arm on a mount reaches, a whole robot traverses."""
-    return TraverseConfig(kind="traverse") if robot.free else TaskConfig()
-
-
-def reaching(task: TaskConfig | TraverseConfig, who: str) -> TaskConfig:
-    """The task, where it is the corner task.
+def require_reach(config: ReachConfig | TraverseConfig, who: str) -> ReachConfig:
+    """The settings, where they are the reach task's.
 
     Raises:
-        PipenavError: it is another, which `who` cannot use.
+        PipenavError: they are another task's, which `who` cannot use.
     """
-    if isinstance(task, TaskConfig):
-        return task
-    raise PipenavError(f"{who} is for a policy that reaches a target around a corner, not for the task {task.kind!r}.")
-
-
-def scale_of(robot: RobotSpec, task: TaskConfig | TraverseConfig) -> Floats:
-    """What each value of the observation is divided by, (size,)."""
-    return np.concatenate([part.scale for part in kind_of(task).layout(robot, task)])
+    if isinstance(config, ReachConfig):
+        return config
+    raise PipenavError(
+        f"{who} is for a policy that reaches a target around a corner, not for the task {config.kind!r}."
+    )

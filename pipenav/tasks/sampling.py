@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,40 +10,39 @@ import numpy as np
 from pipenav.arrays import Ints
 from pipenav.pipes.pipe import Pipe
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.reach import episode
+from pipenav.tasks.task import EpisodeSource, EpisodesT, Task
 
 
 def random_episodes(
+    task: Task[Any, EpisodesT],
     robot: RobotSpec,
-    config: Any,
     sets: Sequence[Sequence[Pipe]],
     rng: np.random.Generator,
     stock: int = 1,
-    sample: Callable[..., Any] = episode.sample,
-) -> Callable[[Ints], Any]:
-    """Episodes with random starts and targets in random pipes: first a set is drawn, each alike, then a pipe of it.
+) -> EpisodeSource[EpisodesT]:
+    """A source of random episodes: first a set of pipes is drawn, each with the same chance, then a pipe of it.
 
-    They are drawn at least `stock` at a time and then dealt out, since hundreds cost hardly more to draw than one;
-    those too few for the robots that ask next are dropped.
+    Episodes are drawn at least `stock` at a time and then dealt out, since hundreds cost hardly more to draw than one.
+    Those too few for the robots that ask next are dropped.
 
     Args:
-        robot, config: what the episodes are for.
-        sets: the pipes.
-        rng: of all that is random.
+        task: the task that the episodes are for.
+        robot: the robot.
+        sets: the sets of pipes.
+        rng: the generator of everything random.
         stock: how many episodes are drawn at least.
-        sample: draws one episode of the task in each of some pipes.
     """
     sizes = np.array([len(pipes) for pipes in sets])
 
-    def draw(k: int) -> Any:
+    def draw(k: int) -> EpisodesT:
         chosen = rng.integers(len(sets), size=k)
         places = rng.integers(sizes[chosen])
         pipes = [sets[i][j] for i, j in zip(chosen.tolist(), places.tolist(), strict=True)]
-        return sample(robot, config, pipes, rng)
+        return task.sample(robot, pipes, rng)
 
     held, dealt = draw(0), 0
 
-    def source(indices: Ints) -> Any:
+    def source(indices: Ints) -> EpisodesT:
         nonlocal held, dealt
         if dealt + len(indices) > len(held.pipes):
             held, dealt = draw(max(len(indices), stock)), 0

@@ -237,12 +237,12 @@ class HardwareBackend(RealRobot):
         cls, robot: RobotSpec, pipe: PipeCorner, folder: Path, seed: int, faults: Sequence[Mapping[str, Any]]
     ) -> Iterator[Emulated]:
         from pipenav.tasks.reach import episode
-        from pipenav.tasks.reach.config import TaskConfig
+        from pipenav.tasks.reach.config import ReachConfig
         from pipenav_hardware.emulator.client import Emulator
         from pipenav_hardware.emulator.faults import require_faults
 
         require_faults(faults)
-        start = episode.sample(robot, TaskConfig(), [pipe], np.random.default_rng(seed))
+        start = episode.sample(robot, ReachConfig(), [pipe], np.random.default_rng(seed))
         base = float(start.base[0])
         settings: dict[str, Any] = {"seed": seed, "faults": [dict(fault) for fault in faults]}
         with Emulator(robot, pipe, folder=folder, q=start.q[0], base=base, **settings) as emulator:

@@ -17,12 +17,12 @@ from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.wall_distance import clearance
-from pipenav.robots import kinematics
+from pipenav.policies.controller import PrivilegedController
+from pipenav.robots import frames, kinematics
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.batch import TaskBatch
 from pipenav.tasks.reach import action
 from pipenav.tasks.reach.batch import ReachBatch
-from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.reach.config import ReachConfig
 
 ENTRY = 0.12
 """How far before the corner the line leaves the first leg's axis [m]: one link of the arm."""
@@ -64,29 +64,30 @@ class PlannedMotion(NamedTuple):
     score: float
 
 
-class CentrelineController:
+class CentrelineController(PrivilegedController[ReachBatch]):
     """Position control along a motion that is planned at an episode's start.
 
     Raises:
         PipenavError: a robot that is not a slide followed by hinges.
     """
 
-    def __init__(self, robot: RobotSpec, task: TaskConfig | None = None) -> None:
+    batch_type = ReachBatch
+    only = "baseline:centreline leads an arm around a corner: choose a single corner, as d=90,angle=90."
+
+    def __init__(self, robot: RobotSpec, task: ReachConfig | None = None) -> None:
         kinds = [joint.type for joint in robot.joints]
         if kinds[0] != "slide" or "slide" in kinds[1:] or len(kinds) < 2:
             raise PipenavError(
                 f"baseline:centreline drives a slide followed by hinges; robot {robot.name!r} has {', '.join(kinds)}."
             )
         self.robot = robot
-        self.task = task or TaskConfig(control="position")
+        self.task = self.config = task or ReachConfig(control="position")
         self._lines: dict[PipeCorner, tuple[float, ...]] = {}
         self._ways: dict[int, tuple[object, Floats]] = {}
 
-    def act(self, observation: Floats, batch: TaskBatch) -> Floats:  # noqa: ARG002  # it knows more than that
-        assert isinstance(batch, ReachBatch)  # its task is no other
-        """Canonical actions in [-1, 1], (n, joints)."""
+    def act(self, observation: Floats, batch: ReachBatch) -> Floats:  # noqa: ARG002  # the batch tells more
         q, target, edge = batch.snapshot.q, batch.target, batch.edge
-        step = action.position_step(self.robot, self.task)
+        step = action.position_step(self.robot, self.config)
         actions = np.zeros((batch.n, len(step)))
         for i, pipe in enumerate(batch.pipes):
             if pipe is not None:
@@ -100,7 +101,7 @@ class CentrelineController:
         if known is None or known[0] != key:
             left = pipe.model_copy(update={"turn": "left"})
             base = -left.tangent_length(left.radius) - float(edge[0])
-            known = self._ways[robot] = key, self._plan(left, base, target + np.array([base, 0.0]))
+            known = self._ways[robot] = key, self._plan(left, base, frames.robot_to_pipe(target, base))
         return known[1]
 
     def _plan(self, pipe: PipeCorner, base: float, target: Floats) -> Floats:
@@ -113,8 +114,8 @@ class CentrelineController:
 
     def _choose_line(self, pipe: PipeCorner) -> tuple[float, ...]:
         """A good line for the middle of the target area, from the farthest start: one width after the other, twice."""
-        depth = pipe.inner_edge + sum(self.task.target_depth) / 2
-        base = -pipe.inner_edge - self.task.start_gap[1] - self.robot.length
+        depth = pipe.inner_edge + sum(self.config.target_depth) / 2
+        base = -pipe.inner_edge - self.config.start_gap[1] - self.robot.length
         target = depth * pipe.second_leg
         best = tuple(choices[len(choices) // 2] for choices in WIDTHS)
         for place in (0, 1, 2) * 2:
@@ -226,7 +227,7 @@ def _improve(robot: RobotSpec, pipe: PipeCorner, base: float, target: Floats, q:
         bend = ((tried - middle[:, None])[..., 1:] ** 2).sum(axis=-1)
         cost = BEND_COST * bend - np.minimum(clearance(robot, pipe, tried, base), WIDE_ENOUGH)
         if (len(q) - 2 - turn) % 2 == 0:  # the last waypoint is among those that move
-            tip = kinematics.forward(robot, tried[-1]).tip + np.array([base, 0.0])
+            tip = frames.robot_to_pipe(kinematics.forward(robot, tried[-1]).tip, base)
             cost[-1] += TARGET_COST * np.linalg.norm(tip - target, axis=-1)
         q = q.copy()
         q[moving] += size * moves[cost.argmin(axis=1)]

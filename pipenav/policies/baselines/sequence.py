@@ -20,9 +20,10 @@ from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.sequence_arm import HINGES, FrontArm
 from pipenav.policies.baselines.sequence_plan import PRESS, CornerPlan, Poses, plan
+from pipenav.policies.controller import PrivilegedController
 from pipenav.policies.policy import Policy
+from pipenav.robots import frames
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.batch import TaskBatch
 from pipenav.tasks.traverse.batch import TraverseBatch
 from pipenav.tasks.traverse.config import TraverseConfig
 
@@ -108,7 +109,7 @@ class _Course:
         return Poses(rows[:, 0], rows[:, 1:])
 
 
-class SequenceController:
+class SequenceController(PrivilegedController[TraverseBatch]):
     """The turning sequence, each robot in its own phase.
 
     Args:
@@ -119,6 +120,9 @@ class SequenceController:
     Raises:
         PipenavError: another robot, or a policy that cannot move its front half.
     """
+
+    batch_type = TraverseBatch
+    only = "baseline:sequence turns corners in one plane: choose a single corner, as d=90,angle=90."
 
     def __init__(self, robot: RobotSpec, arm: Policy | None, task: TraverseConfig | None = None) -> None:
         _check_robot(robot)
@@ -132,16 +136,12 @@ class SequenceController:
         """What each robot is doing."""
         return [course.phase for course in self._courses]
 
-    def act(self, observation: Floats, batch: TaskBatch) -> Floats:
+    def act(self, observation: Floats, batch: TraverseBatch) -> Floats:
         """Canonical actions in [-1, 1], (n, drives).
 
         Raises:
             PipenavError: a pipe is a run of several corners, or leaves the plane.
         """
-        if not isinstance(batch, TraverseBatch):
-            raise PipenavError(
-                "baseline:sequence turns corners in one plane: choose a single corner, as d=90,angle=90."
-            )
         if len(self._courses) != batch.n:
             self._courses = [_Course() for _ in range(batch.n)]
         points, along = batch.points, batch.along
@@ -153,7 +153,7 @@ class SequenceController:
             if batch.steps[i] == 0:
                 self._courses[i] = _Course()
             bends = batch.q[i, -len(self.robot.joints) :] * pipe.turn_sign
-            place = points[i] * [1.0, pipe.turn_sign]
+            place = frames.robot_to_canonical(points[i], pipe.turn_sign)
             actions[i] = self._drive(self._courses[i], pipe, observation[i], bends, place, along[i])
         return actions
 

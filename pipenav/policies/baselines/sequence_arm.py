@@ -15,8 +15,8 @@ from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.policy import Policy
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.reach.action import position_step
-from pipenav.tasks.reach.observation import Snapshot, observe, scale_of
-from pipenav.tasks.registry import kind_of, reaching
+from pipenav.tasks.reach.observation import Snapshot, observe
+from pipenav.tasks.registry import require_reach, task_of
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.observation import action_scale
 
@@ -44,14 +44,14 @@ class FrontArm:
 
     def __init__(self, robot: RobotSpec, task: TraverseConfig, policy: Policy) -> None:
         self._robot, self._policy, self._arm = robot, policy, policy.header.robot
-        self._task = reaching(policy.header.task, "the front half")
+        self._task = require_reach(policy.header.task, "the front half")
         if self._task.control != "position" or len(self._arm.joints) != 1 + len(robot.joints) // 2:
             raise PipenavError(f"{policy.path} does not step a slide and as many hinges as half of {robot.name!r} has.")
         own, other = robot.laser, self._arm.laser
         if (own.beams, own.fan_deg, own.fan) != (other.beams, other.fan_deg, other.fan):
             raise PipenavError(f"{policy.path} was made for another laser than that of robot {robot.name!r}.")
         self._scale = float(robot.lengths[4:].sum() / self._arm.lengths[1:].sum())
-        parts = kind_of(task).layout(robot, task)
+        parts = task_of(task).layout(robot)
         ends = np.cumsum([len(part.scale) for part in parts])
         self._seen = {
             part.name: (slice(end - len(part.scale), end), part.scale) for part, end in zip(parts, ends, strict=True)
@@ -91,5 +91,7 @@ class FrontArm:
         origin = np.array([start - arm.lengths[0] * scale, 0.0])  # of the arm's frame
         tip, target = (points[-1] - origin) / scale, (target - origin) / scale
         now = Snapshot(q[None], qd[None], ranges[None], tip[None], headings[-1:])
-        state = observe(self._task, now, now, np.zeros_like(q[None]), target[None]) / scale_of(arm, self._task)
+        state = observe(self._task, now, now, np.zeros_like(q[None]), target[None]) / task_of(
+            self._task
+        ).observation_scale(arm)
         return np.asarray(np.clip(self._policy.act(state)[0] * self._step, -1.0, 1.0))

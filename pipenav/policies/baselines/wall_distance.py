@@ -6,7 +6,7 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.pipes.corner import PipeCorner
-from pipenav.robots import kinematics
+from pipenav.robots import frames, kinematics
 from pipenav.robots.kinematics import ChainPose
 from pipenav.robots.parts import BoxPart, DiscPart
 from pipenav.robots.robot import RobotSpec
@@ -40,7 +40,7 @@ def _place(chain: ChainPose, link: int, part: BoxPart | DiscPart, base: float) -
     heading = chain.headings[:, link]
     along = np.stack([np.cos(heading), np.sin(heading)], axis=1)
     across = np.stack([-along[:, 1], along[:, 0]], axis=1)
-    return chain.joints[:, link] + [base, 0.0] + part.x * along + part.y * across, along, across
+    return frames.robot_to_pipe(chain.joints[:, link], base) + part.x * along + part.y * across, along, across
 
 
 def _box_clearance(pipe: PipeCorner, middle: Floats, along: Floats, across: Floats, part: BoxPart) -> Floats:

@@ -7,11 +7,11 @@ import numpy as np
 from pipenav.arrays import Floats
 from pipenav.backends.messages import Command
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.reach.observation import joint_signs
 
 
-def to_command(robot: RobotSpec, config: TaskConfig, action: Floats, q: Floats, turn_sign: Floats) -> Command:
+def to_command(robot: RobotSpec, config: ReachConfig, action: Floats, q: Floats, turn_sign: Floats) -> Command:
     """The command for canonical actions.
 
     Args:
@@ -28,11 +28,11 @@ def to_command(robot: RobotSpec, config: TaskConfig, action: Floats, q: Floats, 
     return Command("position", np.clip(set_points, robot.lower, robot.upper))
 
 
-def full_action(robot: RobotSpec, config: TaskConfig) -> Floats:
+def full_action(robot: RobotSpec, config: ReachConfig) -> Floats:
     """What a full action is: an effort at standstill, or a set-point step, (joints,)."""
     return robot.effort_limits if config.control == "torque" else position_step(robot, config)
 
 
-def position_step(robot: RobotSpec, config: TaskConfig) -> Floats:
+def position_step(robot: RobotSpec, config: ReachConfig) -> Floats:
     """The set-point change of a full action, (joints,) [rad or m]."""
     return config.alpha * np.where(robot.hinges, 1.0, config.slide_unit)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,34 +12,46 @@ from pipenav.backends.backend import Simulator
 from pipenav.backends.messages import Truth
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.batch import Sized, StepResult
-from pipenav.tasks.outcome import Outcome
+from pipenav.tasks.batch import StepResult, TrainingBatch
+from pipenav.tasks.outcome import Outcome, decide
 from pipenav.tasks.reach import action as actions
 from pipenav.tasks.reach import episode, observation, reward
-from pipenav.tasks.reach.config import TaskConfig
-from pipenav.tasks.reach.episode import Episodes
-
-EpisodeSource = Callable[[Ints], Episodes]
-"""Given the robots that start anew, their next episodes."""
+from pipenav.tasks.reach.config import ReachConfig
+from pipenav.tasks.reach.episode import ReachEpisodes
+from pipenav.tasks.task import EpisodeSource
 
 
-class ReachBatch(Sized):
-    """n episodes of the corner task, stepped together. Who calls `step` also says, by `reset`, who starts anew.
+class Judged(NamedTuple):
+    """What one control step brought.
+
+    Attributes:
+        facts: what the reward depends on.
+        outcome: an `Outcome` for each robot, (n,).
+    """
+
+    facts: reward.StepFacts
+    outcome: NDArray[np.int8]
+
+
+class ReachBatch(TrainingBatch):
+    """n episodes of the reach task.
 
     Raises:
         PipenavError: a robot that hangs on no mount.
     """
 
-    def __init__(self, robot: RobotSpec, config: TaskConfig, backend: Simulator, n: int, source: EpisodeSource) -> None:
+    def __init__(
+        self, robot: RobotSpec, config: ReachConfig, simulator: Simulator, n: int, source: EpisodeSource[ReachEpisodes]
+    ) -> None:
         episode.check_robot(robot)
         self.robot, self.config, self.n = robot, config, n
-        self._backend, self._source = backend, source
-        self._scale = observation.scale_of(robot, config)
+        self._simulator, self._source = simulator, source
+        self._scale = np.concatenate([field.scale for field in observation.layout(robot, config)])
         joints = len(robot.joints)
-        self.pipes: list[PipeCorner | None] = [None] * n
+        self._pipes: list[PipeCorner | None] = [None] * n
         self.steps, self._ages = np.zeros(n, int), np.zeros(n, int)
-        self._turn_sign, self._goal, self._edge = np.ones(n), np.zeros((n, 2)), np.zeros((n, 2))
-        self._way = np.zeros(n)
+        self._turn_sign, self._target, self._edge = np.ones(n), np.zeros((n, 2)), np.zeros((n, 2))
+        self._distance = np.zeros(n)
         self._action, self._own_q = np.zeros((n, joints)), np.zeros((n, joints))
         self._observation = np.zeros((n, len(self._scale)))
         self._now = self._before = observation.Snapshot(
@@ -51,9 +63,13 @@ class ReachBatch(Sized):
         )
 
     @property
+    def pipes(self) -> list[PipeCorner | None]:
+        return self._pipes
+
+    @property
     def target(self) -> Floats:
         """Targets in the canonical frame, (n, 2) [m]."""
-        return self._goal.copy()
+        return self._target.copy()
 
     @property
     def edge(self) -> Floats:
@@ -74,12 +90,12 @@ class ReachBatch(Sized):
         """Start new episodes for some robots (sorted, unique), or all; observations of all robots, (n, size)."""
         indices = np.arange(self.n) if indices is None else np.asarray(indices, np.intp)
         episodes = self._source(indices)
-        reading = self._backend.reset(indices, episodes.pipes, episodes.q, episodes.base)
+        reading = self._simulator.reset(indices, episodes.pipes, episodes.q, episodes.base)
         for i, pipe in zip(indices, episodes.pipes, strict=True):
-            self.pipes[i] = pipe
+            self._pipes[i] = pipe
         self.steps[indices] = self._ages[indices]
         self._ages[indices] = 0
-        self._turn_sign[indices], self._goal[indices], self._edge[indices] = (
+        self._turn_sign[indices], self._target[indices], self._edge[indices] = (
             episodes.turn_sign,
             episodes.target,
             episodes.edge,
@@ -88,7 +104,7 @@ class ReachBatch(Sized):
         now = observation.canonical(self.robot, reading, episodes.turn_sign)
         self._now.put(indices, now)
         self._before.put(indices, now)
-        self._way[indices] = episode.distance_to_target(now.tip, episodes.target, episodes.edge)
+        self._distance[indices] = episode.distance_to_target(now.tip, episodes.target, episodes.edge)
         observed = observation.observe(self.config, now, now, self._action[indices], episodes.target)
         self._observation = self._observation.copy()
         self._observation[indices] = observed / self._scale
@@ -105,35 +121,33 @@ class ReachBatch(Sized):
             action: canonical actions in [-1, 1], (n, joints).
         """
         command = actions.to_command(self.robot, self.config, action, self._own_q, self._turn_sign)
-        self._backend.step(command)
+        self._simulator.step(command)
         self.steps += 1
         self._before, self._action = self._now, np.clip(action, -1.0, 1.0)
-        reading = self._backend.read()
+        reading = self._simulator.read()
         self._own_q, self._now = reading.q, observation.canonical(self.robot, reading, self._turn_sign)
-        truth = self._backend.truth()
+        truth = self._simulator.truth()
         facts, outcome = self._judge(truth)
         result = reward.total(self.config.reward, facts)
-        observed = observation.observe(self.config, self._now, self._before, self._action, self._goal)
+        observed = observation.observe(self.config, self._now, self._before, self._action, self._target)
         self._observation = observed / self._scale
         cut_off = outcome == Outcome.TIMEOUT.value
         return StepResult(self._observation, result, outcome, self._now.ranges.min(axis=1), truth, cut_off)
 
     def close(self) -> None:
-        self._backend.close()
+        self._simulator.close()
 
-    def _judge(self, truth: Truth) -> tuple[reward.StepFacts, NDArray[np.int8]]:
-        way = episode.distance_to_target(self._now.tip, self._goal, self._edge)
-        progress, self._way = self._way - way, way
-        error = np.hypot(*(self._now.tip - self._goal).T)
+    def _judge(self, truth: Truth) -> Judged:
+        distance = episode.distance_to_target(self._now.tip, self._target, self._edge)
+        progress, self._distance = self._distance - distance, distance
+        error = np.hypot(*(self._now.tip - self._target).T)
         failed_at_limit = episode.at_limit(self.robot, self.config, self._own_q)
         sank = truth.penetration > self.config.max_penetration
         failed = failed_at_limit | sank
         reached = (error <= self.config.reach_tolerance) & ~failed
-        outcome = np.full(self.n, Outcome.RUNNING.value, np.int8)
-        outcome[self.steps >= self.config.max_steps] = Outcome.TIMEOUT.value
-        outcome[reached] = Outcome.REACHED.value
-        outcome[failed_at_limit] = Outcome.LIMIT.value
-        outcome[sank] = Outcome.PENETRATION.value
+        timed_out = self.steps >= self.config.max_steps
+        holds = {Outcome.TIMEOUT: timed_out, Outcome.REACHED: reached}
+        outcome = decide(self.n, holds | {Outcome.LIMIT: failed_at_limit, Outcome.PENETRATION: sank})
         facts = reward.StepFacts(
             error=error,
             ranges=self._now.ranges,
@@ -144,4 +158,4 @@ class ReachBatch(Sized):
             reached=reached,
             failed=failed,
         )
-        return facts, outcome
+        return Judged(facts, outcome)

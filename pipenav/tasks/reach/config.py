@@ -32,7 +32,7 @@ class RewardConfig(Table):
     scale: float = Field(1.0, gt=0, description="factor on the sum, for the learner's sake")
 
 
-class TaskConfig(Table):
+class ReachConfig(Table):
     """The corner task."""
 
     kind: Literal["reach"] = "reach"

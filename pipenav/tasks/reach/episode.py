@@ -12,12 +12,13 @@ from pipenav.arrays import Flags, Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.pipe import Pipe
+from pipenav.robots import frames
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.reach.config import ReachConfig
 from pipenav.units import m_to_mm
 
 
-class Episodes(NamedTuple):
+class ReachEpisodes(NamedTuple):
     """k episodes about to start.
 
     Attributes:
@@ -36,13 +37,15 @@ class Episodes(NamedTuple):
     target: Floats
     edge: Floats
 
-    def part(self, which: slice) -> Episodes:
+    def part(self, which: slice) -> ReachEpisodes:
         """Some of the episodes."""
         pipes, *columns = self
-        return Episodes(pipes[which], *(column[which] for column in columns))
+        return ReachEpisodes(pipes[which], *(column[which] for column in columns))
 
 
-def sample(robot: RobotSpec, config: TaskConfig, pipes: Sequence[PipeCorner], rng: np.random.Generator) -> Episodes:
+def sample(
+    robot: RobotSpec, config: ReachConfig, pipes: Sequence[PipeCorner], rng: np.random.Generator
+) -> ReachEpisodes:
     """Random start poses and targets, one episode for each of the given pipes."""
     k = len(pipes)
     bend = np.where(robot.hinges, rng.uniform(-config.start_bend, config.start_bend, (k, len(robot.joints))), 0.0)
@@ -55,8 +58,9 @@ def sample(robot: RobotSpec, config: TaskConfig, pipes: Sequence[PipeCorner], rn
     along, left = _second_leg(turn)
     along_target = (inner + depth)[:, None] * along + (2 * radius * lateral)[:, None] * left
     edge = np.stack([-inner, radius], axis=1)
-    offset = np.stack([base, np.zeros(k)], axis=1)
-    return Episodes(tuple(pipes), q, base, turn_sign, along_target - offset, edge - offset)
+    return ReachEpisodes(
+        tuple(pipes), q, base, turn_sign, frames.pipe_to_robot(along_target, base), frames.pipe_to_robot(edge, base)
+    )
 
 
 @lru_cache(maxsize=4096)  # every pipe of the largest shipped training set
@@ -134,7 +138,7 @@ def distance_to_target(tip: Floats, target: Floats, edge: Floats) -> Floats:
     return np.asarray(np.where(goal_turn - tip_turn > np.pi, tip_distance + goal_distance, straight))
 
 
-def at_limit(robot: RobotSpec, config: TaskConfig, q: Floats) -> Flags:
+def at_limit(robot: RobotSpec, config: ReachConfig, q: Floats) -> Flags:
     """Whether any joint has hit its limit, (n,)."""
     margin = config.limit_margin * (robot.upper - robot.lower)
     return np.asarray(((q <= robot.lower + margin) | (q >= robot.upper - margin)).any(axis=1))

@@ -11,7 +11,7 @@ from pipenav.backends.messages import Reading
 from pipenav.robots import kinematics
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.layout import ObservationField
-from pipenav.tasks.reach.config import TaskConfig
+from pipenav.tasks.reach.config import ReachConfig
 
 POSITION_SCALE = 0.5
 """Positions are observed in units of this [m]: about the robot's reach, so that values stay near [-1, 1]."""
@@ -66,7 +66,7 @@ def joint_signs(robot: RobotSpec, turn_sign: Floats) -> Floats:
     return np.where(turn_sign[:, None] > 0, 1.0, robot.mirror_signs)
 
 
-def layout(robot: RobotSpec, config: TaskConfig) -> list[ObservationField]:
+def layout(robot: RobotSpec, config: ReachConfig) -> list[ObservationField]:
     """The observation's parts in order, with the scale that each value is divided by."""
     joints = len(robot.joints)
     position = np.maximum(-robot.lower, robot.upper)
@@ -87,7 +87,7 @@ def layout(robot: RobotSpec, config: TaskConfig) -> list[ObservationField]:
     return [q, qd, scans, *before, action, tip, target]
 
 
-def observe(config: TaskConfig, now: Snapshot, before: Snapshot, action_before: Floats, target: Floats) -> Floats:
+def observe(config: ReachConfig, now: Snapshot, before: Snapshot, action_before: Floats, target: Floats) -> Floats:
     """Unscaled observation, (n, size): eq 3.1 `[q, qd, p_ee, p_goal, D]`, eq 3.2 with the step before, or
     `relative`, of which `relative-history` also has the scan before and the last action.
 
@@ -118,8 +118,3 @@ def _in_tip_frame(vector: Floats, heading: Floats) -> Floats:
     cos, sin = np.cos(heading), np.sin(heading)
     x, y = vector[:, 0], vector[:, 1]
     return np.array([cos * x + sin * y, cos * y - sin * x]).T
-
-
-def scale_of(robot: RobotSpec, config: TaskConfig) -> Floats:
-    """What each value of the observation is divided by, (size,)."""
-    return np.concatenate([part.scale for part in layout(robot, config)])

@@ -6,8 +6,6 @@ is not done.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from pipenav.arrays import Floats, Ints
@@ -15,11 +13,12 @@ from pipenav.backends.spatial import SpaceBackend, SpaceReading, SpaceTruth
 from pipenav.pipes.centre_lines import CentreLines
 from pipenav.pipes.route import PipeRoute
 from pipenav.robots.robot import BASE, RobotSpec
-from pipenav.tasks.batch import Sized, StepResult
+from pipenav.tasks.batch import StepResult, TaskBatch
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.rolling.clamp import check_robot
 from pipenav.tasks.rolling.manoeuvre import FRONT
 from pipenav.tasks.rolling.pilot import Mode, Pilot
+from pipenav.tasks.task import EpisodeSource
 from pipenav.tasks.traverse import observation
 from pipenav.tasks.traverse.batch import ANYWHERE
 from pipenav.tasks.traverse.config import TraverseConfig
@@ -30,7 +29,7 @@ LIMIT_FACTOR = 2
 """How many times as long as in the plane an episode may take: straights are longer, and rolling takes 10 to 20 s."""
 
 
-class SpaceBatch(Sized):
+class RollingBatch(TaskBatch):
     """n episodes in space, stepped together. Who calls `step` also says, by `reset`, who starts anew.
 
     Raises:
@@ -43,7 +42,7 @@ class SpaceBatch(Sized):
         config: TraverseConfig,
         backend: SpaceBackend,
         n: int,
-        source: Callable[[Ints], TraverseEpisodes],
+        source: EpisodeSource[TraverseEpisodes],
     ) -> None:
         check_robot(robot)
         self.robot, self.config, self.n = robot, config, n
@@ -53,7 +52,7 @@ class SpaceBatch(Sized):
         self._runs: dict[int, PipeRoute] = {}
         self._lines = CentreLines.of([ANYWHERE] * n, 3)
         self.steps = np.zeros(n, int)
-        self._judge = OutcomeTracker(robot, config, n)
+        self._tracker = OutcomeTracker(robot, config, n)
         self._action, self._end, self._limit = np.zeros((n, len(robot.drives))), np.zeros(n), np.zeros(n, int)
 
     @property
@@ -63,8 +62,8 @@ class SpaceBatch(Sized):
 
     @property
     def q(self) -> Floats:
-        """Joint positions, after zeros where a configuration in the plane has the base's pose, (n, coordinates)."""
-        return np.concatenate([np.zeros((self.n, len(BASE))), self._backend.read().body.q], axis=1)
+        """Configurations: joint positions, after NaN for the base, whose pose leaves the plane, (n, coordinates)."""
+        return np.concatenate([np.full((self.n, len(BASE)), np.nan), self._backend.read().body.q], axis=1)
 
     @property
     def doing(self) -> list[str]:
@@ -89,11 +88,8 @@ class SpaceBatch(Sized):
             self._end[i] = run.places[-2] + run.inner_edges[-1]
             self._limit[i] = LIMIT_FACTOR * self.config.max_steps * len(run.corners)
         self.steps[indices], self._action[indices] = 0, 0.0
-        self._judge.start(indices, self._along()[indices])
+        self._tracker.start(indices, self._along()[indices])
         return self._observe(self._backend.read())
-
-    def stagger(self, rng: np.random.Generator) -> None:
-        """Nothing: it is for training, and nobody trains here."""
 
     def step(self, action: Floats) -> StepResult:
         """One control step of every robot.
@@ -112,11 +108,11 @@ class SpaceBatch(Sized):
         reading, truth = self._backend.read(), self._backend.truth()
         for i, pilot in enumerate(pilots):
             pilot.sense(reading.row(i))
-        self._judge.excuse(np.array([pilot.mode in (Mode.ROLL, Mode.BACK_OUT) for pilot in pilots]))
-        facts, outcome = self._judge.step(self.steps, self._limit, self._along(), self._end, reading.body, truth)
-        gained, clearance = reward(self.config.reward, facts), reading.body.ranges.min(axis=1)
+        self._tracker.excuse(np.array([pilot.mode in (Mode.ROLL, Mode.BACK_OUT) for pilot in pilots]))
+        facts, outcome = self._tracker.step(self.steps, self._limit, self._along(), self._end, reading.body, truth)
+        gained, min_range = reward(self.config.reward, facts), reading.body.ranges.min(axis=1)
         cut_off = (outcome != Outcome.RUNNING) & ~facts.passed & ~facts.failed
-        return StepResult(self._observe(reading), gained, outcome, clearance, truth, cut_off)
+        return StepResult(self._observe(reading), gained, outcome, min_range, truth, cut_off)
 
     def close(self) -> None:
         self._backend.close()

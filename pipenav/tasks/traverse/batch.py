@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from pipenav.arrays import Floats, Ints
@@ -13,10 +11,11 @@ from pipenav.errors import PipenavError
 from pipenav.pipes.centre_lines import CentreLines
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.pipe import Pipe
-from pipenav.robots import kinematics
+from pipenav.robots import frames, kinematics
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.batch import Sized, StepResult
+from pipenav.tasks.batch import StepResult, TrainingBatch
 from pipenav.tasks.outcome import Outcome
+from pipenav.tasks.task import EpisodeSource
 from pipenav.tasks.traverse import observation
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import GRAVITY, TraverseEpisodes, check_robot
@@ -25,36 +24,42 @@ from pipenav.tasks.traverse.outcome import OutcomeTracker, reward
 ANYWHERE = PipeCorner.of(100, 90)
 """Where robots are thought to be before they are first put into pipes."""
 
-TraverseSource = Callable[[Ints], TraverseEpisodes]
-"""Given the robots that start anew, their next episodes."""
 
-
-class TraverseBatch(Sized):
-    """n episodes of the traverse task, stepped together. Who calls `step` also says, by `reset`, who starts anew.
+class TraverseBatch(TrainingBatch):
+    """n episodes of the traverse task.
 
     Raises:
         PipenavError: a robot on a mount, or pipes that are not level on a backend that cannot incline them.
     """
 
     def __init__(
-        self, robot: RobotSpec, config: TraverseConfig, backend: Simulator, n: int, source: TraverseSource
+        self,
+        robot: RobotSpec,
+        config: TraverseConfig,
+        simulator: Simulator,
+        n: int,
+        source: EpisodeSource[TraverseEpisodes],
     ) -> None:
         check_robot(robot)
-        if config.inclination_deg is not None and not backend.can_incline:
-            raise PipenavError(f"{type(backend).__name__} knows no gravity along the pipe: choose --backend mujoco.")
+        if config.inclination_deg is not None and not simulator.can_incline:
+            raise PipenavError(f"{type(simulator).__name__} knows no gravity along the pipe: choose --backend mujoco.")
         self.robot, self.config, self.n = robot, config, n
-        self._backend, self._source = backend, source
+        self._simulator, self._source = simulator, source
         self._scale = np.concatenate([part.scale for part in observation.layout(robot, config)])
-        self.pipes: list[Pipe | None] = [None] * n
+        self._pipes: list[Pipe | None] = [None] * n
         self.steps, self._ages = np.zeros(n, int), np.zeros(n, int)
         self._turn_signs, self._base = np.ones((n, 3)), np.zeros(n)
         self._lines = CentreLines.of([ANYWHERE] * n)
         self._corner = np.zeros(n, np.intp)
         self._gravity = np.zeros((n, 2))
-        self._judge = OutcomeTracker(robot, config, n)
+        self._tracker = OutcomeTracker(robot, config, n)
         self._action, self._q = np.zeros((n, len(robot.drives))), np.zeros((n, robot.coordinates))
         self._set_points = np.zeros((n, len(robot.joints)))
         self._observation = np.zeros((n, len(self._scale)))
+
+    @property
+    def pipes(self) -> list[Pipe | None]:
+        return self._pipes
 
     @property
     def q(self) -> Floats:
@@ -64,9 +69,7 @@ class TraverseBatch(Sized):
     @property
     def points(self) -> Floats:
         """Rear end, joints and tip in the pipe's frame, (n, links + 1, 2) [m]: no policy knows where it is."""
-        points = kinematics.waypoints(self.robot, self._q)
-        points[..., 0] += self._base[:, None]
-        return points
+        return frames.robot_to_pipe(kinematics.waypoints(self.robot, self._q), self._base[:, None])
 
     @property
     def along(self) -> Floats:
@@ -78,17 +81,17 @@ class TraverseBatch(Sized):
         indices = np.arange(self.n) if indices is None else np.asarray(indices, np.intp)
         episodes = self._source(indices)
         if self.config.inclination_deg is not None:
-            self._backend.incline(indices, episodes.gravity)
-        reading = self._backend.reset(indices, episodes.pipes, episodes.q, episodes.base)
+            self._simulator.incline(indices, episodes.gravity)
+        reading = self._simulator.reset(indices, episodes.pipes, episodes.q, episodes.base)
         for i, pipe in zip(indices, episodes.pipes, strict=True):
-            self.pipes[i] = pipe
+            self._pipes[i] = pipe
         self.steps[indices], self._ages[indices] = self._ages[indices], 0
         self._base[indices], self._q[indices], self._action[indices] = episodes.base, episodes.q, 0.0
         self._gravity[indices] = episodes.gravity
         self._set_points[indices] = reading.q + self.config.start_press * np.sign(reading.q)
         self._lines, self._corner[indices] = self._lines.put(indices, CentreLines.of(episodes.pipes)), 0
         self._turn_signs[indices] = self._lines.turn_signs(self._corner)[indices]
-        self._judge.start(indices, self.along[indices])
+        self._tracker.start(indices, self.along[indices])
         self._observation = self._observation.copy()
         self._observation[indices] = self._observe(reading, indices)
         return self._observation
@@ -108,14 +111,14 @@ class TraverseBatch(Sized):
             self.robot, self.config, action, joints, self._set_points, self._turn_signs[:, 0]
         )
         self._set_points = command.values[:, : joints.shape[1]].copy()
-        self._backend.step(command)
+        self._simulator.step(command)
         self.steps += 1
         self._action = np.clip(action, -1.0, 1.0)
-        reading, truth = self._backend.read(), self._backend.truth()
+        reading, truth = self._simulator.read(), self._simulator.truth()
         self._place(reading, truth)
         along, every, last = self.along, np.arange(self.n), self._lines.corners - 1
         limit, end = self.config.max_steps * (last + 1), self._lines.end[every, last]
-        facts, outcome = self._judge.step(self.steps, limit, along, end, reading, truth)
+        facts, outcome = self._tracker.step(self.steps, limit, along, end, reading, truth)
         self._go_on(along.mean(axis=1))
         self._observation = self._observe(reading, every)
         gained = reward(self.config.reward, facts)
@@ -123,7 +126,7 @@ class TraverseBatch(Sized):
         return StepResult(self._observation, gained, outcome, reading.ranges.min(axis=1), truth, cut_off)
 
     def close(self) -> None:
-        self._backend.close()
+        self._simulator.close()
 
     def _place(self, reading: Reading, truth: Truth) -> None:
         """Where the robots are, from their joints and from the tip that the simulator knows."""

@@ -12,7 +12,7 @@ from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.messages import Reading, Truth
 from pipenav.backends.spatial import SpaceTruth
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.outcome import Outcome
+from pipenav.tasks.outcome import Outcome, decide
 from pipenav.tasks.traverse.config import TraverseConfig, TraverseReward
 
 AT_STOP = 0.01
@@ -35,6 +35,18 @@ class Facts(NamedTuple):
     penetration: Floats
     passed: Flags
     failed: Flags
+
+
+class Judged(NamedTuple):
+    """What one control step brought.
+
+    Attributes:
+        facts: what the reward depends on.
+        outcome: an `Outcome` for each robot, (n,).
+    """
+
+    facts: Facts
+    outcome: NDArray[np.int8]
 
 
 def reward(config: TraverseReward, facts: Facts) -> Floats:
@@ -70,8 +82,8 @@ class OutcomeTracker:
         end: Floats,
         reading: Reading,
         truth: Truth | SpaceTruth,
-    ) -> tuple[Facts, NDArray[np.int8]]:
-        """What one control step brought, and a `Outcome` for each robot, (n,).
+    ) -> Judged:
+        """Facts and outcome of one control step.
 
         Args:
             steps: control steps of each episode, (n,).
@@ -93,21 +105,18 @@ class OutcomeTracker:
         sank = truth.penetration > config.max_penetration
         back = middle < self._furthest - config.slide_back * self._robot.length
         passed = (along[:, 0] >= end + config.through) & ~sank
-        outcome = np.where(steps >= limit, Outcome.TIMEOUT.value, Outcome.RUNNING.value)
         stuck = (self._waited >= config.patience) & ~passed
-        outcome[stuck] = self._why_stuck(along, reading)[stuck]
-        outcome[passed] = Outcome.REACHED.value
-        outcome[back] = Outcome.SLID_BACK.value
-        outcome[sank] = Outcome.PENETRATION.value
+        holds = {Outcome.TIMEOUT: steps >= limit, Outcome.REACHED: passed}
+        holds |= {reason: stuck & seen for reason, seen in self._why_stuck(along, reading).items()}
+        outcome = decide(len(sank), holds | {Outcome.SLID_BACK: back, Outcome.PENETRATION: sank})
         facts = Facts(progress, truth.contact_force, truth.penetration, passed, sank | back | stuck)
-        return facts, outcome.astype(np.int8)
+        return Judged(facts, outcome)
 
-    def _why_stuck(self, along: Floats, reading: Reading) -> NDArray[np.int_]:
-        """The reason why a robot does not come on, if it does not, (n,)."""
+    def _why_stuck(self, along: Floats, reading: Reading) -> dict[Outcome, Flags]:
+        """Reasons why a robot does not come on, if it does not, each (n,)."""
         robot = self._robot
         spare = AT_STOP * (robot.upper - robot.lower)
-        at_stop = ((reading.q <= robot.lower + spare) | (reading.q >= robot.upper - spare)).any(axis=1)
-        why = np.where(self._rolled >= self._config.spin, Outcome.SLIP.value, Outcome.JAM.value)
-        why = np.where(at_stop, Outcome.LIMIT.value, why)
+        at_stop = np.asarray(((reading.q <= robot.lower + spare) | (reading.q >= robot.upper - spare)).any(axis=1))
         folded = along[:, -1] < along[:, along.shape[1] // 2]
-        return np.where(folded, Outcome.FOLD.value, why)
+        slips = self._rolled >= self._config.spin
+        return {Outcome.JAM: ~slips, Outcome.SLIP: slips, Outcome.LIMIT: at_stop, Outcome.FOLD: folded}

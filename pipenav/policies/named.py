@@ -1,0 +1,67 @@
+"""The controllers that a person may name: a trained policy, or a baseline to compare it with."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pipenav.arrays import Floats
+from pipenav.errors import UnknownName
+from pipenav.policies.baselines.centreline import CentrelineController
+from pipenav.policies.baselines.sequence import SequenceController
+from pipenav.policies.controller import AnyController
+from pipenav.policies.policy import Policy, load_policy, resolve_policy
+from pipenav.robots.robot import RobotSpec, load_robot
+from pipenav.tasks.registry import TaskConfig, default_config
+
+BASELINE = "baseline:"
+
+BASELINES = {"random": "basic", "centreline": "basic", "sequence": "pirate", "sequence-line": "pirate"}
+"""Controllers to compare a policy with, and the robot that each drives where none is named."""
+
+
+class PolicyController:
+    """A trained policy as a controller."""
+
+    def __init__(self, policy: Policy) -> None:
+        self.policy = policy
+        self.robot, self.task = policy.header.robot, policy.header.task
+
+    def act(self, observation: Floats) -> Floats:
+        return self.policy.act(observation).astype(float)
+
+
+class RandomController:
+    """Uniform random actions, for a floor under every comparison."""
+
+    def __init__(self, robot: RobotSpec, seed: int, task: TaskConfig | None = None) -> None:
+        self.robot, self.task = robot, task or default_config(robot)
+        self._rng = np.random.default_rng(seed)
+
+    def act(self, observation: Floats) -> Floats:
+        return self._rng.uniform(-1.0, 1.0, (len(observation), len(self.robot.drives)))
+
+
+def open_controller(text: str, robot_name: str | None = None, seed: int = 0) -> AnyController:
+    """The controller that a person named.
+
+    Args:
+        text: `baseline:` and one of `BASELINES`, a shipped policy's name, or a policy file.
+        robot_name: robot of a baseline, by default as `BASELINES` says; a policy brings its own.
+        seed: seed of `baseline:random`.
+
+    Raises:
+        UnknownName: no such baseline, policy or robot.
+        PolicyFileError: a policy file that cannot be used.
+        PipenavError: a robot that the baseline cannot drive.
+    """
+    if not text.startswith(BASELINE):
+        return PolicyController(load_policy(resolve_policy(text)))
+    name = text.removeprefix(BASELINE)
+    if name not in BASELINES:
+        raise UnknownName("baseline", text, [BASELINE + known for known in BASELINES])
+    robot = load_robot(robot_name or BASELINES[name])
+    if name == "random":
+        return RandomController(robot, seed)
+    if name == "centreline":
+        return CentrelineController(robot)
+    return SequenceController(robot, load_policy(resolve_policy("arm")) if name == "sequence" else None)

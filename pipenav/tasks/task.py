@@ -1,0 +1,108 @@
+"""What a robot is asked to do: the one interface of every kind of task."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from typing import Any, ClassVar, Generic, Protocol, Self, TypeVar
+
+import numpy as np
+
+from pipenav.arrays import Floats, Ints, Table
+from pipenav.backends.backend import Simulator
+from pipenav.pipes.pipe import Pipe
+from pipenav.robots.robot import RobotSpec
+from pipenav.tasks.batch import TrainingBatch
+from pipenav.tasks.layout import ObservationField
+from pipenav.tasks.outcome import PassageStage
+
+
+class Episodes(Protocol):
+    """k episodes about to start: where, how the robots stand, and whatever else the task draws."""
+
+    @property
+    def pipes(self) -> tuple[Pipe, ...]:
+        """The pipe of each, k of them."""
+        ...
+
+    @property
+    def q(self) -> Floats:
+        """Start configurations in the robot's own frame, (k, coordinates)."""
+        ...
+
+    @property
+    def base(self) -> Floats:
+        """Where the robot's frame starts on the first leg's axis, x in the pipe's frame, (k,) [m]."""
+        ...
+
+    def part(self, which: slice) -> Self:
+        """Some of the episodes."""
+        ...
+
+
+ConfigT = TypeVar("ConfigT", bound=Table)
+EpisodesT = TypeVar("EpisodesT", bound=Episodes)
+EpisodeSource = Callable[[Ints], EpisodesT]
+"""Given the robots that start anew, their next episodes."""
+
+
+class Task(ABC, Generic[ConfigT, EpisodesT]):
+    """A kind of task with its settings.
+
+    Attributes:
+        stage: the part of a passage that the task is.
+        config: the settings.
+    """
+
+    stage: ClassVar[PassageStage]
+
+    def __init__(self, config: ConfigT) -> None:
+        self.config = config
+
+    @abstractmethod
+    def parse_training_pipes(self, given: Sequence[str]) -> Sequence[Pipe]:
+        """Pipes to train in, as a person names them.
+
+        Raises:
+            PipenavError: something unknown or impossible, or a pipe that the task cannot be trained in.
+        """
+
+    @abstractmethod
+    def parse_pipes(self, given: Sequence[str]) -> Sequence[Pipe]:
+        """Pipes to evaluate in, as a person names them.
+
+        Raises:
+            PipenavError: something unknown or impossible.
+        """
+
+    @abstractmethod
+    def check_robot(self, robot: RobotSpec) -> None:
+        """Refuse a robot that cannot do the task.
+
+        Raises:
+            PipenavError: the robot cannot do it.
+        """
+
+    @abstractmethod
+    def layout(self, robot: RobotSpec) -> list[ObservationField]:
+        """Parts of the observation, in order."""
+
+    @abstractmethod
+    def action_scale(self, robot: RobotSpec) -> Floats:
+        """Physical size of a full action of 1, (action_size,)."""
+
+    @abstractmethod
+    def sample(self, robot: RobotSpec, pipes: Sequence[Pipe], rng: np.random.Generator) -> EpisodesT:
+        """Random episodes, one in each of the given pipes."""
+
+    @abstractmethod
+    def batch(self, robot: RobotSpec, simulator: Simulator, n: int, source: EpisodeSource[EpisodesT]) -> TrainingBatch:
+        """n episodes on a simulator, whose starts the source gives."""
+
+    def observation_scale(self, robot: RobotSpec) -> Floats:
+        """What each value of the observation is divided by, (size,)."""
+        return np.concatenate([field.scale for field in self.layout(robot)])
+
+
+AnyTask = Task[Any, Any]
+"""A task of any kind."""
