@@ -29,7 +29,7 @@ from pipenav.backends.real_robot import load_real_robot
 from pipenav.backends.registry import open_backend
 from pipenav.deployment.loop import drive, guarded
 from pipenav.deployment.mission import mission_of
-from pipenav.deployment.session import policy_for, rehearse, run_settings
+from pipenav.deployment.session import mission_settings, policy_for, rehearse
 from pipenav.deployment.telemetry import Telemetry
 from pipenav.pipes.corner import PipeCorner
 from pipenav.tasks.reach import episode
@@ -96,7 +96,7 @@ def main() -> int:
     given = parser.parse_args()
     policy = policy_for(given.policy, None)
     robot, pipe = policy.header.robot, PipeCorner.of(130, 90)
-    settings = run_settings("left", None, retreat=True)
+    settings = mission_settings("left", None, retreat=True)
     start = episode.sample(robot, policy.header.task, [pipe], np.random.default_rng(0))
     records: list[dict[str, Any]] = []
     outcomes: dict[str, int] = {}

@@ -41,7 +41,7 @@ def starts(rng: np.random.Generator, n: int) -> episode.ReachEpisodes:
     return episode.sample(ROBOT, ReachConfig(), [PIPES[i] for i in rng.integers(0, len(PIPES), n)], rng)
 
 
-def drives(rng: np.random.Generator, n: int) -> np.ndarray:
+def duties(rng: np.random.Generator, n: int) -> np.ndarray:
     """Set-points ahead of a start pose, so that the robots run into their corners."""
     return rng.uniform([0.0, -0.5, -0.5, -0.5], [0.3, 0.5, 0.5, 0.5], (n, 4))
 
@@ -57,7 +57,7 @@ def plain_loop(episodes: int) -> float:
     for _ in range(episodes):
         start = starts(rng, 1)
         single.reset([0], start.pipes, start.q, start.base)
-        goals = drives(rng, EPISODE).tolist()
+        goals = duties(rng, EPISODE).tolist()
         began = time.perf_counter()
         for goal in goals:
             for _ in range(substeps):
@@ -88,7 +88,7 @@ def worlds(size: int, count: int, episodes: int) -> float:
             start = starts(rng, size)
             one.reset(list(range(size)), start.pipes, start.q, start.base)
         for _ in range(EPISODE):
-            values = drives(rng, size)
+            values = duties(rng, size)
             began = time.perf_counter()
             for one in all_worlds:
                 one.step("position", values)
@@ -109,7 +109,7 @@ def backend(n: int, episodes: int) -> tuple[float, float]:
         opened.reset(np.arange(n), start.pipes, start.q, start.base)
         resetting += time.perf_counter() - began
         for _ in range(EPISODE):
-            values = drives(rng, n)
+            values = duties(rng, n)
             began = time.perf_counter()
             opened.step(Command("position", values))
             opened.read()

@@ -107,7 +107,7 @@ def test_a_joint_limit_is_termination(env: CornerEnv) -> None:
     back = np.array([-1, 0, 0, 0], np.float32)
     *_, reward, terminated, truncated, info = next(step for step in map(env.step, [back] * 50) if step[2] or step[3])
     assert (terminated, truncated, info["outcome"], reward) == (True, False, "limit", -1000.0)
-    assert set(info) == {"outcome", "is_success", "clearance_m", "contact_force_n", "penetration_m"}
+    assert set(info) == {"outcome", "is_success", "min_range_m", "contact_force_n", "penetration_m"}
 
 
 def test_a_vector_env_is_n_single_ones() -> None:

@@ -13,10 +13,10 @@ from pipenav.arrays import Floats
 from pipenav.cli import main
 from pipenav.evaluation import episode_runner
 from pipenav.evaluation.episode_runner import EpisodeResults
-from pipenav.evaluation.evaluate import EvaluationRun
+from pipenav.evaluation.evaluate import CheckedEvaluation
 from pipenav.evaluation.passage import run_task
 from pipenav.pipes.corner_sets import parse_pipes
-from pipenav.pipes.route_sets import parse_runs
+from pipenav.pipes.route_sets import parse_routes
 from pipenav.policies.controller import Controller
 from pipenav.policies.named import PolicyController, open_controller
 from pipenav.policies.policy import load_policy
@@ -102,7 +102,7 @@ def test_every_episode_has_ended_in_one_way(results: EpisodeResults) -> None:
 
 def test_progress_is_told_until_the_end() -> None:
     told: list[tuple[str, int, int, int]] = []
-    EvaluationRun("baseline:centreline", NAMES[:1], EPISODES, 0).run(lambda *all_four: told.append(all_four))
+    CheckedEvaluation("baseline:centreline", NAMES[:1], EPISODES, 0).run(lambda *all_four: told.append(all_four))
     assert told == sorted(told)
     assert told[-1] == ("front", EPISODES, EPISODES, EPISODES)
 
@@ -118,7 +118,7 @@ def test_the_shipped_policy_passes_the_working_range() -> None:
 
 @pytest.mark.parametrize("name", ["pirate", "pirate-gravity"])
 def test_the_whole_robots_shipped_policies_pass_corners_and_runs(name: str) -> None:
-    sample = [*parse_pipes(["working-range"])[::16], *parse_runs(["runs-level:3", "runs-level:14"])]
+    sample = [*parse_pipes(["working-range"])[::16], *parse_routes(["runs-level:3", "runs-level:14"])]
     found = run_task(open_controller(name), sample, 2, seed=11)
     assert (found.outcome == Outcome.REACHED).mean() >= 0.9
 

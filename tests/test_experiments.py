@@ -123,7 +123,7 @@ def test_the_best_agent_is_taken_over(thesis_plan: ExperimentPlan) -> None:
 
 
 def test_what_is_there_is_not_done_again(thesis_plan: ExperimentPlan) -> None:
-    assert evaluation_jobs(thesis_plan, 1, ("front", "front-rear", "locate", "passage")) == []
+    assert evaluation_jobs(thesis_plan, 1, ("front", "reach-rear", "locate", "passage")) == []
     assert len(training_jobs(thesis_plan, 1)) == 2 * len(load_agents())
 
 

@@ -11,9 +11,9 @@ from typer.testing import CliRunner, Result
 from pipenav.cli.gen_pipe import gen_pipe
 from pipenav.errors import PipenavError
 from pipenav.export.corner_folder import FILES, read_pipe
-from pipenav.export.route_folder import read_run_folder, run_files
+from pipenav.export.route_folder import read_route_folder, route_files
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.route_sets import parse_runs, read_run
+from pipenav.pipes.route_sets import parse_routes, read_route
 
 app = typer.Typer()
 app.command("gen-pipe")(gen_pipe)
@@ -106,9 +106,9 @@ def test_makes_the_run_of_a_file_in_a_folder_of_its_name(tmp_path: Path) -> None
     file.write_text(RUN)
     result = run("--run", file, "--out", tmp_path)
     assert result.exit_code == 0, result.output
-    made = read_run(file)
-    assert read_run_folder(tmp_path / "my-run") == made
-    for name, purpose in run_files(made).items():
+    made = read_route(file)
+    assert read_route_folder(tmp_path / "my-run") == made
+    for name, purpose in route_files(made).items():
         assert name in result.output and purpose in result.output
     for text in ("2.00 m", "in space", "62.5 deg", "to the right after a roll of 90 deg, then 700.0 mm"):
         assert text in result.output
@@ -117,7 +117,7 @@ def test_makes_the_run_of_a_file_in_a_folder_of_its_name(tmp_path: Path) -> None
 def test_makes_a_run_of_a_shipped_set(tmp_path: Path) -> None:
     result = run("--run", "runs-level:7", "--out", tmp_path)
     assert result.exit_code == 0 and "in one plane" in result.output
-    assert read_run_folder(tmp_path / "runs-level-7") == parse_runs(["runs-level"])[6]
+    assert read_route_folder(tmp_path / "runs-level-7") == parse_routes(["runs-level"])[6]
 
 
 @pytest.mark.parametrize(

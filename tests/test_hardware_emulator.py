@@ -184,12 +184,12 @@ def test_the_arm_in_a_pipe_moves_as_the_backend_says() -> None:
     pipe, q = PipeCorner.of(120, 90), np.zeros(4)
     plant = PipePlant(robot, arm, open_simulator("mujoco", robot, 1, {"threads": 1}), pipe, q, -0.6)
     goals = np.array([0.02, 0.1, -0.1, 0.1])
-    drives = [Drive(round(s.to_counts(g)), 250, 0.3) for s, g in zip(arm.servos, goals, strict=True)]
-    plant.command(1.0, drives)
+    actuators = [Drive(round(s.to_counts(g)), 250, 0.3) for s, g in zip(arm.servos, goals, strict=True)]
+    plant.command(1.0, actuators)
     start = [shaft.position for shaft in plant.shafts(1.0)]
     assert start == pytest.approx([servo.to_counts(0.0) for servo in arm.servos])
     for k in range(1, 12):
-        plant.command(1.0 + 0.1 * k, drives)
+        plant.command(1.0 + 0.1 * k, actuators)
     shafts = plant.shafts(2.15)
     assert [s.to_position(shaft.position) for s, shaft in zip(arm.servos, shafts, strict=True)] == pytest.approx(
         goals, abs=0.01

@@ -124,7 +124,7 @@ def test_a_backend_without_a_window_says_so() -> None:
 
 def test_a_recorded_motion_is_shown_pose_by_pose() -> None:
     poses = np.linspace([0, 0, 0, 0], [0.1, 0.1, 0.2, 0.3], 4)
-    header = TrajectoryHeader(robot="basic", pipe=PIPE, base_m=-0.6, stage="front")
+    header = TrajectoryHeader(robot="basic", pipe=PIPE, base_m=-0.6, stage="reach")
     seen: list[Any] = []
     live.play(
         [Trajectory(header, ROBOT, poses)],

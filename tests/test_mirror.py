@@ -221,6 +221,6 @@ def test_a_joint_at_its_limit_and_a_link_in_the_wall_end_it() -> None:
 
 
 def test_a_header_of_a_plan_is_of_the_mirrored_pipe() -> None:
-    header = TrajectoryHeader(robot="basic", pipe=PipeCorner.of(100, 60), base_m=-0.7, stage="front", outcome="reached")
+    header = TrajectoryHeader(robot="basic", pipe=PipeCorner.of(100, 60), base_m=-0.7, stage="reach", outcome="reached")
     plan = plan_rear([Trajectory(header, ROBOT, np.zeros((3, 4)))])
     assert plan.header.pipe.name == "corner-d100-a60-right"

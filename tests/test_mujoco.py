@@ -52,7 +52,7 @@ def scene(rng: np.random.Generator, n: int, bends: Sequence[float] = (0.0,)) -> 
     return Scene(backend, pipes, start.q, start.base)
 
 
-def drives(rng: np.random.Generator, n: int) -> Floats:
+def duties(rng: np.random.Generator, n: int) -> Floats:
     """Random drives that push the arm into the corner, so that it meets the walls often."""
     values = rng.uniform(-1, 1, (n, 4))
     values[:, 0] = 0.3 + 0.7 * np.abs(values[:, 0])
@@ -80,7 +80,7 @@ def test_mocap_walls_give_the_trajectories_of_static_ones(bends: tuple[float, ..
         state.qpos[:] = q
     touched = 0
     for _ in range(25):
-        values = drives(rng, n)
+        values = duties(rng, n)
         now.backend.step(Command("torque", values))
         for model, state, drive in zip(models, states, values, strict=True):
             state.ctrl[:] = drive
@@ -151,7 +151,7 @@ def test_beams_are_mujocos_own_rays(bends: tuple[float, ...]) -> None:
     compared = 0
     for _ in range(3):
         for _ in range(7):
-            now.backend.step(Command("torque", drives(rng, 30)))
+            now.backend.step(Command("torque", duties(rng, 30)))
         reading = now.backend.read()
         pose = kinematics.forward(ROBOT, reading.q)
         for i, (pipe, base) in enumerate(zip(now.pipes, now.base, strict=True)):
@@ -201,7 +201,7 @@ def test_penetration_is_the_overlap_of_the_shapes() -> None:
     now = scene(rng, 30)
     cases = []
     for _ in range(25):
-        now.backend.step(Command("torque", drives(rng, 30)))
+        now.backend.step(Command("torque", duties(rng, 30)))
         q = now.backend.read().q + rng.normal(0, 0.01, (30, 4))
         depths = [overlap(*case) for case in zip(q, now.pipes, now.base, strict=True)]
         cases += [(i, q[i], depth) for i, depth in enumerate(depths) if 1e-5 < depth < 2e-3]
@@ -220,7 +220,7 @@ def test_without_contact_there_is_no_force() -> None:
     now = scene(rng, 20)
     apart = 0
     for _ in range(20):
-        now.backend.step(Command("torque", drives(rng, 20)))
+        now.backend.step(Command("torque", duties(rng, 20)))
         truth = now.backend.truth()
         none = truth.contact_share == 0
         assert np.all(truth.contact_force[none] == 0)
@@ -234,7 +234,7 @@ def test_walls_hold_the_arm() -> None:
     now = scene(rng, 40)
     depths = []
     for _ in range(30):
-        now.backend.step(Command("torque", drives(rng, 40)))
+        now.backend.step(Command("torque", duties(rng, 40)))
         depths.append(now.backend.truth().penetration)
     assert np.percentile(depths, 99) < 1.5e-3
     assert np.max(depths) < 3e-3

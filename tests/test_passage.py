@@ -9,7 +9,7 @@ import pytest
 
 from pipenav.cli import main
 from pipenav.errors import PipenavError
-from pipenav.evaluation.evaluate import EvaluationRun, StageName
+from pipenav.evaluation.evaluate import CheckedEvaluation, StageName
 from pipenav.evaluation.passage import Passages, StageResult
 from pipenav.evaluation.results import Evaluation
 from pipenav.motions.mirror import join, rear_motion
@@ -83,17 +83,17 @@ def test_the_rear_plays_both_motions_backwards(passages: Passages, located: Stag
 
 def counts(evaluation: Evaluation) -> list[tuple[int | None, ...]]:
     return [
-        (r.located, r.front_attempts, r.front_successes, r.rear_attempts, r.rear_successes) for r in evaluation.pipes
+        (r.located, r.reach_attempts, r.reach_successes, r.rear_attempts, r.rear_successes) for r in evaluation.pipes
     ]
 
 
-@pytest.mark.parametrize("stage", ["front", "front-rear", "locate", "passage"])
+@pytest.mark.parametrize("stage", ["front", "reach-rear", "locate", "passage"])
 def test_counts_are_those_of_the_stages_that_ran(stage: StageName) -> None:
-    found = EvaluationRun(None if stage == "locate" else "arm", NAMES, EPISODES, 5, stage).run()
+    found = CheckedEvaluation(None if stage == "locate" else "arm", NAMES, EPISODES, 5, stage).run()
     n = EPISODES
     expected = {
         "front": (None, n, n, None, None),
-        "front-rear": (None, n, n, n, n),
+        "reach-rear": (None, n, n, n, n),
         "locate": (n, None, None, None, None),
         "passage": (n, n, n, n, n),
     }
@@ -103,10 +103,10 @@ def test_counts_are_those_of_the_stages_that_ran(stage: StageName) -> None:
 
 
 def test_failures_add_up_and_a_stage_that_nothing_came_to_is_empty() -> None:
-    found = EvaluationRun("baseline:random", NAMES, EPISODES, 5, "passage").run()
+    found = CheckedEvaluation("baseline:random", NAMES, EPISODES, 5, "passage").run()
     for record in found.pipes:
-        assert record.located == record.front_attempts == EPISODES
-        assert (record.front_successes, record.rear_attempts, record.rear_successes) == (0, 0, 0)
+        assert record.located == record.reach_attempts == EPISODES
+        assert (record.reach_successes, record.rear_attempts, record.rear_successes) == (0, 0, 0)
         assert sum(record.failures.values()) == EPISODES
     assert found.success == 0.0
 
@@ -124,7 +124,7 @@ def test_the_same_seed_gives_the_same_passages(passages: Passages, located: Stag
 )
 def test_a_stage_wants_its_policy(policy: str | None, stage: StageName, message: str) -> None:
     with pytest.raises(PipenavError, match=message):
-        EvaluationRun(policy, NAMES, 1, 0, stage)
+        CheckedEvaluation(policy, NAMES, 1, 0, stage)
 
 
 def test_a_pipe_too_narrow_for_the_robot_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -140,6 +140,6 @@ def test_a_pipe_too_narrow_for_the_robot_is_refused(tmp_path: Path, capsys: pyte
 
 
 def test_a_failed_stage_names_itself() -> None:
-    found = EvaluationRun(None, ["d=110,angle=175"], 2, 0, "locate", variant="thesis").run()
+    found = CheckedEvaluation(None, ["d=110,angle=175"], 2, 0, "locate", variant="thesis").run()
     assert set(found.pipes[0].failures) <= {f"locate {outcome.label}" for outcome in Outcome}
     assert found.policy == "locate:thesis"

@@ -27,7 +27,7 @@ extras = st.one_of(st.integers(0, 100), st.integers(300, 2500))
 
 
 @st.composite
-def runs(
+def routes(
     draw: st.DrawFn,
     rolls: st.SearchStrategy[float] = rolls,
     extras: st.SearchStrategy[int] = extras,
@@ -46,34 +46,34 @@ def runs(
         raise
 
 
-planar_runs = runs(flat_rolls)
+planar_runs = routes(flat_rolls)
 OVER_ITSELF = [(90, "left", 90), (90, "right", 0), (90, "left", -90), (90, "left", 0), (90, "left", 0)]
 MIRROR = np.diag([1.0, -1.0, 1.0])
 
 
-def inside(run: PipeRoute, seed: int = 0, count: int = 40) -> Floats:
+def inside(route: PipeRoute, seed: int = 0, count: int = 40) -> Floats:
     """Points in the bore of every leg, between its mitres, (legs, count, 3)."""
     rng = np.random.default_rng(seed)
     around, (off, share) = rng.uniform(0, 2 * math.pi, count), rng.uniform(0.001, 0.999, (2, count))
-    lines = run.legs.lines(off * run.radius, around)
+    lines = route.legs.lines(off * route.radius, around)
     return np.moveaxis(lines[:, :-1] + share[:, None, None] * np.diff(lines, axis=1), 1, 0)
 
 
 @given(diameters, angles, turns)
 def test_a_run_of_one_is_that_pipe(diameter: float, angle: float, turn: str) -> None:
     pipe = PipeCorner.of(diameter, angle, turn)
-    run = PipeRoute.from_pipe(pipe)
+    route = PipeRoute.from_pipe(pipe)
     left, right = pipe.walls if turn == "left" else pipe.walls[::-1]
-    np.testing.assert_allclose(run.walls.left, left, atol=1e-12)
-    np.testing.assert_allclose(run.walls.right, right, atol=1e-12)
-    np.testing.assert_allclose(run.centre_line[:, :2], pipe.line(0.0), atol=1e-12)
+    np.testing.assert_allclose(route.walls.left, left, atol=1e-12)
+    np.testing.assert_allclose(route.walls.right, right, atol=1e-12)
+    np.testing.assert_allclose(route.centre_line[:, :2], pipe.line(0.0), atol=1e-12)
     points = np.random.default_rng(1).uniform(-1.2, 1.2, (200, 2)) * pipe.leg
     points = points[pipe.contains(points)]
-    np.testing.assert_allclose(run.along(points), pipe.distance_along(points), atol=1e-12)
+    np.testing.assert_allclose(route.along(points), pipe.distance_along(points), atol=1e-12)
     # Sorted by their middles, a pipe and a run list the same walls, with the same thick and thin boxes behind them.
     if angle > 179.9:  # where a run knows no inner side
         return
-    for boxes in zip(*(_sorted_boxes(it) for it in (pipe, run)), strict=True):
+    for boxes in zip(*(_sorted_boxes(it) for it in (pipe, route)), strict=True):
         np.testing.assert_allclose(*boxes, atol=1e-9)
 
 
@@ -84,24 +84,24 @@ def _sorted_boxes(pipe: PipeCorner | PipeRoute) -> Floats:
     return rows[np.lexsort(np.round(rows[:, :2], 6).T)]
 
 
-@given(runs())
-def test_frames_follow_the_centre_line_and_are_rotations(run: PipeRoute) -> None:
-    origin, rotation = run.frames
+@given(routes())
+def test_frames_follow_the_centre_line_and_are_rotations(route: PipeRoute) -> None:
+    origin, rotation = route.frames
     np.testing.assert_allclose(
         rotation @ rotation.transpose(0, 2, 1), np.tile(np.eye(3), (len(origin), 1, 1)), atol=1e-12
     )
     assert np.linalg.det(rotation) == pytest.approx(1)
     np.testing.assert_allclose(origin[1], 0, atol=1e-12)
-    ends = origin + np.array(run.straights)[:, None] * rotation[:, :, 0]
+    ends = origin + np.array(route.straights)[:, None] * rotation[:, :, 0]
     np.testing.assert_allclose(ends[:-1], origin[1:], atol=1e-9)
-    np.testing.assert_allclose(run.centre_line, [*origin, ends[-1]], atol=1e-9)
-    assert run.places == pytest.approx(np.cumsum([-run.straights[0], *run.straights]))
+    np.testing.assert_allclose(route.centre_line, [*origin, ends[-1]], atol=1e-9)
+    assert route.distances == pytest.approx(np.cumsum([-route.straights[0], *route.straights]))
 
 
-@given(runs())
-def test_every_corner_bends_in_its_own_plane_by_its_angle(run: PipeRoute) -> None:
-    rotation = run.frames.rotation
-    for before, after, corner in zip(rotation, rotation[1:], run.corners, strict=False):
+@given(routes())
+def test_every_corner_bends_in_its_own_plane_by_its_angle(route: PipeRoute) -> None:
+    rotation = route.frames.rotation
+    for before, after, corner in zip(rotation, rotation[1:], route.corners, strict=False):
         c, s = math.cos(corner.roll), math.sin(corner.roll)
         turn_sign = 1 if corner.turn == "left" else -1
         to_inside = turn_sign * (c * before[:, 1] + s * before[:, 2])
@@ -110,7 +110,7 @@ def test_every_corner_bends_in_its_own_plane_by_its_angle(run: PipeRoute) -> Non
         np.testing.assert_allclose(after[:, 2], c * before[:, 2] - s * before[:, 1], atol=1e-12)
 
 
-@given(runs(), runs(most=3))
+@given(routes(), routes(most=3))
 @settings(max_examples=40)
 def test_frames_of_a_chained_run_are_those_of_its_parts_composed(first: PipeRoute, second: PipeRoute) -> None:
     corners, straights = first.corners + second.corners, first.straights[:-1] + second.straights
@@ -126,95 +126,97 @@ def test_frames_of_a_chained_run_are_those_of_its_parts_composed(first: PipeRout
     np.testing.assert_allclose(chained.frames.origin[n:], second.frames.origin @ turn.T + shift, atol=1e-9)
 
 
-@given(runs(), st.integers(0, 9))
-def test_turning_every_corner_the_other_way_mirrors_the_run(run: PipeRoute, seed: int) -> None:
+@given(routes(), st.integers(0, 9))
+def test_turning_every_corner_the_other_way_mirrors_the_run(route: PipeRoute, seed: int) -> None:
     other = {"left": "right", "right": "left"}
-    corners = tuple(Corner(angle=c.angle, turn=other[c.turn], roll=-c.roll) for c in run.corners)
-    mirrored = run.model_copy(update={"corners": corners})
-    np.testing.assert_allclose(mirrored.centre_line, run.centre_line @ MIRROR, atol=1e-9)
-    points = inside(run, seed)
-    np.testing.assert_allclose(mirrored.along(points @ MIRROR), run.along(points), atol=1e-9)
+    corners = tuple(Corner(angle=c.angle, turn=other[c.turn], roll=-c.roll) for c in route.corners)
+    mirrored = route.model_copy(update={"corners": corners})
+    np.testing.assert_allclose(mirrored.centre_line, route.centre_line @ MIRROR, atol=1e-9)
+    points = inside(route, seed)
+    np.testing.assert_allclose(mirrored.along(points @ MIRROR), route.along(points), atol=1e-9)
 
 
-@given(runs(), st.integers(0, 4))
-def test_a_roll_by_180_deg_makes_the_other_turn(run: PipeRoute, which: int) -> None:
-    i = which % len(run.corners)
-    corners = [corner.model_dump() for corner in run.corners]
+@given(routes(), st.integers(0, 4))
+def test_a_roll_by_180_deg_makes_the_other_turn(route: PipeRoute, which: int) -> None:
+    i = which % len(route.corners)
+    corners = [corner.model_dump() for corner in route.corners]
     corners[i]["turn"] = {"left": "right", "right": "left"}[corners[i]["turn"]]
     corners[i]["roll"] += math.pi
     if i + 1 < len(corners):  # whose plane is told from the one that was rolled
         corners[i + 1]["roll"] -= math.pi
-    same = run.model_copy(update={"corners": tuple(Corner(**corner) for corner in corners)})
-    np.testing.assert_allclose(same.centre_line, run.centre_line, atol=1e-9)
-    assert same.planar == run.planar
+    same = route.model_copy(update={"corners": tuple(Corner(**corner) for corner in corners)})
+    np.testing.assert_allclose(same.centre_line, route.centre_line, atol=1e-9)
+    assert same.planar == route.planar
 
 
-@given(runs(), st.integers(0, 9))
+@given(routes(), st.integers(0, 9))
 def test_along_rises_along_lines_that_keep_the_inside_and_is_the_distance_on_the_centre_line(
-    run: PipeRoute, seed: int
+    route: PipeRoute, seed: int
 ) -> None:
-    places = np.sort(np.random.default_rng(seed).uniform(run.places[0], run.places[-1], 300))
-    on_line = np.stack([np.interp(places, run.places, line) for line in run.centre_line.T], axis=1)
-    np.testing.assert_allclose(run.along(on_line), places, atol=1e-9)
-    line = run.legs.lines(0.9 * run.radius, np.array([seed]))[0]
+    distances = np.sort(np.random.default_rng(seed).uniform(route.distances[0], route.distances[-1], 300))
+    on_line = np.stack([np.interp(distances, route.distances, line) for line in route.centre_line.T], axis=1)
+    np.testing.assert_allclose(route.along(on_line), distances, atol=1e-9)
+    line = route.legs.lines(0.9 * route.radius, np.array([seed]))[0]
     share = np.linspace(0, len(line) - 1, 400)
     walked = np.stack([np.interp(share, np.arange(len(line)), x) for x in line.T], axis=1)
-    assert (np.diff(run.along(walked)) >= -1e-9).all()
+    assert (np.diff(route.along(walked)) >= -1e-9).all()
 
 
-@given(runs())
-def test_along_goes_on_past_the_open_ends(run: PipeRoute) -> None:
-    before = run.centre_line[0] - 0.1 * run.frames.rotation[0][:, 0]
-    after = run.centre_line[-1] + 0.1 * run.frames.rotation[-1][:, 0]
-    assume(run.leg_of(np.stack([before, after])).tolist() == [0, len(run.corners)])  # no other leg is nearer
-    assert not run.contains(np.stack([before, after])).any()
-    assert run.along(np.stack([before, after])) == pytest.approx([run.places[0] - 0.1, run.places[-1] + 0.1])
+@given(routes())
+def test_along_goes_on_past_the_open_ends(route: PipeRoute) -> None:
+    before = route.centre_line[0] - 0.1 * route.frames.rotation[0][:, 0]
+    after = route.centre_line[-1] + 0.1 * route.frames.rotation[-1][:, 0]
+    assume(route.leg_of(np.stack([before, after])).tolist() == [0, len(route.corners)])  # no other leg is nearer
+    assert not route.contains(np.stack([before, after])).any()
+    assert route.along(np.stack([before, after])) == pytest.approx(
+        [route.distances[0] - 0.1, route.distances[-1] + 0.1]
+    )
 
 
 def test_a_point_in_a_mitre_counts_to_the_leg_before() -> None:
-    run = PipeRoute.of(100, [(90, "left", 0)])
+    route = PipeRoute.of(100, [(90, "left", 0)])
     mitre = np.array([[0.02, -0.02], [0.0, 0.0], [-0.02, 0.02]])
-    assert run.leg_of(mitre).tolist() == [0, 0, 0]
-    assert run.along(mitre) == pytest.approx([0.0, 0.0, -0.02])
-    assert run.along(mitre + np.array([0.0, 1e-9])) == pytest.approx([0.0, 0.0, 0.02], abs=1e-8)
+    assert route.leg_of(mitre).tolist() == [0, 0, 0]
+    assert route.along(mitre) == pytest.approx([0.0, 0.0, -0.02])
+    assert route.along(mitre + np.array([0.0, 1e-9])) == pytest.approx([0.0, 0.0, 0.02], abs=1e-8)
 
 
-@given(runs(), st.integers(0, 9))
-def test_points_of_a_leg_are_inside_and_belong_to_it(run: PipeRoute, seed: int) -> None:
-    points = inside(run, seed)
-    assert run.contains(points).all()
+@given(routes(), st.integers(0, 9))
+def test_points_of_a_leg_are_inside_and_belong_to_it(route: PipeRoute, seed: int) -> None:
+    points = inside(route, seed)
+    assert route.contains(points).all()
     leg = np.broadcast_to(np.arange(len(points))[:, None], points.shape[:2])
-    np.testing.assert_array_equal(run.leg_of(points), leg)
-    local = run.to_leg(points, leg)
-    origin, rotation = run.frames
+    np.testing.assert_array_equal(route.leg_of(points), leg)
+    local = route.to_leg(points, leg)
+    origin, rotation = route.frames
     np.testing.assert_allclose((rotation[leg] @ local[..., None])[..., 0] + origin[leg], points, atol=1e-9)
 
 
 def test_points_in_a_bore_belong_to_it_even_where_another_legs_open_end_points_at_them() -> None:
-    run = PipeRoute.of(108, [(110, "left", 0), (110, "left", 0), (30, "left", 0)], [137, 92, 317, 224])
+    route = PipeRoute.of(108, [(110, "left", 0), (110, "left", 0), (30, "left", 0)], [137, 92, 317, 224])
     points = np.array([[-0.0874, 0.0539], [-0.06, 0.05]])
-    assert run.leg_of(points).tolist() == [0, 0] and run.contains(points).all()
+    assert route.leg_of(points).tolist() == [0, 0] and route.contains(points).all()
 
 
-@given(runs(), st.integers(0, 9))
-def test_points_of_the_wall_are_outside(run: PipeRoute, seed: int) -> None:
+@given(routes(), st.integers(0, 9))
+def test_points_of_the_wall_are_outside(route: PipeRoute, seed: int) -> None:
     rng = np.random.default_rng(seed)
-    lines = run.legs.lines(run.radius + 0.5 * run.wall, rng.uniform(0, 2 * math.pi, 20))
-    assert not run.contains(lines[:, :-1] + rng.uniform(size=(20, 1, 1)) * np.diff(lines, axis=1)).any()
+    lines = route.legs.lines(route.radius + 0.5 * route.wall, rng.uniform(0, 2 * math.pi, 20))
+    assert not route.contains(lines[:, :-1] + rng.uniform(size=(20, 1, 1)) * np.diff(lines, axis=1)).any()
 
 
 @given(planar_runs)
-def test_a_planar_runs_segments_have_free_space_on_their_left_only(run: PipeRoute) -> None:
-    step = run.segments[:, 1] - run.segments[:, 0]
+def test_a_planar_runs_segments_have_free_space_on_their_left_only(route: PipeRoute) -> None:
+    step = route.segments[:, 1] - route.segments[:, 0]
     left = np.stack([-step[:, 1], step[:, 0]], axis=1) / np.linalg.norm(step, axis=1, keepdims=True)
-    middle = run.segments.mean(axis=1)
-    assert run.contains(middle + 1e-6 * left).all()
-    assert not run.contains(middle - 1e-6 * left).any()
+    middle = route.segments.mean(axis=1)
+    assert route.contains(middle + 1e-6 * left).all()
+    assert not route.contains(middle - 1e-6 * left).any()
 
 
 @given(planar_runs)
-def test_edges_are_where_the_wall_bends_away_from_the_free_space(run: PipeRoute) -> None:
-    for wall, edges in zip(np.split(run.segments, 2), np.split(run.edges, 2), strict=True):
+def test_edges_are_where_the_wall_bends_away_from_the_free_space(route: PipeRoute) -> None:
+    for wall, edges in zip(np.split(route.segments, 2), np.split(route.edges, 2), strict=True):
         step = wall[:, 1] - wall[:, 0]
         step /= np.linalg.norm(step, axis=1, keepdims=True)
         bend = step[:-1, 0] * step[1:, 1] - step[:-1, 1] * step[1:, 0]  # positive: to the left, towards the free space
@@ -223,38 +225,38 @@ def test_edges_are_where_the_wall_bends_away_from_the_free_space(run: PipeRoute)
             assert at_end == (turning < 0) or abs(turning) < 1e-6
 
 
-@given(runs(flat_rolls, st.integers(300, 2500), most=3))
+@given(routes(flat_rolls, st.integers(300, 2500), most=3))
 @settings(max_examples=50)
-def test_no_wall_box_reaches_into_free_space_farther_than_the_thin_ones_do(run: PipeRoute) -> None:
-    boxes = wall_boxes([run], len(run.segments), np.zeros(1))
+def test_no_wall_box_reaches_into_free_space_farther_than_the_thin_ones_do(route: PipeRoute) -> None:
+    boxes = wall_boxes([route], len(route.segments), np.zeros(1))
     grid = np.stack(np.meshgrid(*[np.linspace(-1, 1, 9)] * 2), axis=-1).reshape(-1, 2)
     yaw = 2 * np.arctan2(boxes.quaternion[0, :, 3], boxes.quaternion[0, :, 0])
     along = np.stack([np.cos(yaw), np.sin(yaw)], axis=1)
     across = np.stack([-along[:, 1], along[:, 0]], axis=1)
     local = grid * boxes.half_size[0][:, None, :2]  # (s, 81, 2)
     points = boxes.position[0][:, None, :2] + local[..., :1] * along[:, None] + local[..., 1:] * across[:, None]
-    narrow = run.model_copy(update={"diameter": run.diameter - 3e-4})
+    narrow = route.model_copy(update={"diameter": route.diameter - 3e-4})
     assert not narrow.contains(points).any()
 
 
-@given(runs())
-def test_only_planar_runs_have_walls_in_the_plane(run: PipeRoute) -> None:
-    rolled = any(abs(math.sin(corner.roll)) > 1e-9 for corner in run.corners)
-    assert run.planar == (not rolled)
+@given(routes())
+def test_only_planar_runs_have_walls_in_the_plane(route: PipeRoute) -> None:
+    rolled = any(abs(math.sin(corner.roll)) > 1e-9 for corner in route.corners)
+    assert route.planar == (not rolled)
     if rolled:
         with pytest.raises(PipenavError, match="leaves the plane"):
-            _ = run.walls
+            _ = route.walls
     else:
-        assert np.abs(run.centre_line[:, 2]).max() < 1e-9
+        assert np.abs(route.centre_line[:, 2]).max() < 1e-9
 
 
-@given(runs(), st.floats(0.0, 1.0), st.floats(0, 6.28))
+@given(routes(), st.floats(0.0, 1.0), st.floats(0, 6.28))
 @settings(max_examples=50)
-def test_legs_that_are_no_neighbours_never_share_a_point(run: PipeRoute, share: float, around: float) -> None:
-    line = run.legs.lines(share * run.radius, np.array([around]))[0]
+def test_legs_that_are_no_neighbours_never_share_a_point(route: PipeRoute, share: float, around: float) -> None:
+    line = route.legs.lines(share * route.radius, np.array([around]))[0]
     samples = line[:-1, None] + np.linspace(0, 1, 50)[1:-1, None] * np.diff(line, axis=0)[:, None]
     np.testing.assert_array_equal(
-        run.leg_of(samples), np.broadcast_to(np.arange(len(samples))[:, None], (len(samples), 48))
+        route.leg_of(samples), np.broadcast_to(np.arange(len(samples))[:, None], (len(samples), 48))
     )
 
 
@@ -284,18 +286,18 @@ def test_runs_that_cross_themselves_are_refused(
 
 def test_runs_of_the_same_numbers_are_equal_and_arrays_are_read_only() -> None:
     corners = [(90, "left", 0), (75, "right", 0)]
-    run = PipeRoute.of(100, corners)
-    assert run == PipeRoute.of(100, corners) and hash(run) == hash(PipeRoute.of(100, corners))
-    assert run != PipeRoute.of(100, [(90, "left", 0), (75, "left", 180)])
-    for array in (*run.walls, run.segments, *run.frames, *run.legs):
+    route = PipeRoute.of(100, corners)
+    assert route == PipeRoute.of(100, corners) and hash(route) == hash(PipeRoute.of(100, corners))
+    assert route != PipeRoute.of(100, [(90, "left", 0), (75, "left", 180)])
+    for array in (*route.walls, route.segments, *route.frames, *route.legs):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 0.0
 
 
 def test_names_and_labels_tell_runs_apart() -> None:
-    run = PipeRoute.of(100, [(90, "left", 0), (62.5, "right", 90)])
-    assert run.name == "run-d100-L90-R62.5roll90"
-    assert run.label == "100 mm, 90 deg left, 62.5 deg right rolled 90 deg"
+    route = PipeRoute.of(100, [(90, "left", 0), (62.5, "right", 90)])
+    assert route.name == "run-d100-L90-R62.5roll90"
+    assert route.label == "100 mm, 90 deg left, 62.5 deg right rolled 90 deg"
 
 
 @pytest.mark.parametrize(

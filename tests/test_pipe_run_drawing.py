@@ -10,9 +10,9 @@ import pytest
 from matplotlib.figure import Figure
 
 from pipenav.drawing.projection import AZIMUTHS, View
-from pipenav.drawing.route import LABELLED, run_figure
+from pipenav.drawing.route import LABELLED, route_figure
 from pipenav.pipes.route import PipeRoute
-from pipenav.pipes.route_sets import parse_runs
+from pipenav.pipes.route_sets import parse_routes
 
 ROLLED = PipeRoute.of(100, [(90, "left", 0), (75, "right", 90), (110, "left", 180)], [810, 520, 430, 640])
 
@@ -23,15 +23,15 @@ def texts(figure: Figure) -> list[str]:
 
 
 def test_a_plan_says_every_length_and_angle() -> None:
-    run = PipeRoute.of(100, [(90, "left", 0), (75, "right", 0), (112.5, "left", 180)], [810, 520, 430, 640])
-    said = texts(run_figure(run, "mine"))
+    route = PipeRoute.of(100, [(90, "left", 0), (75, "right", 0), (112.5, "left", 180)], [810, 520, 430, 640])
+    said = texts(route_figure(route, "mine"))
     for text in ("810", "520", "430", "640", "90° left", "75° right", "112.5° left\nrolled 180°", "1", "2", "3"):
         assert text in said
     assert "mine: 3 corners, ⌀ 100 mm, wall 3 mm" in said
 
 
 def test_a_picture_in_space_says_every_length_twice_and_its_schedule_every_corner() -> None:
-    said = texts(run_figure(ROLLED, "mine"))
+    said = texts(route_figure(ROLLED, "mine"))
     for text in ("810", "520", "430", "640", "1", "2", "3"):
         assert said.count(text) >= 2
     for text in ("90° left", "75° right\nrolled 90°", "110° left\nrolled 180°", "x", "y", "z"):
@@ -41,15 +41,17 @@ def test_a_picture_in_space_says_every_length_twice_and_its_schedule_every_corne
 @pytest.mark.parametrize("roll", [0, 90])
 def test_a_long_run_keeps_its_lengths_to_the_schedule(roll: int) -> None:
     count = LABELLED + 2
-    run = PipeRoute.of(60, [(135, "left", 0), (135, "right", roll)] * (count // 2), [601 + i for i in range(count + 1)])
-    said = texts(run_figure(run, "mine"))
+    route = PipeRoute.of(
+        60, [(135, "left", 0), (135, "right", roll)] * (count // 2), [601 + i for i in range(count + 1)]
+    )
+    said = texts(route_figure(route, "mine"))
     assert all(said.count(str(601 + i)) == 1 for i in range(count + 1))
     assert said.count("135° left") == count // 2
 
 
 def test_the_dials_point_to_where_the_pipe_bends() -> None:
     """Left of a robot that looks ahead is left in the dial, up is up."""
-    schedule = run_figure(ROLLED, "mine").axes[1]
+    schedule = route_figure(ROLLED, "mine").axes[1]
     arrows = [note for note in schedule.texts if note.get_text() == "" and note.arrow_patch is not None]
     ways = np.array([np.subtract(note.xy, note.xyann) for note in arrows])
     ways /= np.linalg.norm(ways, axis=1, keepdims=True)
@@ -66,16 +68,16 @@ def test_views_are_right_handed(azimuth: float) -> None:
     assert view.up[2] > 0 and view.to_viewer[2] > 0
 
 
-@pytest.mark.parametrize("run", [ROLLED, *parse_runs(["runs-rolled"])[::6]], ids=lambda run: run.name)
-def test_the_chosen_view_shows_every_straight(run: PipeRoute) -> None:
-    view = View.of(run)
-    assert np.linalg.norm(view.flat(run.legs.axes[:, :, 0]), axis=1).min() > 0.4
-    assert view.hidden(run) <= np.median([View.towards(azimuth).hidden(run) for azimuth in AZIMUTHS])
+@pytest.mark.parametrize("run", [ROLLED, *parse_routes(["runs-rolled"])[::6]], ids=lambda route: route.name)
+def test_the_chosen_view_shows_every_straight(route: PipeRoute) -> None:
+    view = View.of(route)
+    assert np.linalg.norm(view.flat(route.legs.axes[:, :, 0]), axis=1).min() > 0.4
+    assert view.hidden(route) <= np.median([View.towards(azimuth).hidden(route) for azimuth in AZIMUTHS])
 
 
 def test_what_lies_over_each_other_in_a_picture_is_counted() -> None:
     over = [(90, "left", 90), (90, "right", 0), (90, "left", -90), (90, "left", 0), (90, "left", 0)]
-    run = PipeRoute.of(100, over, [1000, 300, 400, 400, 800, 1000])
+    route = PipeRoute.of(100, over, [1000, 300, 400, 400, 800, 1000])
     from_above = View(np.array([0.0, 0, 1]), np.array([1.0, 0, 0]), np.array([0, 1.0, 0]))
-    assert from_above.hidden(run) >= 1
+    assert from_above.hidden(route) >= 1
     assert View.towards(math.pi / 4).hidden(PipeRoute.of(100, [(90, "left", 90)])) == 0

@@ -14,83 +14,83 @@ import trimesh
 
 from pipenav.arrays import Floats
 from pipenav.errors import ConfigError, OutOfRange, PipenavError
-from pipenav.export.route_folder import FILES, read_run_folder, run_files, run_record, write_run_folder
+from pipenav.export.route_folder import FILES, read_route_folder, route_files, route_record, write_route_folder
 from pipenav.pipes.route import PipeRoute
-from pipenav.pipes.route_sets import parse_runs
+from pipenav.pipes.route_sets import parse_routes
 from pipenav.pipes.route_solids import FACETS, PRISM_FACES
 
 CASES = {
-    "level": parse_runs(["runs-level:5"])[0],
-    "rolled": parse_runs(["runs-rolled:11"])[0],
+    "level": parse_routes(["runs-level:5"])[0],
+    "rolled": parse_routes(["runs-rolled:11"])[0],
     "odd": PipeRoute.of(150, [(30, "right", 0), (180, "left", 0), (120, "left", 33)], wall_mm=5),
 }
 
 
 @pytest.fixture(scope="module", params=CASES.items(), ids=lambda case: case[0])
 def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[PipeRoute, Path]:
-    name, run = request.param
-    return run, write_run_folder(run, name, tmp_path_factory.mktemp("runs"))
+    name, route = request.param
+    return route, write_route_folder(route, name, tmp_path_factory.mktemp("runs"))
 
 
 def test_folder_holds_exactly_its_files(made: tuple[PipeRoute, Path]) -> None:
-    run, folder = made
-    assert {path.name for path in folder.iterdir()} == set(run_files(run))
-    assert ("boards.stl" in run_files(run)) == run.planar
+    route, folder = made
+    assert {path.name for path in folder.iterdir()} == set(route_files(route))
+    assert ("boards.stl" in route_files(route)) == route.planar
     assert list(folder.parent.iterdir()) == [folder]
 
 
 def test_folder_and_file_are_read_alike(made: tuple[PipeRoute, Path]) -> None:
-    run, folder = made
-    assert read_run_folder(folder) == read_run_folder(folder / "run.json") == run
+    route, folder = made
+    assert read_route_folder(folder) == read_route_folder(folder / "run.json") == route
     record = json.loads((folder / "run.json").read_text())
-    np.testing.assert_array_equal(record["centre_line_m"], run.centre_line)
-    np.testing.assert_array_equal(record["rotations"], run.frames.rotation)
-    assert (record["wall_segments_m"] is None) == (not run.planar)
+    np.testing.assert_array_equal(record["centre_line_m"], route.centre_line)
+    np.testing.assert_array_equal(record["rotations"], route.frames.rotation)
+    assert (record["wall_segments_m"] is None) == (not route.planar)
 
 
 def test_stl_files_are_watertight_and_in_millimetres(made: tuple[PipeRoute, Path]) -> None:
-    run, folder = made
+    route, folder = made
     for path in folder.glob("*.stl"):
         body = trimesh.load(path)
         assert body.is_watertight and body.is_winding_consistent and body.volume > 0
-        assert 1000 * run.centre_line[0, 0] == pytest.approx(body.bounds[0, 0], abs=0.01) or body.bounds[0, 0] < -1000
+        assert 1000 * route.centre_line[0, 0] == pytest.approx(body.bounds[0, 0], abs=0.01) or body.bounds[0, 0] < -1000
 
 
-def rays(run: PipeRoute, count: int) -> tuple[Floats, Floats, Floats]:
+def rays(route: PipeRoute, count: int) -> tuple[Floats, Floats, Floats]:
     """Rays from the axes across the legs, away from mitres: origins, unit vectors, distances to the polygon."""
     rng = np.random.default_rng(1)
-    leg, around = rng.integers(0, len(run.straights), count), rng.uniform(0, 2 * math.pi, count)
-    length = np.array(run.straights)[leg]
+    leg, around = rng.integers(0, len(route.straights), count), rng.uniform(0, 2 * math.pi, count)
+    length = np.array(route.straights)[leg]
     along = length * rng.uniform(0.48, 0.52, count)
-    axes = run.legs.axes[leg]
-    origins = run.legs.start[leg] + along[:, None] * axes[:, :, 0]
+    axes = route.legs.axes[leg]
+    origins = route.legs.start[leg] + along[:, None] * axes[:, :, 0]
     ways = np.cos(around)[:, None] * axes[:, :, 1] + np.sin(around)[:, None] * axes[:, :, 2]
     turn_sign = 2 * math.pi / FACETS
-    return origins, ways, run.radius / np.cos((around + turn_sign / 2) % turn_sign - turn_sign / 2)
+    return origins, ways, route.radius / np.cos((around + turn_sign / 2) % turn_sign - turn_sign / 2)
 
 
 def test_mujoco_sees_the_walls_where_the_prisms_are(made: tuple[PipeRoute, Path]) -> None:
-    run, folder = made
+    route, folder = made
     model = mujoco.MjModel.from_xml_path(str(folder / "pipe.xml"))
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    assert model.nv == 0 and model.ngeom == FACETS * len(run.straights)
-    for origin, way, expected in zip(*rays(run, 200), strict=True):
+    assert model.nv == 0 and model.ngeom == FACETS * len(route.straights)
+    for origin, way, expected in zip(*rays(route, 200), strict=True):
         seen = mujoco.mj_ray(model, data, origin, way, None, 1, -1, np.zeros(1, np.int32), None)
         assert seen == pytest.approx(expected, abs=1e-5)
 
 
 def test_a_ball_as_wide_as_the_bore_passes_every_mitre_in_mujoco(made: tuple[PipeRoute, Path]) -> None:
     """Nothing sticks out into the bore, and the convex hulls that contacts are found with fill none of it."""
-    run, folder = made
+    route, folder = made
     spec = mujoco.MjSpec.from_file(str(folder / "pipe.xml"))
     ball = spec.worldbody.add_body()
     ball.add_freejoint()
-    ball.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[run.radius - 1e-4, 0, 0])
+    ball.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[route.radius - 1e-4, 0, 0])
     model = spec.compile()
     data = mujoco.MjData(model)
-    places = np.linspace(run.places[0] + run.radius, run.places[-1] - run.radius, 300)
-    for point in np.stack([np.interp(places, run.places, x) for x in run.centre_line.T], axis=1):
+    distances = np.linspace(route.distances[0] + route.radius, route.distances[-1] - route.radius, 300)
+    for point in np.stack([np.interp(distances, route.distances, x) for x in route.centre_line.T], axis=1):
         data.qpos[:3] = point
         mujoco.mj_forward(model, data)
         deepest = min((data.contact[i].dist for i in range(data.ncon)), default=0.0)
@@ -100,8 +100,8 @@ def test_a_ball_as_wide_as_the_bore_passes_every_mitre_in_mujoco(made: tuple[Pip
 def test_bullet_sees_the_walls_where_the_prisms_are(made: tuple[PipeRoute, Path]) -> None:
     """Bullet puts a millimetre around convex hulls."""
     bullet = pytest.importorskip("pybullet")
-    run, folder = made
-    origins, ways, expected = rays(run, 200)
+    route, folder = made
+    origins, ways, expected = rays(route, 200)
     client = bullet.connect(bullet.DIRECT)
     try:
         body = bullet.loadURDF(str(folder / "pipe.urdf"), physicsClientId=client)
@@ -114,13 +114,13 @@ def test_bullet_sees_the_walls_where_the_prisms_are(made: tuple[PipeRoute, Path]
 
 
 def test_walls_obj_holds_the_prisms_one_by_one(made: tuple[PipeRoute, Path]) -> None:
-    run, folder = made
+    route, folder = made
     body = trimesh.load(folder / "walls.obj", process=False)
     parts = [trimesh.Trimesh(body.vertices, faces) for faces in body.faces.reshape(-1, len(PRISM_FACES), 3)]
-    assert len(parts) == FACETS * len(run.straights) == (folder / "walls.obj").read_text().count("o wall_")
+    assert len(parts) == FACETS * len(route.straights) == (folder / "walls.obj").read_text().count("o wall_")
     assert all(part.is_watertight and part.volume > 0 for part in parts)
-    section = FACETS * math.tan(math.pi / FACETS) * ((run.radius + run.wall) ** 2 - run.radius**2)
-    assert sum(part.volume for part in parts) == pytest.approx(section * sum(run.straights), rel=1e-5)
+    section = FACETS * math.tan(math.pi / FACETS) * ((route.radius + route.wall) ** 2 - route.radius**2)
+    assert sum(part.volume for part in parts) == pytest.approx(section * sum(route.straights), rel=1e-5)
 
 
 def test_urdf_and_sdf_name_the_mesh(made: tuple[PipeRoute, Path]) -> None:
@@ -146,10 +146,10 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("quick")
 def test_writing_again_replaces_the_folder_and_keeps_what_others_put_there(tmp_path: Path) -> None:
-    folder = write_run_folder(CASES["level"], "mine", tmp_path)
+    folder = write_route_folder(CASES["level"], "mine", tmp_path)
     (folder / "notes.txt").write_text("mine")
-    assert write_run_folder(CASES["rolled"], "mine", tmp_path) == folder
-    assert read_run_folder(folder) == CASES["rolled"]
+    assert write_route_folder(CASES["rolled"], "mine", tmp_path) == folder
+    assert read_route_folder(folder) == CASES["rolled"]
     assert {path.name for path in folder.iterdir()} == {*FILES, "notes.txt"} - {"boards.stl"}
 
 
@@ -157,7 +157,7 @@ def test_what_is_not_a_run_folder_stays(tmp_path: Path) -> None:
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "pipe.json").write_text("{}")
     with pytest.raises(PipenavError, match="mine exists and is not a run folder: move it away"):
-        write_run_folder(CASES["level"], "mine", tmp_path)
+        write_route_folder(CASES["level"], "mine", tmp_path)
     assert [path.name for path in tmp_path.rglob("*")] == ["mine", "pipe.json"]
 
 
@@ -178,15 +178,15 @@ def test_bad_run_files_are_refused_in_one_sentence(
     tmp_path: Path, change: dict[str, object], error: type[PipenavError], message: str
 ) -> None:
     file = tmp_path / "run.json"
-    file.write_text(json.dumps({**run_record(CASES["level"], "mine"), **change}))
+    file.write_text(json.dumps({**route_record(CASES["level"], "mine"), **change}))
     with pytest.raises(error, match=message) as caught:
-        read_run_folder(file)
+        read_route_folder(file)
     assert "\n" not in str(caught.value)
 
 
 def test_an_angle_edited_for_people_alone_is_refused(tmp_path: Path) -> None:
-    record = run_record(CASES["level"], "mine")
+    record = route_record(CASES["level"], "mine")
     record["corners"][1]["angle_deg"] += 10
     (tmp_path / "run.json").write_text(json.dumps(record))
     with pytest.raises(ConfigError, match=r"angle_deg \d+\.\d+ contradicts"):
-        read_run_folder(tmp_path)
+        read_route_folder(tmp_path)

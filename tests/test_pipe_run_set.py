@@ -12,7 +12,7 @@ from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.corner_sets import parse_pipes, pipe_set_names
 from pipenav.pipes.route import PipeRoute
-from pipenav.pipes.route_sets import parse_run, parse_runs, read_run, run_set_names
+from pipenav.pipes.route_sets import parse_route, parse_routes, read_route, route_set_names
 from pipenav.units import m_to_mm, rad_to_deg
 
 ONE = """
@@ -48,92 +48,94 @@ def written(folder: Path, text: str) -> str:
 
 @pytest.mark.parametrize("name", ["runs-level", "runs-rolled"])
 def test_a_shipped_set_covers_the_working_range_in_runs_of_five_corners(name: str) -> None:
-    runs = parse_runs([name])
-    corners = [corner for run in runs for corner in run.corners]
-    assert len(set(runs)) == 24 and {len(run.corners) for run in runs} == {5}
-    assert Counter(round(m_to_mm(run.diameter)) for run in runs) == dict.fromkeys(range(70, 121, 10), 4)
+    routes = parse_routes([name])
+    corners = [corner for route in routes for corner in route.corners]
+    assert len(set(routes)) == 24 and {len(route.corners) for route in routes} == {5}
+    assert Counter(round(m_to_mm(route.diameter)) for route in routes) == dict.fromkeys(range(70, 121, 10), 4)
     assert {round(rad_to_deg(corner.angle)) for corner in corners} == set(range(55, 126, 5))
     assert 0.4 < sum(corner.turn == "left" for corner in corners) / len(corners) < 0.6
 
 
 def test_the_runs_for_training_are_planar_and_shorter_than_those_of_the_evaluations() -> None:
     sizes = {"runs-narrow-train": 200, "runs-train": 400, "runs-wide-train": 200}
-    assert run_set_names() == sorted(["runs-level", "runs-rolled", *sizes])
+    assert route_set_names() == sorted(["runs-level", "runs-rolled", *sizes])
     for name, size in sizes.items():
-        runs = parse_runs([name])
-        assert len(set(runs)) == size and {len(run.corners) for run in runs} == {3}
-        assert all(run.planar for run in runs)
-        assert not set(runs) & set(parse_runs(["runs-level"]))
+        routes = parse_routes([name])
+        assert len(set(routes)) == size and {len(route.corners) for route in routes} == {3}
+        assert all(route.planar for route in routes)
+        assert not set(routes) & set(parse_routes(["runs-level"]))
 
 
 def test_the_rolled_runs_leave_room_for_the_whole_robot_between_two_corners() -> None:
-    straights = {name: {x for run in parse_runs([name]) for x in run.straights[1:-1]} for name in run_set_names()}
+    straights = {
+        name: {x for route in parse_routes([name]) for x in route.straights[1:-1]} for name in route_set_names()
+    }
     assert min(straights["runs-level"]) == 0.4 and max(straights["runs-level"]) == 0.8
     assert min(straights["runs-rolled"]) == 0.9 and max(straights["runs-rolled"]) == 1.3
 
 
 def test_the_level_runs_stay_in_the_plane_and_the_rolled_ones_leave_it_by_quarter_turns() -> None:
-    assert all(run.planar for run in parse_runs(["runs-level"]))
-    assert all({corner.turn for corner in run.corners} >= {"left"} for run in parse_runs(["runs-level"])[:3])
-    rolled = parse_runs(["runs-rolled"])
-    assert not any(run.planar for run in rolled)
-    assert {run.corners[0].roll for run in rolled} == {0.0}
-    rolls = Counter(round(rad_to_deg(corner.roll)) for run in rolled for corner in run.corners[1:])
+    assert all(route.planar for route in parse_routes(["runs-level"]))
+    assert all({corner.turn for corner in route.corners} >= {"left"} for route in parse_routes(["runs-level"])[:3])
+    rolled = parse_routes(["runs-rolled"])
+    assert not any(route.planar for route in rolled)
+    assert {route.corners[0].roll for route in rolled} == {0.0}
+    rolls = Counter(round(rad_to_deg(corner.roll)) for route in rolled for corner in route.corners[1:])
     assert set(rolls) == {0, 90, 180, 270} and min(rolls.values()) > 15
 
 
 def test_sets_are_drawn_alike_every_time_and_otherwise_with_another_seed(tmp_path: Path) -> None:
-    first = parse_runs([written(tmp_path, SET)])
-    assert first == parse_runs([written(tmp_path, SET)])
-    assert first != parse_runs([written(tmp_path, SET.replace("seed = 3", "seed = 4"))])
-    assert [round(m_to_mm(run.diameter)) for run in first] == [80, 90, 80, 90]
-    assert {run.straights for run in first} == {(0.7, 0.5, 0.7)}
+    first = parse_routes([written(tmp_path, SET)])
+    assert first == parse_routes([written(tmp_path, SET)])
+    assert first != parse_routes([written(tmp_path, SET.replace("seed = 3", "seed = 4"))])
+    assert [round(m_to_mm(route.diameter)) for route in first] == [80, 90, 80, 90]
+    assert {route.straights for route in first} == {(0.7, 0.5, 0.7)}
 
 
 def test_the_first_run_of_a_shipped_set_never_changes() -> None:
     """What was measured in a set must stay comparable."""
-    assert parse_runs(["runs-level:1"])[0].name == "run-d70-R65-L70-R100-R55-L110"
-    assert parse_runs(["runs-rolled:24"])[0].name == "run-d120-L95-R110roll270-L95roll270-R110roll90-L75roll270"
+    assert parse_routes(["runs-level:1"])[0].name == "run-d70-R65-L70-R100-R55-L110"
+    assert parse_routes(["runs-rolled:24"])[0].name == "run-d120-L95-R110roll270-L95roll270-R110roll90-L75roll270"
 
 
 def test_a_run_by_its_number() -> None:
-    runs = parse_runs(["runs-level"])
-    assert parse_runs(["runs-level:1", "runs-level:24"]) == [runs[0], runs[-1]]
+    routes = parse_routes(["runs-level"])
+    assert parse_routes(["runs-level:1", "runs-level:24"]) == [routes[0], routes[-1]]
 
 
 def test_a_file_of_one_run(tmp_path: Path) -> None:
-    run = PipeRoute.of(100, [(90, "left", 0), (75, "right", 90)], [None, 500, None])
-    assert parse_runs([written(tmp_path, ONE)]) == [run] == [read_run(tmp_path / "mine.toml")]
-    assert run.straights == (0.6, 0.5, 0.6)
+    route = PipeRoute.of(100, [(90, "left", 0), (75, "right", 90)], [None, 500, None])
+    assert parse_routes([written(tmp_path, ONE)]) == [route] == [read_route(tmp_path / "mine.toml")]
+    assert route.straights == (0.6, 0.5, 0.6)
 
 
 def test_every_number_of_a_file_reaches_the_run(tmp_path: Path) -> None:
     text = ONE.replace("diameter_mm", "wall_mm = 5\nfirst_straight_mm = 900\ndescription = 'x'\ndiameter_mm")
     expected = PipeRoute.of(100, [(90, "left", 0), (75, "right", 90)], [900, 500, 750], 5)
-    assert parse_runs([written(tmp_path, text + "straight_mm = 750")]) == [expected]
+    assert parse_routes([written(tmp_path, text + "straight_mm = 750")]) == [expected]
 
 
 @pytest.mark.parametrize("text", ["d=90,angle=60,turn=right", "thesis-train"])
 def test_corners_are_runs_of_one(text: str) -> None:
-    assert parse_runs([text]) == [PipeRoute.from_pipe(pipe) for pipe in parse_pipes([text])]
+    assert parse_routes([text]) == [PipeRoute.from_pipe(pipe) for pipe in parse_pipes([text])]
 
 
 def test_a_file_of_pipes_is_a_set_of_runs_of_one(tmp_path: Path) -> None:
     text = written(tmp_path, 'description = "x"\ndiameters_mm = [80]\nangles_deg = [60]')
-    assert parse_runs([text]) == [PipeRoute.from_pipe(PipeCorner.of(80, 60))]
+    assert parse_routes([text]) == [PipeRoute.from_pipe(PipeCorner.of(80, 60))]
 
 
 def test_runs_keep_their_order_and_come_once() -> None:
-    runs = parse_runs(["runs-rolled:2", "d=90,angle=60", "runs-rolled"])
+    routes = parse_routes(["runs-rolled:2", "d=90,angle=60", "runs-rolled"])
     assert (
-        len(runs) == 25
-        and runs[1] == PipeRoute.from_pipe(PipeCorner.of(90, 60))
-        and runs[2] == parse_runs(["runs-rolled"])[0]
+        len(routes) == 25
+        and routes[1] == PipeRoute.from_pipe(PipeCorner.of(90, 60))
+        and routes[2] == parse_routes(["runs-rolled"])[0]
     )
 
 
 def test_names_of_sets_are_told_apart() -> None:
-    assert not set(run_set_names()) & set(pipe_set_names())
+    assert not set(route_set_names()) & set(pipe_set_names())
 
 
 @pytest.mark.parametrize(
@@ -149,7 +151,7 @@ def test_names_of_sets_are_told_apart() -> None:
 )
 def test_what_is_no_run_is_named(text: str, message: str) -> None:
     with pytest.raises(PipenavError) as caught:
-        parse_runs([text])
+        parse_routes([text])
     assert message in str(caught.value)
 
 
@@ -181,22 +183,22 @@ def test_what_is_no_run_is_named(text: str, message: str) -> None:
 )
 def test_a_wrong_file_is_explained(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(PipenavError) as caught:
-        parse_runs([written(tmp_path, text)])
+        parse_routes([written(tmp_path, text)])
     assert message in str(caught.value) and "\n" not in str(caught.value)
 
 
 def test_a_set_is_no_run(tmp_path: Path) -> None:
     with pytest.raises(PipenavError, match="is not one run: that is a file with a"):
-        read_run(Path(written(tmp_path, SET)))
+        read_route(Path(written(tmp_path, SET)))
 
 
 def test_quarter_rolls_of_a_file_are_exact(tmp_path: Path) -> None:
-    assert read_run(Path(written(tmp_path, ONE))).corners[1].roll == math.pi / 2
+    assert read_route(Path(written(tmp_path, ONE))).corners[1].roll == math.pi / 2
 
 
 def test_one_run_has_a_name(tmp_path: Path) -> None:
-    assert parse_run(written(tmp_path, ONE)) == ("mine", read_run(tmp_path / "mine.toml"))
-    assert parse_run("runs-level:3") == ("runs-level-3", parse_runs(["runs-level"])[2])
+    assert parse_route(written(tmp_path, ONE)) == ("mine", read_route(tmp_path / "mine.toml"))
+    assert parse_route("runs-level:3") == ("runs-level-3", parse_routes(["runs-level"])[2])
 
 
 @pytest.mark.parametrize(
@@ -210,5 +212,5 @@ def test_one_run_has_a_name(tmp_path: Path) -> None:
 )
 def test_what_is_not_one_run_is_named(text: str, message: str) -> None:
     with pytest.raises(PipenavError) as caught:
-        parse_run(text)
+        parse_route(text)
     assert message in str(caught.value)

@@ -14,10 +14,10 @@ from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner_solids import Mesh
 from pipenav.pipes.route import PipeRoute
-from pipenav.pipes.route_sets import parse_runs
-from pipenav.pipes.route_solids import FACETS, PRISM_FACES, run_boards_mesh, run_tube_mesh, wall_prisms
+from pipenav.pipes.route_sets import parse_routes
+from pipenav.pipes.route_solids import FACETS, PRISM_FACES, route_boards_mesh, route_tube_mesh, wall_prisms
 
-SHIPPED = parse_runs(["runs-rolled"])[::4] + parse_runs(["runs-level"])[::8]
+SHIPPED = parse_routes(["runs-rolled"])[::4] + parse_routes(["runs-level"])[::8]
 TIGHT = PipeRoute.of(100, [(55, "left", 30), (125, "right", -45), (90, "left", 90)], [400, 120, 150, 300])
 RUNS = [*SHIPPED, TIGHT, PipeRoute.of(70, [(30, "right", 0)]), PipeRoute.of(120, [(180, "left", 0)])]
 some_runs = st.sampled_from(RUNS)
@@ -43,38 +43,38 @@ def depth_in_any(prisms: Floats, points: Floats) -> Floats:
     return np.asarray(-outside.max(axis=2).min(axis=1))
 
 
-@pytest.mark.parametrize("run", RUNS, ids=lambda run: run.name)
-def test_tubes_are_watertight_and_as_large_as_straight_ones(run: PipeRoute) -> None:
-    body = solid(run_tube_mesh(run))
+@pytest.mark.parametrize("run", RUNS, ids=lambda route: route.name)
+def test_tubes_are_watertight_and_as_large_as_straight_ones(route: PipeRoute) -> None:
+    body = solid(route_tube_mesh(route))
     assert body.is_watertight and body.is_winding_consistent
     # Shear along a mitre keeps volumes.
-    expected = math.pi * ((run.radius + run.wall) ** 2 - run.radius**2) * sum(run.straights)
+    expected = math.pi * ((route.radius + route.wall) ** 2 - route.radius**2) * sum(route.straights)
     assert body.volume == pytest.approx(1e9 * expected, rel=5e-3)
 
 
-@pytest.mark.parametrize("run", [run for run in RUNS if run.planar], ids=lambda run: run.name)
-def test_boards_are_watertight_and_as_large_as_straight_ones(run: PipeRoute) -> None:
-    body = solid(run_boards_mesh(run))
+@pytest.mark.parametrize("run", [route for route in RUNS if route.planar], ids=lambda route: route.name)
+def test_boards_are_watertight_and_as_large_as_straight_ones(route: PipeRoute) -> None:
+    body = solid(route_boards_mesh(route))
     assert body.is_watertight and body.is_winding_consistent
-    assert body.volume == pytest.approx(1e9 * 2 * run.wall * run.diameter * sum(run.straights), rel=1e-3)
+    assert body.volume == pytest.approx(1e9 * 2 * route.wall * route.diameter * sum(route.straights), rel=1e-3)
 
 
 def test_only_planar_runs_have_boards() -> None:
     with pytest.raises(PipenavError, match="leaves the plane"):
-        run_boards_mesh(TIGHT)
+        route_boards_mesh(TIGHT)
 
 
 @given(some_runs, facet_counts)
 @settings(max_examples=20, deadline=None)
-def test_prisms_are_convex_and_fill_the_wall(run: PipeRoute, facets: int) -> None:
-    prisms = wall_prisms(run, facets)
-    assert prisms.shape == (len(run.straights), facets, 8, 3)
+def test_prisms_are_convex_and_fill_the_wall(route: PipeRoute, facets: int) -> None:
+    prisms = wall_prisms(route, facets)
+    assert prisms.shape == (len(route.straights), facets, 8, 3)
     normal, offset = faces_of(prisms)
     beyond = np.einsum("...fi,...vi->...fv", normal, prisms) - offset[..., None]
     assert beyond.max() < 1e-9  # no corner lies beyond any face
     volume = np.abs(np.einsum("...fi,...fi->...", np.cross(*_sides(prisms)), prisms[..., PRISM_FACES[:, 0], :])) / 6
     share = facets * math.tan(math.pi / facets)  # area of the polygon around a circle of radius 1
-    expected = share * ((run.radius + run.wall) ** 2 - run.radius**2) * sum(run.straights)
+    expected = share * ((route.radius + route.wall) ** 2 - route.radius**2) * sum(route.straights)
     assert np.sum(volume) == pytest.approx(expected)
 
 
@@ -83,33 +83,33 @@ def _sides(prisms: Floats) -> tuple[Floats, Floats]:
     return b - a, c - a
 
 
-def to_polygon(run: PipeRoute, facets: int, around: Floats) -> Floats:
+def to_polygon(route: PipeRoute, facets: int, around: Floats) -> Floats:
     """Distance from the axis to the polygon around the bore [m]."""
     turn_sign = 2 * math.pi / facets
-    return np.asarray(run.radius / np.cos((around + turn_sign / 2) % turn_sign - turn_sign / 2))
+    return np.asarray(route.radius / np.cos((around + turn_sign / 2) % turn_sign - turn_sign / 2))
 
 
-def points_at(run: PipeRoute, distance: Floats, around: Floats, share: Floats) -> Floats:
+def points_at(route: PipeRoute, distance: Floats, around: Floats, share: Floats) -> Floats:
     """Points at distances from the axis, in every leg, somewhere between its mitres: (legs points, 3)."""
-    lines = run.legs.lines(distance, around)
+    lines = route.legs.lines(distance, around)
     return np.asarray((lines[:, :-1] + share[:, None, None] * np.diff(lines, axis=1)).reshape(-1, 3))
 
 
 @given(some_runs, facet_counts, st.sampled_from([None, 0.02]), st.integers(0, 99))
 @settings(max_examples=30, deadline=None)
 def test_prisms_begin_where_the_bore_ends_and_none_of_any_leg_reaches_into_it(
-    run: PipeRoute, facets: int, thickness: float | None, seed: int
+    route: PipeRoute, facets: int, thickness: float | None, seed: int
 ) -> None:
-    if run == TIGHT:  # whose short straights have no room for thick walls
+    if route == TIGHT:  # whose short straights have no room for thick walls
         thickness = None
     rng = np.random.default_rng(seed)
     around, share = rng.uniform(0, 2 * math.pi, 60), rng.uniform(0, 1, 60)
-    bore = to_polygon(run, facets, around)
-    prisms = wall_prisms(run, facets, thickness)
-    within = points_at(run, (bore - 1e-7) * np.sqrt(rng.uniform(0, 1, 60)), around, share)
+    bore = to_polygon(route, facets, around)
+    prisms = wall_prisms(route, facets, thickness)
+    within = points_at(route, (bore - 1e-7) * np.sqrt(rng.uniform(0, 1, 60)), around, share)
     assert depth_in_any(prisms, within).max() < 0
-    assert depth_in_any(prisms, points_at(run, bore - 1e-7, around, share)).max() < 0
-    assert depth_in_any(prisms, points_at(run, bore + 1e-7, around, share)).min() > 0
+    assert depth_in_any(prisms, points_at(route, bore - 1e-7, around, share)).max() < 0
+    assert depth_in_any(prisms, points_at(route, bore + 1e-7, around, share)).min() > 0
 
 
 @pytest.mark.parametrize("facets", [8, FACETS])

@@ -43,7 +43,7 @@ def crowd(n: int, processes: int = 1, seed: int = 1) -> tuple[PybulletBackend, l
     return backend, pipes, start.base
 
 
-def drives(rng: np.random.Generator, n: int) -> Command:
+def duties(rng: np.random.Generator, n: int) -> Command:
     """Random drives that push the arms into their corners, so that they meet the walls often."""
     values = rng.uniform(-1, 1, (n, 4))
     values[:, 0] = 0.3 + 0.7 * np.abs(values[:, 0])
@@ -142,7 +142,7 @@ def test_walls_hold_the_arm_and_penetration_is_the_overlap_of_the_shapes() -> No
     backend, pipes, base = crowd(n)
     depths, overlap, free = [], np.zeros(n), 0
     for _ in range(25):
-        backend.step(drives(rng, n))
+        backend.step(duties(rng, n))
         truth, q = backend.truth(), backend.read().q
         depths.append(truth.penetration)
         assert np.all(truth.penetration > overlap - 6e-5)  # as the period before ended; walls end 5e-5 before edges
@@ -162,7 +162,7 @@ def test_beams_end_at_the_walls() -> None:
     n = 16
     backend, pipes, base = crowd(n, seed=2)
     for _ in range(20):
-        backend.step(drives(rng, n))
+        backend.step(duties(rng, n))
         pose = kinematics.forward(ROBOT, backend.read().q)
         beams = pose.headings[:, -1:] + ROBOT.laser.angles
         segments = np.stack([pipe.segments - [x, 0.0] for pipe, x in zip(pipes, base, strict=True)])
@@ -174,7 +174,7 @@ def test_beams_end_at_the_walls() -> None:
 def run(backend: PybulletBackend, n: int, steps: int) -> Reading:
     rng = np.random.default_rng(2)
     for _ in range(steps):
-        backend.step(drives(rng, n))
+        backend.step(duties(rng, n))
     reading = backend.read()
     backend.close()
     return reading

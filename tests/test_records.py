@@ -22,15 +22,15 @@ PIPE_KEYS = {
     "run",
     "episodes",
     "located",
-    "front_attempts",
-    "front_successes",
+    "reach_attempts",
+    "reach_successes",
     "rear_attempts",
     "rear_successes",
     "traverse_attempts",
     "traverse_successes",
     "failures",
     "mean_steps",
-    "min_clearance_m",
+    "min_range_m",
     "max_penetration_m",
     "peak_force_n",
     "contact_time_share",
@@ -39,12 +39,12 @@ PIPE_KEYS = {
 
 
 def pipe(diameter: float = 90, angle: float | None = 60, successes: int = 9, **facts: Any) -> PipeRecord:
-    defaults = {"turn": "left", "episodes": 10, "front_attempts": 10, "front_successes": successes}
+    defaults = {"turn": "left", "episodes": 10, "reach_attempts": 10, "reach_successes": successes}
     return PipeRecord(diameter_mm=diameter, angle_deg=angle, **{**defaults, **facts})
 
 
 def evaluation(pipes: list[PipeRecord], **facts: Any) -> Evaluation:
-    defaults = {"policy": "p", "backend": "mujoco", "robot": "basic", "stage": "front", "seed": 1}
+    defaults = {"policy": "p", "backend": "mujoco", "robot": "basic", "stage": "reach", "seed": 1}
     return Evaluation.of(pipes, episodes_per_pipe=10, **{**defaults, **facts})
 
 
@@ -90,12 +90,12 @@ def test_json_has_exactly_the_documented_keys() -> None:
         *("success", "success_low", "success_high", "penetration_p99_m", "options", "disturb"),
     }
     assert table["schema"] == 1
-    assert set(table["pipes"][0]) == PIPE_KEYS | {"front_success_low", "front_success_high"}
+    assert set(table["pipes"][0]) == PIPE_KEYS | {"reach_success_low", "reach_success_high"}
     assert table["pipes"][0]["rear_attempts"] is None
 
 
 def test_evaluations_survive_the_file(tmp_path: Path) -> None:
-    full = pipe(located=10, rear_attempts=9, rear_successes=8, failures={"limit": 1}, min_clearance_m=0.01)
+    full = pipe(located=10, rear_attempts=9, rear_successes=8, failures={"limit": 1}, min_range_m=0.01)
     given_one = evaluation([full, pipe(100)], options={"timestep_s": 0.002, "list": [1, None]}, penetration_p99_m=1e-3)
     (tmp_path / "eval.json").write_text(given_one.to_json(), encoding="utf-8")
     assert read_evaluation(tmp_path) == read_evaluation(tmp_path / "eval.json") == given_one
@@ -125,12 +125,12 @@ def test_added_keys_do_not_stop_a_reader(tmp_path: Path) -> None:
         {"angle": None},
         {"turn": None},
         {"run": "run-d90-L60"},
-        {"front_attempts": 11},
-        {"front_successes": 11},
+        {"reach_attempts": 11},
+        {"reach_successes": 11},
         {"located": 9},
         {"rear_attempts": 10, "rear_successes": 1},
-        {"front_attempts": None},
-        {"min_clearance_m": float("nan")},
+        {"reach_attempts": None},
+        {"min_range_m": float("nan")},
         {"contact_time_share": 1.5},
     ],
 )
@@ -142,11 +142,11 @@ def test_records_refuse_what_cannot_be(facts: dict[str, Any]) -> None:
 def test_success_counts_every_stage_that_was_run() -> None:
     assert pipe().success == 0.9
     assert pipe(located=10, rear_attempts=9, rear_successes=6).success == 0.6
-    located = pipe(located=7, front_attempts=None, front_successes=None)
+    located = pipe(located=7, reach_attempts=None, reach_successes=None)
     assert located.success == 0.7
-    assert located.front_success_low is None
-    nothing_found = pipe(located=0, front_attempts=0, front_successes=0)
-    assert (nothing_found.front_success_low, nothing_found.front_success_high) == (0.0, 1.0)
+    assert located.reach_success_low is None
+    nothing_found = pipe(located=0, reach_attempts=0, reach_successes=0)
+    assert (nothing_found.reach_success_low, nothing_found.reach_success_high) == (0.0, 1.0)
 
 
 def test_typed_numbers_lose_rounding_errors() -> None:
@@ -154,13 +154,13 @@ def test_typed_numbers_lose_rounding_errors() -> None:
 
 
 def test_diameters_take_the_mean_over_pipes() -> None:
-    pipes = [pipe(90, 60, 5), pipe(90, 70, 2, episodes=4, front_attempts=2), pipe(120, 60, 10)]
+    pipes = [pipe(90, 60, 5), pipe(90, 70, 2, episodes=4, reach_attempts=2), pipe(120, 60, 10)]
     result = evaluation(pipes)
     assert [row.diameter_mm for row in result.diameters] == [120, 90]
     narrow = result.diameters[1]
     assert (narrow.pipes, narrow.episodes) == (2, 14)
-    assert narrow.front_success == pytest.approx((0.5 + 1.0) / 2)
-    assert (narrow.front_success_low, narrow.front_success_high) == wilson(7, 12)
+    assert narrow.reach_success == pytest.approx((0.5 + 1.0) / 2)
+    assert (narrow.reach_success_low, narrow.reach_success_high) == wilson(7, 12)
     assert (result.success, result.success_low) == (17 / 24, wilson(17, 24).low)
 
 
@@ -173,8 +173,8 @@ def test_the_thesis_is_quoted_for_its_own_angles_only() -> None:
 
 
 def test_a_diameter_without_attempts_has_no_rate() -> None:
-    row = DiameterRecord.of([pipe(located=0, front_attempts=0, front_successes=0)])
-    assert (row.front_success, row.located_share) == (None, 0.0)
+    row = DiameterRecord.of([pipe(located=0, reach_attempts=0, reach_successes=0)])
+    assert (row.reach_success, row.located_share) == (None, 0.0)
 
 
 def test_thesis_tables() -> None:

@@ -20,19 +20,19 @@ from pipenav.evaluation.thesis import ANGLES_DEG, thesis_best
 from pipenav.learning.figures import write_training_plot
 
 PNG = b"\x89PNG\r\n\x1a\n"
-PROGRESS = "steps,seconds,steps_per_s,success,clearance_m,reward,episode_steps,std,eval_success\n"
+PROGRESS = "steps,seconds,steps_per_s,success,min_range_m,reward,episode_steps,std,eval_success\n"
 
 
 def record(diameter: float, angle: float, turn: str = "left", successes: int = 8, **facts: Any) -> PipeRecord:
     measured = {
         "failures": {"limit": 10 - successes} if successes < 10 else {},
         "mean_steps": 25.0 if successes else None,
-        "min_clearance_m": 0.004,
+        "min_range_m": 0.004,
         "max_penetration_m": 0.0012,
         "peak_force_n": 12.5,
         "contact_time_share": 0.125,
     }
-    stages = {"front_attempts": 10, "front_successes": successes}
+    stages = {"reach_attempts": 10, "reach_successes": successes}
     return PipeRecord(diameter_mm=diameter, angle_deg=angle, turn=turn, episodes=10, **{**stages, **measured, **facts})
 
 
@@ -43,7 +43,7 @@ def evaluation(pipes: list[PipeRecord]) -> Evaluation:
         backend="mujoco",
         robot="basic",
         thesis=thesis_best("torque"),
-        stage="front",
+        stage="reach",
         seed=0,
         episodes_per_pipe=10,
         penetration_p99_m=0.00111,
@@ -57,7 +57,7 @@ BARE = evaluation([PipeRecord(diameter_mm=70, angle_deg=55, turn="right", episod
 WHOLE = evaluation(
     [
         record(90, 60, located=10, rear_attempts=8, rear_successes=7, failures={"limit": 2, "rear timeout": 1}),
-        record(90, 75, located=9, front_attempts=9, failures={"not located": 1}, rear_attempts=8, rear_successes=8),
+        record(90, 75, located=9, reach_attempts=9, failures={"not located": 1}, rear_attempts=8, rear_successes=8),
     ]
 )
 RUNS = evaluation(
@@ -68,8 +68,8 @@ RUNS = evaluation(
             turn=None,
             run=f"run-d{d:g}-{corners}",
             episodes=4,
-            front_attempts=4,
-            front_successes=passed,
+            reach_attempts=4,
+            reach_successes=passed,
             failures={"limit": 4 - passed},
         )
         for d, corners, passed in ((70, "R65-L70-R100-R55-L110", 1), (120, "-".join(["R120"] * 50), 3), (70, "L90", 2))
@@ -124,8 +124,8 @@ def test_csv_has_one_row_per_pipe() -> None:
     rows = list(csv.DictReader(io.StringIO(pipes_csv(WHOLE.pipes))))
     assert len(rows) == 2
     assert rows[0]["failures"] == "limit=2 rear timeout=1"
-    assert (rows[0]["diameter_mm"], rows[0]["front_successes"]) == ("90.0", "8")
-    assert 0 < float(rows[0]["front_success_low"]) < 0.8
+    assert (rows[0]["diameter_mm"], rows[0]["reach_successes"]) == ("90.0", "8")
+    assert 0 < float(rows[0]["reach_success_low"]) < 0.8
     assert next(csv.DictReader(io.StringIO(pipes_csv(BARE.pipes))))["mean_steps"] == ""
 
 
@@ -178,7 +178,7 @@ def test_runs_stand_apart_from_corners_by_their_number() -> None:
     assert [axes.get_ylabel().split()[0] for axes in panels] == ["left", "runs"]
     assert sorted(text.get_text() for text in panels[1].texts) == ["25", "50", "75"]
     assert "R65-L70-R100-R55-L110" in shown(RUNS)
-    assert RUNS.diameters[1].front_success == pytest.approx(3 / 8)
+    assert RUNS.diameters[1].reach_success == pytest.approx(3 / 8)
     assert RUNS.diameters[1].thesis_percent is None
 
 

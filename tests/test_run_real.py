@@ -23,7 +23,7 @@ from pipenav_hardware.emulator.client import Emulator
 from pipenav.deployment import session
 from pipenav.deployment.session import located_place, policy_for, write_motions
 from pipenav.deployment.telemetry import Recording, read_telemetry
-from pipenav.deployment.trajectories import ArmPlacement, place_of
+from pipenav.deployment.trajectories import ArmPlacement, placement_of
 from pipenav.errors import PipenavError
 from pipenav.motions.trajectory import read_trajectory
 from pipenav.pipes.corner import PipeCorner
@@ -123,7 +123,7 @@ def test_an_arm_in_a_known_pipe_is_placed_by_the_target_that_it_located(passage:
     pipe = PipeCorner.of(130, 90, "right")
     true = read_trajectory(passage / "front.csv").header.base_m
     target = next(tick["target"] for tick in recording.ticks if tick.get("target"))
-    assert place_of(pipe, np.array(target), 0.1).base == pytest.approx(true, abs=0.025)
+    assert placement_of(pipe, np.array(target), 0.1).base == pytest.approx(true, abs=0.025)
 
 
 def test_a_dry_run_sends_nothing_that_moves(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

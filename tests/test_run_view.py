@@ -13,7 +13,7 @@ import pytest
 from rich.console import Console
 
 from pipenav.backends.safety import Stopped
-from pipenav.cli.run_real_view import RunView
+from pipenav.cli.run_real_view import MissionView
 from pipenav.robots.robot import load_robot
 
 ROBOT = load_robot("real-setup")
@@ -29,11 +29,11 @@ def keyboard(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     os.close(master)
 
 
-def view() -> RunView:
-    return RunView(Console(file=io.StringIO(), force_terminal=True, width=120), ROBOT)
+def view() -> MissionView:
+    return MissionView(Console(file=io.StringIO(), force_terminal=True, width=120), ROBOT)
 
 
-def shown(view: RunView) -> str:
+def shown(view: MissionView) -> str:
     file = view._console.file
     assert isinstance(file, io.StringIO)
     return file.getvalue()

@@ -111,7 +111,7 @@ def test_a_clamp_presses_as_its_joint_says_and_carries_the_robot(
         effort = bend.effort_limit * PRESS / bend.full_drive_error
         expected = 2 * effort / (ROBOT.lengths[1] * np.cos(plan(ROBOT, pipe).steep))
         assert result.truth.contact_force == pytest.approx(expected, rel=0.15)
-        wheel, motor = ROBOT.wheels[0], ROBOT.drives[-1]
+        wheel, motor = ROBOT.wheels[0], ROBOT.driven_actuators[-1]
         stiff = motor.effort_limit * (1 / motor.full_drive_error + 1 / motor.noload_speed)  # [N m s]
         creep = _mass() * GRAVITY * wheel.radius**2 / (3 * stiff)  # of three wheels under the robot's weight [m/s]
         before = indices.q[:, :2]

@@ -32,13 +32,13 @@ def world(n: int = 1, gravity: float = GRAVITY, **options: float) -> SpaceBacken
 
 @contextmanager
 def placed(
-    run: PipeRoute, plane: float = 0.0, gravity: float = GRAVITY
+    route: PipeRoute, plane: float = 0.0, gravity: float = GRAVITY
 ) -> Iterator[tuple[SpaceBackend, Floats, float]]:
     """A robot in its plane at the start of a run; the backend, its configuration and its base."""
     task = TraverseConfig(kind="traverse", start_spread=(1.0, 1.0), start_gap=(0.4, 0.5))
-    episode = sample(ROBOT, task, [run], np.random.default_rng(3))
+    episode = sample(ROBOT, task, [route], np.random.default_rng(3))
     with closing(world(gravity=gravity)) as backend:
-        backend.reset(ONE, [run], episode.q, episode.base, np.array([plane]))
+        backend.reset(ONE, [route], episode.q, episode.base, np.array([plane]))
         yield backend, episode.q, float(episode.base[0])
 
 
@@ -78,10 +78,10 @@ def test_the_laser_reads_in_the_corners_plane_what_it_reads_in_the_plane() -> No
 @pytest.mark.parametrize("diameter", [70, 120])
 @pytest.mark.parametrize("plane", [0.0, math.pi / 2])
 def test_a_clamped_robot_drives_and_stays_in_its_plane_and_out_of_the_wall(diameter: int, plane: float) -> None:
-    run = PipeRoute.of(diameter, [(90, "left", 0)], [1500, 900])
-    with placed(run, plane) as (backend, *_):
+    route = PipeRoute.of(diameter, [(90, "left", 0)], [1500, 900])
+    with placed(route, plane) as (backend, *_):
         q = backend.read().body.q[0]
-        drive = RollForward(ROBOT, run.radius, q, q)
+        drive = RollForward(ROBOT, route.radius, q, q)
         start, deepest = backend.truth().points[0, :, 0].mean(), 0.0
         for _ in range(30):
             body = backend.read().body
@@ -92,7 +92,7 @@ def test_a_clamped_robot_drives_and_stays_in_its_plane_and_out_of_the_wall(diame
         gone = truth.points[0, :, 0].mean() - start
         assert gone > 0.1
         assert drive.clamped and drive.gone == pytest.approx(gone, abs=0.02)
-        zigzag = drive.third * steepness(ROBOT, run.radius) * ZIGZAG
+        zigzag = drive.third * steepness(ROBOT, route.radius) * ZIGZAG
         np.testing.assert_allclose(backend.read().body.q[0], zigzag, atol=0.1)
         assert deepest < 1e-3
         upright = about_x(plane) @ np.array([0, 0, 1])
@@ -100,16 +100,16 @@ def test_a_clamped_robot_drives_and_stays_in_its_plane_and_out_of_the_wall(diame
 
 
 def test_robots_do_not_depend_on_each_other_nor_on_threads() -> None:
-    runs = [RUN, PipeRoute.of(70, [(120, "right", 90), (90, "left", 0)], [1300, 1000, 800])]
-    episodes = sample(ROBOT, TraverseConfig(kind="traverse"), runs, np.random.default_rng(0))
-    assert all(isinstance(run, PipeRoute) for run in episodes.pipes)
+    routes = [RUN, PipeRoute.of(70, [(120, "right", 90), (90, "left", 0)], [1300, 1000, 800])]
+    episodes = sample(ROBOT, TraverseConfig(kind="traverse"), routes, np.random.default_rng(0))
+    assert all(isinstance(route, PipeRoute) for route in episodes.pipes)
     ends = []
     for rows, threads in ([0, 1], 2), ([0, 1], 1), ([1], 1):
-        chosen = [runs[row] for row in rows]
+        chosen = [routes[row] for row in rows]
         with closing(world(len(rows), threads=threads)) as backend:
             backend.reset(np.arange(len(rows)), chosen, episodes.q[rows], episodes.base[rows], np.zeros(len(rows)))
             for _ in range(5):
-                backend.step(np.full((len(rows), len(ROBOT.drives)), 0.3), np.full(len(rows), 0.2))
+                backend.step(np.full((len(rows), len(ROBOT.driven_actuators)), 0.3), np.full(len(rows), 0.2))
             ends.append(backend.truth().points)
     np.testing.assert_array_equal(ends[0], ends[1])
     np.testing.assert_array_equal(ends[0][1:], ends[2])

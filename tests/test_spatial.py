@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command import run as command
+from command import route as command
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -124,12 +124,12 @@ def test_a_clamped_robot_sees_a_straight_end_in_time_and_not_before(
 def test_a_roll_turns_the_plane_by_what_was_asked_and_the_robot_stays_where_it_is(
     diameter: int, gravity: float, plane: float, third: float
 ) -> None:
-    run, turn, start = PipeRoute.of(diameter, [(90, "left", 0)], [1500, 600]), math.radians(90), math.radians(plane)
-    q = np.concatenate([[0.0, third * room(ROBOT, run.radius - 1e-4), 0.0], clamped(run.radius - 1e-4, third)])
+    route, turn, start = PipeRoute.of(diameter, [(90, "left", 0)], [1500, 600]), math.radians(90), math.radians(plane)
+    q = np.concatenate([[0.0, third * room(ROBOT, route.radius - 1e-4), 0.0], clamped(route.radius - 1e-4, third)])
     with closing(open_space("mujoco", ROBOT, 1, {}, gravity)) as backend:
-        backend.reset(np.arange(1), [run], q[None], np.array([-1.0]), np.array([start]))
+        backend.reset(np.arange(1), [route], q[None], np.array([-1.0]), np.array([start]))
         first, place = backend.read().row(0), backend.truth().points[0, :, 0].mean()
-        roll, deepest = Roll(ROBOT, run.radius, turn, first.body.q, first.down), 0.0
+        roll, deepest = Roll(ROBOT, route.radius, turn, first.body.q, first.down), 0.0
         while roll.phase is not RollPhase.DONE:
             now = backend.read().row(0)
             assert now.body.wheel_speeds is not None
@@ -140,7 +140,7 @@ def test_a_roll_turns_the_plane_by_what_was_asked_and_the_robot_stays_where_it_i
     turned = np.arctan2(-truth.normals[0, :, 1], truth.normals[0, :, 2]) - start
     assert np.abs(np.remainder(turned - turn + math.pi, 2 * math.pi) - math.pi).max() < math.radians(12)
     assert abs(after.roll) < 0.05 and nearest(after.body.q) in (1.0, -1.0)
-    np.testing.assert_allclose(np.abs(after.body.q), np.abs(clamped(run.radius, 1.0)), atol=0.4)
+    np.testing.assert_allclose(np.abs(after.body.q), np.abs(clamped(route.radius, 1.0)), atol=0.4)
     assert deepest < 1e-3
     assert abs(truth.points[0, :, 0].mean() - place) < 0.12
 
@@ -165,7 +165,7 @@ def test_runs_in_several_planes_are_counted_beside_those_in_one(tmp_path: Path) 
     args = ("--pipes", several_planes(tmp_path), "--pipes", "d=90,angle=90", "--episodes", "1", "--robot", "pirate")
     assert command("eval", "--policy", "baseline:random", *args, "--out", str(tmp_path / "found")) == 0
     rolled, corner = read_evaluation(tmp_path / "found").pipes
-    assert (rolled.run, corner.run) == ("run-d90-L120-L120roll90", None)
+    assert (rolled.route, corner.route) == ("run-d90-L120-L120roll90", None)
     for record in (rolled, corner):
         assert record.traverse_attempts == sum(record.failures.values()) == 1
 

@@ -19,8 +19,8 @@ from pipenav.cli import main
 from pipenav.errors import PipenavError
 from pipenav.learning.callback import TrainingDiverged
 from pipenav.learning.config import TrainConfig, load_config
-from pipenav.learning.run_folder import PROGRESS_COLUMNS, RunFolder, default_run_path
 from pipenav.learning.train import TrainingSummary, train
+from pipenav.learning.training_folder import PROGRESS_COLUMNS, TrainingFolder, default_training_path
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.policy import load_policy
 
@@ -39,12 +39,12 @@ def tiny(**more: Any) -> TrainConfig:
     return load_config(options={**TINY, "steps": 2048, **more})
 
 
-def trained(path: Path, config: TrainConfig, **more: Any) -> tuple[RunFolder, TrainingSummary]:
-    folder = RunFolder.create(path, config, "pipenav train")
+def trained(path: Path, config: TrainConfig, **more: Any) -> tuple[TrainingFolder, TrainingSummary]:
+    folder = TrainingFolder.create(path, config, "pipenav train")
     return folder, train(config, folder, **more)
 
 
-def progress(folder: RunFolder) -> list[dict[str, str]]:
+def progress(folder: TrainingFolder) -> list[dict[str, str]]:
     with folder.progress.open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     assert all(tuple(row) == PROGRESS_COLUMNS and None not in row.values() for row in rows)
@@ -66,15 +66,15 @@ def plain_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
+def run(tmp_path_factory: pytest.TempPathFactory) -> TrainingFolder:
     """A finished tiny run, not to be changed."""
     folder, _ = trained(tmp_path_factory.mktemp("runs") / "tiny", tiny())
     return folder
 
 
 @pytest.fixture
-def copied(run: RunFolder, tmp_path: Path) -> RunFolder:
-    return RunFolder(Path(shutil.copytree(run.path, tmp_path / "run")))
+def copied(run: TrainingFolder, tmp_path: Path) -> TrainingFolder:
+    return TrainingFolder(Path(shutil.copytree(run.path, tmp_path / "run")))
 
 
 def test_a_training_learns_to_pass_one_corner(tmp_path: Path) -> None:
@@ -91,7 +91,7 @@ def test_a_training_learns_to_pass_one_corner(tmp_path: Path) -> None:
     assert header.task == config.task
 
 
-def test_a_run_folder_is_complete(run: RunFolder) -> None:
+def test_a_run_folder_is_complete(run: TrainingFolder) -> None:
     names = {path.name for path in run.path.iterdir()}
     events = {name for name in names if name.startswith("events.")}
     assert events
@@ -101,19 +101,19 @@ def test_a_run_folder_is_complete(run: RunFolder) -> None:
     assert all(float(row["steps_per_s"]) > 0 for row in rows)
     assert run.plot.read_bytes().startswith(b"\x89PNG")
     assert run.command.read_text() == "pipenav train\n"
-    assert RunFolder.open(run.path)[1] == tiny()
+    assert TrainingFolder.open(run.path)[1] == tiny()
 
 
-def test_the_same_seed_gives_the_same_weights(run: RunFolder, tmp_path: Path) -> None:
+def test_the_same_seed_gives_the_same_weights(run: TrainingFolder, tmp_path: Path) -> None:
     again, _ = trained(tmp_path / "again", tiny())
     assert weights(again.last) == weights(run.last)
     other, _ = trained(tmp_path / "other", tiny(seed=1, steps=256))
     assert weights(other.last) != weights(run.last)
 
 
-def test_a_resumed_run_goes_on_where_it_was(copied: RunFolder) -> None:
+def test_a_resumed_run_goes_on_where_it_was(copied: TrainingFolder) -> None:
     before = progress(copied)
-    folder, config = RunFolder.open(copied.path)
+    folder, config = TrainingFolder.open(copied.path)
     outcome = train(config.model_copy(update={"steps": 3072}), folder, resumed=True)
     assert outcome.steps == 3072
     rows = progress(copied)
@@ -125,10 +125,10 @@ def test_a_resumed_run_goes_on_where_it_was(copied: RunFolder) -> None:
     assert outcome.check_success >= 0
 
 
-def test_resume_restores_weights_and_keeps_the_best(copied: RunFolder) -> None:
+def test_resume_restores_weights_and_keeps_the_best(copied: TrainingFolder) -> None:
     """A resumed run that is stopped at once has learned nothing and lost nothing."""
     before, best = weights(copied.last), copied.best.read_bytes()
-    folder, config = RunFolder.open(copied.path)
+    folder, config = TrainingFolder.open(copied.path)
     longer = config.model_copy(update={"steps": 4096})
     outcome = train(longer, folder, resumed=True, should_stop=lambda: True)
     assert outcome.stopped
@@ -137,7 +137,7 @@ def test_resume_restores_weights_and_keeps_the_best(copied: RunFolder) -> None:
     assert copied.best.read_bytes() == best
 
 
-def test_a_run_that_starts_from_another_has_its_weights_and_its_own_count(run: RunFolder, tmp_path: Path) -> None:
+def test_a_run_that_starts_from_another_has_its_weights_and_its_own_count(run: TrainingFolder, tmp_path: Path) -> None:
     folder, outcome = trained(tmp_path / "new", tiny(seed=1), should_stop=lambda: True, start=run.path)
     assert outcome.steps <= 16
     assert weights(folder.last) == weights(run.last)
@@ -158,13 +158,13 @@ def test_a_run_that_starts_from_another_has_its_weights_and_its_own_count(run: R
         ("resume.safetensors", None, "holds no run"),
     ],
 )
-def test_a_spoilt_run_is_refused(copied: RunFolder, name: str, content: bytes | None, message: str) -> None:
+def test_a_spoilt_run_is_refused(copied: TrainingFolder, name: str, content: bytes | None, message: str) -> None:
     path = copied.path / name
     path.unlink()
     if content is not None:
         path.write_bytes(content)
     with pytest.raises(PipenavError, match=message):
-        folder, config = RunFolder.open(copied.path)
+        folder, config = TrainingFolder.open(copied.path)
         train(config, folder, resumed=True)
 
 
@@ -191,7 +191,7 @@ def test_a_value_that_is_not_finite_stops_the_training(monkeypatch: pytest.Monke
     real: Callable[..., Any] = module.open_simulator
     monkeypatch.setattr(module, "open_simulator", lambda *given: Poisoned(real(*given), 60))
     config = tiny(**{"check.every": 256})
-    folder = RunFolder.create(tmp_path / "run", config, "pipenav train")
+    folder = TrainingFolder.create(tmp_path / "run", config, "pipenav train")
     with pytest.raises(TrainingDiverged, match=r"diverged\.json.*last\.zip"):
         train(config, folder)
     cause = json.loads(folder.diverged.read_text(encoding="utf-8"))
@@ -211,12 +211,12 @@ def test_weights_that_are_not_finite_stop_the_training(monkeypatch: pytest.Monke
             next(model.policy.action_net.parameters())[0, 0] = torch.inf
 
     monkeypatch.setattr(PPO, "train", spoil)
-    folder = RunFolder.create(tmp_path / "run", tiny(), "pipenav train")
+    folder = TrainingFolder.create(tmp_path / "run", tiny(), "pipenav train")
     with pytest.raises(TrainingDiverged):
         train(tiny(), folder)
     assert folder.diverged.is_file()
     assert all(np.isfinite(values).all() for values in weights(folder.last).values())
-    assert RunFolder.open(folder.path)
+    assert TrainingFolder.open(folder.path)
 
 
 def refused(capsys: pytest.CaptureFixture[str], *args: str) -> str:
@@ -229,7 +229,7 @@ def refused(capsys: pytest.CaptureFixture[str], *args: str) -> str:
     return shown.err
 
 
-def test_an_existing_run_is_not_overwritten(run: RunFolder, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_existing_run_is_not_overwritten(run: TrainingFolder, capsys: pytest.CaptureFixture[str]) -> None:
     before = {path: path.stat().st_mtime_ns for path in run.path.iterdir()}
     assert f"--resume {run.path}" in refused(capsys, "--out", str(run.path))
     assert {path: path.stat().st_mtime_ns for path in run.path.iterdir()} == before
@@ -237,16 +237,16 @@ def test_an_existing_run_is_not_overwritten(run: RunFolder, capsys: pytest.Captu
 
 def test_what_a_killed_start_left_is_no_run(tmp_path: Path) -> None:
     for _ in range(2):
-        RunFolder.create(tmp_path / "run", tiny(), "pipenav train")
+        TrainingFolder.create(tmp_path / "run", tiny(), "pipenav train")
     with pytest.raises(PipenavError, match="holds no run"):
-        RunFolder.open(tmp_path / "run")
+        TrainingFolder.open(tmp_path / "run")
 
 
 def test_the_next_free_folder(tmp_path: Path) -> None:
-    assert default_run_path("arm", tmp_path) == tmp_path / "arm"
+    assert default_training_path("arm", tmp_path) == tmp_path / "arm"
     (tmp_path / "arm").mkdir()
     (tmp_path / "arm-2").mkdir()
-    assert default_run_path("arm", tmp_path) == tmp_path / "arm-3"
+    assert default_training_path("arm", tmp_path) == tmp_path / "arm-3"
 
 
 def test_a_folder_that_cannot_be_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -259,7 +259,7 @@ def test_a_folder_that_cannot_be_is_one_line(tmp_path: Path, capsys: pytest.Capt
 
 
 def test_a_start_that_does_not_fit_is_refused_before_anything_is_written(
-    run: RunFolder, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    run: TrainingFolder, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     new, begin = tmp_path / "new", ["--from", str(run.path)]
     assert "another network" in refused(capsys, *begin, "--set", "network.policy=[8]", "--out", str(new))
@@ -270,7 +270,7 @@ def test_a_start_that_does_not_fit_is_refused_before_anything_is_written(
     assert not new.exists()
 
 
-def test_resume_checks_its_steps(run: RunFolder, capsys: pytest.CaptureFixture[str]) -> None:
+def test_resume_checks_its_steps(run: TrainingFolder, capsys: pytest.CaptureFixture[str]) -> None:
     assert "steps: input should be greater than" in refused(capsys, "--resume", str(run.path), "--steps", "0")
 
 

@@ -14,8 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from pipenav.learning.run_folder import PROGRESS_COLUMNS, RunFolder
 from pipenav.learning.train import train
+from pipenav.learning.training_folder import PROGRESS_COLUMNS, TrainingFolder
 from pipenav.policies.policy import load_policy
 
 SETTINGS = (
@@ -33,7 +33,7 @@ def options(every: int) -> list[str]:
     return ["--steps", "10000000", "--pipes", "d=100,angle=90", *settings]
 
 
-def require_whole_progress(folder: RunFolder) -> None:
+def require_whole_progress(folder: TrainingFolder) -> None:
     with folder.progress.open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     assert all(tuple(row) == PROGRESS_COLUMNS and None not in row.values() for row in rows)
@@ -74,14 +74,14 @@ def test_stop_signals_save_and_leave_by_130(start: Callable[..., subprocess.Pope
         process.send_signal(number)
     for number, process in runs.items():
         said, _ = process.communicate(timeout=60)
-        folder = RunFolder(tmp_path / number.name)
+        folder = TrainingFolder(tmp_path / number.name)
         assert process.returncode == 130, said
         assert f"pipenav train --resume {folder.path}" in said.replace("\n", "")
         assert "Traceback" not in said
         load_policy(folder.best)
         load_policy(folder.last)
         require_whole_progress(folder)
-        _, config = RunFolder.open(folder.path)
+        _, config = TrainingFolder.open(folder.path)
         assert config.steps == 10_000_000
         assert not [path for path in folder.path.iterdir() if path.name.startswith(".")]
 
@@ -103,7 +103,7 @@ for out in sys.argv[1].split(":"):
 
 def test_kill_leaves_whole_files(tmp_path: Path) -> None:
     moments = random.Random(0)
-    folders = [RunFolder(tmp_path / f"run-{i}") for i in range(3)]
+    folders = [TrainingFolder(tmp_path / f"run-{i}") for i in range(3)]
     command = [sys.executable, "-c", FORKS, ":".join(str(folder.path) for folder in folders)]
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
     with subprocess.Popen([*command, *options(256)], text=True, **pipes) as parent:  # type: ignore[call-overload]
@@ -123,6 +123,6 @@ def test_kill_leaves_whole_files(tmp_path: Path) -> None:
             load_policy(folder.best)
         if folder.progress.exists():
             require_whole_progress(folder)
-        opened, config = RunFolder.open(folder.path)
+        opened, config = TrainingFolder.open(folder.path)
         assert train(config, opened, resumed=True, should_stop=lambda: True).stopped
         load_policy(folder.best)

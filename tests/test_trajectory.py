@@ -77,7 +77,7 @@ def recorded() -> Trajectory:
     """Ten steps forwards in a right turn."""
     pipe = PipeCorner.of(100, 75, "right")
     header = TrajectoryHeader(
-        robot="basic", pipe=pipe, base_m=-0.6, goal_m=(0.0, 0.0), stage="front", outcome="reached", backend="mujoco"
+        robot="basic", pipe=pipe, base_m=-0.6, goal_m=(0.0, 0.0), stage="reach", outcome="reached", backend="mujoco"
     )
     q = np.linspace([0, 0, 0, 0], [0.2, -0.1, -0.2, -0.3], 11)
     return Trajectory(header, ROBOT, q, np.arange(11.0), np.ones((11, 4, 2)))

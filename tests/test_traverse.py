@@ -316,7 +316,7 @@ def test_both_tasks_are_described_alike() -> None:
     arm = load_robot("basic")
     for robot, task in ((arm, ReachConfig()), (ROBOT, CONFIG)):
         kind, pipes = task_of(task), [PipeCorner.of(90, 90)]
-        assert len(kind.action_scale(robot, task)) == len(robot.drives)
+        assert len(kind.action_scale(robot, task)) == len(robot.driven_actuators)
         source = random_episodes(robot, task, [pipes], np.random.default_rng(0), sample=kind.sample)
         with closing(kind.batch(robot, task, open_simulator("mujoco", robot, 2, {}), 2, source)) as made:
             assert made.reset().shape == (2, made.observation_size) == (2, len(task_of(task).observation_scale(robot)))

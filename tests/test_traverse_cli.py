@@ -12,7 +12,7 @@ from command import run
 from pipenav.errors import PipenavError
 from pipenav.evaluation.results import read_evaluation
 from pipenav.motions.trajectory import read_trajectory
-from pipenav.pipes.route_sets import parse_runs
+from pipenav.pipes.route_sets import parse_routes
 from pipenav.policies.policy import load_policy
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import Outcome
@@ -61,7 +61,7 @@ def test_an_evaluation_counts_traverses(trained: Path, tmp_path: Path) -> None:
     assert (found.stage, found.robot) == ("traverse", "pirate")
     for record in found.pipes:
         assert (record.traverse_attempts, record.traverse_successes) == (2, 0)
-        assert record.front_attempts is record.rear_attempts is record.located is None
+        assert record.reach_attempts is record.rear_attempts is record.located is None
         assert record.failures == {"timeout": 2}
     assert found.diameters[0].traverse_success == 0.0
     assert found.diameters[0].traverse_success_high is not None
@@ -87,7 +87,7 @@ def test_an_evaluation_names_runs_beside_corners(trained: Path, tmp_path: Path) 
     args = ("--pipes", "runs-level:3", "--pipes", str(mine), "--pipes", "d=90,angle=80", "--episodes", "1")
     assert run("eval", "--policy", str(trained / "best.zip"), *args, "--out", str(tmp_path / "eval")) == 0
     found = read_evaluation(tmp_path / "eval")
-    names = [parse_runs(["runs-level:3"])[0].name, "run-d100-L90-R75", None]
+    names = [parse_routes(["runs-level:3"])[0].name, "run-d100-L90-R75", None]
     assert [(record.run, record.angle_deg, record.turn) for record in found.pipes] == [
         (names[0], None, None),
         (names[1], None, None),
@@ -105,7 +105,7 @@ def test_a_view_of_a_run_can_be_read_again_and_has_no_rear_half(trained: Path, t
     args = ("--pipes", "runs-level:3", "--out", str(table), "--out", str(picture))
     assert run("view", "--policy", str(trained / "best.zip"), *args) == 0
     way = read_trajectory(table)
-    assert way.header.pipe == parse_runs(["runs-level:3"])[0]
+    assert way.header.pipe == parse_routes(["runs-level:3"])[0]
     assert len(way.q) == 1 + 5 * TINY["task.max_steps"]  # type: ignore[operator]  # twelve steps for each corner
     assert run("view", "--trajectory", str(table), "--out", str(tmp_path / "again.png")) == 0
     assert (tmp_path / "again.png").stat().st_size == pytest.approx(picture.stat().st_size, rel=0.1)

@@ -40,10 +40,10 @@ CORNERS = [PipeCorner.of(90, 75, "right", leg_mm=1600), PipeCorner.of(110, 110, 
 seeds = st.integers(0, 2**32 - 1)
 
 
-def mirrored(run: PipeRoute) -> PipeRoute:
+def mirrored(route: PipeRoute) -> PipeRoute:
     other = {"left": "right", "right": "left"}
-    corners = tuple(corner.model_copy(update={"turn": other[corner.turn]}) for corner in run.corners)
-    return run.model_copy(update={"corners": corners})
+    corners = tuple(corner.model_copy(update={"turn": other[corner.turn]}) for corner in route.corners)
+    return route.model_copy(update={"corners": corners})
 
 
 @contextmanager
@@ -84,26 +84,26 @@ def test_ways_make_room_for_more_corners() -> None:
 
 
 @given(st.sampled_from(LEVEL))
-def test_corners_end_one_after_the_other_and_turn_to_the_side_that_the_run_turns_to(run: PipeRoute) -> None:
-    ways = CentreLines.of([run])
+def test_corners_end_one_after_the_other_and_turn_to_the_side_that_the_run_turns_to(route: PipeRoute) -> None:
+    ways = CentreLines.of([route])
     assert np.all(np.diff(ways.end[0, :-1]) > 0)
-    direction = np.diff(run.centre_line[:, :2], axis=0)
+    direction = np.diff(route.centre_line[:, :2], axis=0)
     cross = direction[:-1, 0] * direction[1:, 1] - direction[:-1, 1] * direction[1:, 0]
-    assert run.turn_signs == pytest.approx(np.sign(cross))
+    assert route.turn_signs == pytest.approx(np.sign(cross))
     assert ways.turn_sign[0, :-1] == pytest.approx(np.sign(cross))
 
 
 def test_a_run_of_one_gives_the_episode_of_the_corner() -> None:
-    runs = [PipeRoute.from_pipe(pipe) for pipe in CORNERS]
+    routes = [PipeRoute.from_pipe(pipe) for pipe in CORNERS]
     for number in range(3):
-        one, other = (random_start(ROBOT, CONFIG, pipes, 3, 5)(number) for pipes in (CORNERS, runs))
+        one, other = (random_start(ROBOT, CONFIG, pipes, 3, 5)(number) for pipes in (CORNERS, routes))
         for a, b in zip(one[1:], other[1:], strict=True):
             assert a == pytest.approx(b)
     rng = np.random.default_rng(1)
-    with batch(CORNERS) as corner, batch(runs) as run:
+    with batch(CORNERS) as corner, batch(routes) as route:
         for _ in range(12):
             action = rng.uniform(-1.0, 1.0, (2, 12))
-            a, b = corner.step(action), run.step(action)
+            a, b = corner.step(action), route.step(action)
             assert a.observation == pytest.approx(b.observation, abs=1e-9)
             assert a.reward == pytest.approx(b.reward, abs=1e-9)
             assert list(a.outcome) == list(b.outcome)
@@ -157,9 +157,9 @@ class Ghost(Backend):
 def _on_the_centre_line(pipe: Pipe, at: float) -> tuple[float, float, float]:
     """Place and direction of the way where it is `at` long."""
     assert isinstance(pipe, PipeRoute)
-    leg = int(np.clip(np.searchsorted(pipe.places, at, turn_sign="right") - 1, 0, len(pipe.straights) - 1))
+    leg = int(np.clip(np.searchsorted(pipe.distances, at, turn_sign="right") - 1, 0, len(pipe.straights) - 1))
     x, y = pipe.legs.axes[leg][:2, 0]
-    place = pipe.centre_line[leg, :2] + (at - pipe.places[leg]) * np.array([x, y])
+    place = pipe.centre_line[leg, :2] + (at - pipe.distances[leg]) * np.array([x, y])
     return (*place, float(np.arctan2(y, x)))
 
 
@@ -179,11 +179,11 @@ def carried(pipes: Sequence[Pipe], config: TraverseConfig = CONFIG, seed: int = 
 
 @settings(max_examples=15, deadline=None)
 @given(st.sampled_from(LEVEL), seeds)
-def test_a_run_and_its_mirror_image_are_seen_and_driven_alike_through_all_corners(run: Pipe, seed: int) -> None:
-    assert isinstance(run, PipeRoute)
-    ghost, indices = carried([run, mirrored(run)], seed=seed)
+def test_a_run_and_its_mirror_image_are_seen_and_driven_alike_through_all_corners(route: Pipe, seed: int) -> None:
+    assert isinstance(route, PipeRoute)
+    ghost, indices = carried([route, mirrored(route)], seed=seed)
     rng = np.random.default_rng(seed)
-    for at in np.linspace(-1.0, run.places[-1], 40):
+    for at in np.linspace(-1.0, route.distances[-1], 40):
         ghost.tail[:] = at
         action = np.tile(rng.uniform(-1.0, 1.0, 12), (2, 1))
         seen = indices.step(action).observation
@@ -194,13 +194,13 @@ def test_a_run_and_its_mirror_image_are_seen_and_driven_alike_through_all_corner
 
 @settings(max_examples=15, deadline=None)
 @given(st.sampled_from(LEVEL))
-def test_the_side_is_that_of_the_first_corner_that_the_middle_has_not_passed(run: Pipe) -> None:
-    assert isinstance(run, PipeRoute)
-    ghost, indices = carried([run])
-    sides, scale = run.turn_signs, task_of(CONFIG).observation_scale(ROBOT)
-    ends = run.places[1:-1] + run.inner_edges
+def test_the_side_is_that_of_the_first_corner_that_the_middle_has_not_passed(route: Pipe) -> None:
+    assert isinstance(route, PipeRoute)
+    ghost, indices = carried([route])
+    sides, scale = route.turn_signs, task_of(CONFIG).observation_scale(ROBOT)
+    ends = route.distances[1:-1] + route.inner_edges
     around, before, corner = np.array([0.0, *sides, 0.0]), sides[0], 0
-    for at in np.linspace(-1.0, run.places[-1], 60):
+    for at in np.linspace(-1.0, route.distances[-1], 60):
         ghost.tail[:] = at
         action = np.random.default_rng(0).uniform(-1.0, 1.0, (1, 12))
         seen = indices.step(action).observation * scale
@@ -215,8 +215,8 @@ def test_the_side_is_that_of_the_first_corner_that_the_middle_has_not_passed(run
 
 
 def test_a_corner_that_was_passed_stays_passed_where_the_robot_slides_back() -> None:
-    run = PipeRoute.of(100, [(90, "left", 0), (90, "right", 0)], [1000, 800, 1000])
-    ghost, indices = carried([run])
+    route = PipeRoute.of(100, [(90, "left", 0), (90, "right", 0)], [1000, 800, 1000])
+    ghost, indices = carried([route])
     still = np.zeros((1, 12))
     first = indices.step(still).observation[0, :6]
     ghost.tail[:] = 0.1
@@ -227,11 +227,11 @@ def test_a_corner_that_was_passed_stays_passed_where_the_robot_slides_back() -> 
 
 
 def test_a_run_is_passed_with_the_tail_past_the_last_corner_and_has_time_for_every_corner() -> None:
-    run = PipeRoute.of(100, [(90, "left", 0), (90, "right", 0), (70, "left", 0)], [1000, 800, 800, 1000])
-    end = run.places[-2] + run.inner_edges[-1] + CONFIG.through
+    route = PipeRoute.of(100, [(90, "left", 0), (90, "right", 0), (70, "left", 0)], [1000, 800, 800, 1000])
+    end = route.distances[-2] + route.inner_edges[-1] + CONFIG.through
     config = CONFIG.model_copy(update={"max_steps": 20})
     for last, outcome, steps in ((end + 1e-6, Outcome.REACHED, 50), (end - 1e-6, Outcome.TIMEOUT, 60)):
-        ghost, indices = carried([run], config)
+        ghost, indices = carried([route], config)
         found = []
         for at in [*np.linspace(-1.0, end - 0.02, 49), *[last] * 11]:
             ghost.tail[:] = at
@@ -255,14 +255,14 @@ def test_robots_in_runs_and_in_corners_are_stepped_together() -> None:
 
 @settings(max_examples=20, deadline=None)
 @given(st.sampled_from(LEVEL), seeds)
-def test_starts_in_runs_lie_free_in_the_first_straight(run: Pipe, seed: int) -> None:
-    start = sample(ROBOT, CONFIG, [run], np.random.default_rng(seed))
+def test_starts_in_runs_lie_free_in_the_first_straight(route: Pipe, seed: int) -> None:
+    start = sample(ROBOT, CONFIG, [route], np.random.default_rng(seed))
     points = waypoints(ROBOT, start.q)[0] + [start.base[0], 0.0]
-    assert np.abs(points[:, 1]).max() <= run.radius - ROBOT.width / 2 + 1e-9
-    assert -points[-1, 0] - run.inner_edges[0] == pytest.approx(0.08, abs=0.02 + 1e-9)
-    assert start.pipes[0] == run  # whose ends are long enough
-    assert isinstance(run, PipeRoute)
-    assert points[0, 0] >= -run.straights[0]
+    assert np.abs(points[:, 1]).max() <= route.radius - ROBOT.width / 2 + 1e-9
+    assert -points[-1, 0] - route.inner_edges[0] == pytest.approx(0.08, abs=0.02 + 1e-9)
+    assert start.pipes[0] == route  # whose ends are long enough
+    assert isinstance(route, PipeRoute)
+    assert points[0, 0] >= -route.straights[0]
 
 
 def test_ends_that_are_too_short_are_made_longer_or_refused_where_the_run_would_cross_itself() -> None:
@@ -285,10 +285,10 @@ def test_a_run_that_leaves_the_plane_is_refused() -> None:
 
 def test_what_goes_wrong_in_a_run_is_drawn_by_its_corners() -> None:
     readings = []
-    for run in (LEVEL[0], LEVEL[0], LEVEL[1].model_copy(update={"diameter": LEVEL[0].diameter})):
+    for route in (LEVEL[0], LEVEL[0], LEVEL[1].model_copy(update={"diameter": LEVEL[0].diameter})):
         simulator = open_simulator("mujoco", ROBOT, 1, {"threads": 1}, 12)
         q, base = np.zeros((1, ROBOT.coordinates)), np.array([-0.9])
         with closing(disturbed(simulator, ROBOT, 1, load_disturbance("noise"), 0)) as noisy:
-            readings.append(noisy.reset(np.arange(1), [run], q, base).ranges[0, 5])
+            readings.append(noisy.reset(np.arange(1), [route], q, base).ranges[0, 5])
     assert readings[0] == readings[1]
     assert readings[0] != readings[2]

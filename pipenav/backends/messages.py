@@ -19,7 +19,7 @@ class Reading(NamedTuple):
         time: time since each robot's reset, (n,) [s].
         wheel_speeds: of the wheels, to the left about their axles, (n, wheels) [rad/s]; None where there are none.
         loads: drive that each on-board controller asks for, as a share of full voltage in [-1, 1]: the joints', then
-            the wheels', (n, drives); None where it is not measured.
+            the wheels', (n, actuators); None where it is not measured.
     """
 
     q: Floats
@@ -72,7 +72,7 @@ class Command(NamedTuple):
     Attributes:
         control: `torque`: values are drives, the share of each actuator's effort limit in [-1, 1];
             `position`: values are set-points for the on-board controllers, positions of joints and speeds of wheels.
-        values: the joints', then the wheels', (n, drives) [1, or rad and m, and rad/s].
+        values: the joints', then the wheels', (n, actuators) [1, or rad and m, and rad/s].
     """
 
     control: Control

@@ -66,12 +66,12 @@ class SpaceBackend(ABC):
     """n robots of one kind, each in a run of its own, stepped together."""
 
     @abstractmethod
-    def reset(self, indices: Ints, runs: Sequence[PipeRoute], q: Floats, base: Floats, plane: Floats) -> SpaceReading:
+    def reset(self, indices: Ints, routes: Sequence[PipeRoute], q: Floats, base: Floats, plane: Floats) -> SpaceReading:
         """Put some robots at rest into runs; the others are untouched. What the k robots' sensors give there.
 
         Args:
             indices: which robots, sorted and unique, (k,).
-            runs: the run of each, k of them.
+            routes: the run of each, k of them.
             q: configurations in the robots' frames, as for `Backend.reset`, (k, coordinates) [rad or m].
             base: where each robot's frame starts on the first leg's axis, x in the run's frame, (k,) [m].
             plane: how far each robot's plane is turned from the x-y plane, about x by the right-hand rule, (k,) [rad].
@@ -82,7 +82,7 @@ class SpaceBackend(ABC):
         """Advance every robot by one control period.
 
         Args:
-            set_points: for the on-board controllers, positions of joints and speeds of wheels, (n, drives).
+            set_points: for the on-board controllers, positions of joints and speeds of wheels, (n, actuators).
             roll: set-points of the roll joints, (n,) [rad].
         """
 

@@ -82,7 +82,7 @@ def evaluate(
         pipenav eval --policy arm --disturb real-world
     """
     from pipenav.evaluation.config import EvaluationConfig, todays_stage
-    from pipenav.evaluation.evaluate import EvaluationRun
+    from pipenav.evaluation.evaluate import CheckedEvaluation
     from pipenav.evaluation.report import evaluation_table, write_evaluation
     from pipenav.storage.atomic_files import prepare_folder
 
@@ -100,7 +100,7 @@ def evaluate(
         options=options,
         disturb=disturb,
     )
-    run = EvaluationRun(config)
+    run = CheckedEvaluation(config)
     folder = out or _default_folder(policy, stage, robot or "basic", variant, [*names, *([disturb] if disturb else [])])
     fresh = not folder.exists()
     prepare_folder(folder)

@@ -86,11 +86,11 @@ def _refuse_options_of_one_corner(context: typer.Context) -> None:
 
 
 def _make_run(text: str, out: Path) -> None:
-    from pipenav.export.route_folder import run_files, write_run_folder
-    from pipenav.pipes.route_sets import parse_run
+    from pipenav.export.route_folder import route_files, write_route_folder
+    from pipenav.pipes.route_sets import parse_route
 
-    name, run = parse_run(text)
-    _report(write_run_folder(run, name, out), run_files(run), _key_dimensions_of_run(run))
+    name, run = parse_route(text)
+    _report(write_route_folder(run, name, out), route_files(run), _key_dimensions_of_run(run))
 
 
 def _report(folder: Path, purposes: dict[str, str], dimensions: list[tuple[str, str, str]]) -> None:

@@ -23,7 +23,7 @@ def replay(
 
         pipenav replay runs/real-1/telemetry.jsonl --draw run.png
     """
-    from pipenav.deployment.picture import run_picture
+    from pipenav.deployment.picture import mission_picture
     from pipenav.deployment.replay import POLICY_COPY
     from pipenav.deployment.replay import replay as run_again
     from pipenav.policies.policy import load_policy
@@ -33,7 +33,7 @@ def replay(
     if draw is not None:
         robot = load_policy(log.with_name(POLICY_COPY)).header.robot
         ended = recording.end["cause"] or recording.end["end"] if recording.end else "cut short"
-        atomic_write(draw, run_picture(robot, recording.ticks, f"{robot.name}: {ended}, {result.ticks} ticks"))
+        atomic_write(draw, mission_picture(robot, recording.ticks, f"{robot.name}: {ended}, {result.ticks} ticks"))
     if result.difference:
         raise PipenavError(f"the replay differs: {result.difference}; was the log or the policy changed?")
     Console().print(f"{result.ticks} ticks, {result.packets} packets: all identical", highlight=False)

@@ -197,9 +197,9 @@ def _announce(console: Console, machine: RealRobot, plan: MissionPlan, dry_run: 
 
 
 def _with_view(console: Console, machine: RealRobot, plan: MissionPlan, hold_on_stop: bool, execute: Any) -> Ending:
-    from pipenav.cli.run_real_view import RunView
+    from pipenav.cli.run_real_view import MissionView
 
-    with RunView(console, plan.policy.header.robot) as view:
+    with MissionView(console, plan.policy.header.robot) as view:
         ending: Ending = execute(machine, plan, view, view.released if hold_on_stop else None)
     return ending
 

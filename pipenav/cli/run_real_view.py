@@ -25,7 +25,7 @@ EVERY = 3
 """Ticks between two pictures: three a second can be read, and cost a tenth of a tick."""
 
 
-class RunView:
+class MissionView:
     """Shows every tick's record; in a terminal, the space bar is the emergency stop."""
 
     def __init__(self, console: Console, robot: RobotSpec) -> None:

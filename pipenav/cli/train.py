@@ -18,8 +18,8 @@ from pipenav.learning.config import DEFAULT_PRESET, TrainConfig, load_config, va
 
 if TYPE_CHECKING:
     from pipenav.learning.callback import Progress as TrainingProgress
-    from pipenav.learning.run_folder import RunFolder
     from pipenav.learning.train import TrainingSummary
+    from pipenav.learning.training_folder import TrainingFolder
 
 
 def train(
@@ -79,15 +79,15 @@ def _prepare(
     out: Path | None,
     start: Path | None,
     resume: Path | None,
-) -> tuple[RunFolder, TrainConfig, str]:
+) -> tuple[TrainingFolder, TrainConfig, str]:
     """The run folder and its configuration, new or to be resumed."""
-    from pipenav.learning.run_folder import RunFolder, default_run_path
+    from pipenav.learning.training_folder import TrainingFolder, default_training_path
 
     if resume is not None:
         given = [preset, config, out, start, *settings, *(value for key, value in options.items() if key != "steps")]
         if any(value is not None for value in given):
             raise PipenavError("--resume goes on with a run as it was configured: only --steps can be given with it.")
-        folder, resolved = RunFolder.open(resume)
+        folder, resolved = TrainingFolder.open(resume)
         if options["steps"] is not None:
             resolved = validate_config(resolved.model_dump() | {"steps": options["steps"]}, "--steps")
             folder.write_config(resolved)
@@ -98,7 +98,7 @@ def _prepare(
     if start is not None:
         _check_start(start, resolved)
     command = shlex.join(["pipenav", *sys.argv[1:]])
-    return RunFolder.create(out or default_run_path(preset), resolved, command), resolved, preset
+    return TrainingFolder.create(out or default_training_path(preset), resolved, command), resolved, preset
 
 
 def _check_names(config: TrainConfig) -> None:
@@ -115,7 +115,7 @@ def _check_names(config: TrainConfig) -> None:
 
 def _check_start(start: Path, config: TrainConfig) -> None:
     """Refuse a run whose weights do not fit the new one, before a folder is made for it."""
-    from pipenav.learning.run_folder import RunFolder
+    from pipenav.learning.training_folder import TrainingFolder
     from pipenav.robots.robot import load_robot
     from pipenav.tasks.registry import task_of
 
@@ -123,7 +123,7 @@ def _check_start(start: Path, config: TrainConfig) -> None:
         scale = task_of(run.task).observation_scale(load_robot(run.robot)).tolist()
         return run.network, run.task.kind, run.task.observation, run.task.control, scale
 
-    _, other = RunFolder.open(start)
+    _, other = TrainingFolder.open(start)
     if interface(config) != interface(other):
         raise PipenavError(
             f"{start} was trained with another network, observation or control (robot {other.robot!r}, "
@@ -133,7 +133,7 @@ def _check_start(start: Path, config: TrainConfig) -> None:
 
 
 def _run(
-    console: Console, config: TrainConfig, folder: RunFolder, resumed: bool, start: Path | None
+    console: Console, config: TrainConfig, folder: TrainingFolder, resumed: bool, start: Path | None
 ) -> TrainingSummary:
     columns = (
         TextColumn("{task.description}"),
@@ -163,7 +163,7 @@ def _run(
         return run_training(config, folder, resumed, report, stopped, start)
 
 
-def _tell(console: Console, folder: RunFolder, outcome: TrainingSummary) -> None:
+def _tell(console: Console, folder: TrainingFolder, outcome: TrainingSummary) -> None:
     if outcome.stopped:
         console.print(
             f"stopped after {outcome.steps:,} steps and saved; go on with: pipenav train --resume {folder.path}"

@@ -29,7 +29,7 @@ MARGIN = 90.0
 """Room around all that happened [mm]: pipes may be metres long."""
 
 
-def run_picture(
+def mission_picture(
     robot: RobotSpec, ticks: Sequence[dict[str, Any]], title: str, pipe: PipeCorner | None = None, base: float = 0.0
 ) -> bytes:
     """A PNG of the run: in the pipe's frame where the pipe is known, else in the robot's.

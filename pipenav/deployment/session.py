@@ -18,10 +18,10 @@ from pipenav.backends.real_robot import RealRobot
 from pipenav.backends.safety import Stopped
 from pipenav.deployment import loop
 from pipenav.deployment.mission import mission_of
-from pipenav.deployment.picture import run_picture
+from pipenav.deployment.picture import mission_picture
 from pipenav.deployment.replay import POLICY_COPY
 from pipenav.deployment.telemetry import Telemetry
-from pipenav.deployment.trajectories import ArmPlacement, parts, place_of
+from pipenav.deployment.trajectories import ArmPlacement, parts, placement_of
 from pipenav.errors import PipenavError
 from pipenav.locating.locator import LocateConfig, require_arm
 from pipenav.motions.trajectory import write_trajectory
@@ -135,7 +135,7 @@ def _require_drivable(policy: Policy) -> None:
         )
 
 
-def run_settings(turn: Turn, target: Floats | None, retreat: bool) -> dict[str, Any]:
+def mission_settings(turn: Turn, target: Floats | None, retreat: bool) -> dict[str, Any]:
     """What a telemetry's header says of a run, and `mission_of` makes it from.
 
     Args:
@@ -163,7 +163,7 @@ def execute(
         show: called with every tick's record.
         released: with `--hold-on-stop`: whether someone holds the arm now; None to switch off at once.
     """
-    settings = run_settings(plan.turn, plan.target, plan.retreat)
+    settings = mission_settings(plan.turn, plan.target, plan.retreat)
     run = mission_of(plan.policy, settings)
     content = plan.policy.path.read_bytes()
     atomic_write(plan.folder / POLICY_COPY, content)
@@ -252,7 +252,7 @@ def located_place(plan: MissionPlan, ticks: Sequence[dict[str, Any]], pipe: Pipe
     target = next((tick["target"] for tick in reversed(ticks) if tick.get("target")), None)
     if plan.target is not None or target is None:
         return None
-    return place_of(pipe, np.array(target), LocateConfig().depth)
+    return placement_of(pipe, np.array(target), LocateConfig().depth)
 
 
 def write_motions(
@@ -271,7 +271,7 @@ def write_motions(
     title = f"{robot.name}{where}: {outcome}, {len(ticks)} ticks"
     picture = plan.folder / PICTURE
     pipe, base = (None, 0.0) if place is None else place
-    atomic_write(picture, run_picture(robot, ticks, title, pipe, base))
+    atomic_write(picture, mission_picture(robot, ticks, title, pipe, base))
     yield picture
     if place is not None:
         for name, trajectory in parts(plan.policy, ticks, place):

@@ -29,7 +29,7 @@ NEXT = {"locate": "reach", "reach": "back"}
 """What follows a stage that succeeded."""
 
 
-def place_of(pipe: PipeCorner, target: Floats, depth: float) -> ArmPlacement:
+def placement_of(pipe: PipeCorner, target: Floats, depth: float) -> ArmPlacement:
     """Where an arm stands in a known pipe, from the target that it located.
 
     Args:

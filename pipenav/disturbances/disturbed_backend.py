@@ -48,11 +48,11 @@ class DisturbedSimulator(Simulator):
                 f"{type(inner).__name__} cannot change friction, mass, strength or gain of single robots: leave them "
                 "out of the disturbance, or choose another backend."
             )
-        drives, beams = len(robot.drives), robot.laser.beams
+        actuators, beams = len(robot.driven_actuators), robot.laser.beams
         self._generators = [np.random.default_rng(seed) for _ in range(n)]
         self._latency, self._age = np.zeros(n, int), np.zeros(n, int)
-        self._commands = np.zeros((n, MAX_LATENCY + 1, drives))  # the latest first
-        self._start = np.zeros((n, drives))  # set-points that hold the start pose, wheels standing
+        self._commands = np.zeros((n, MAX_LATENCY + 1, actuators))  # the latest first
+        self._start = np.zeros((n, actuators))  # set-points that hold the start pose, wheels standing
         self._noise, self._dropouts, self._missing = np.zeros(n), np.zeros(n), np.zeros((n, beams), bool)
         self._ranges = np.zeros((n, beams))
 
@@ -118,8 +118,8 @@ def _generator(seed: int, pipe: Pipe, q: Floats, base: float) -> np.random.Gener
 
 def _variation(robot: RobotSpec, d: Disturbance, rng: np.random.Generator) -> Variation:
     """One robot's; its friction is a number."""
-    links, drives = len(robot.links), len(robot.drives)
+    links, actuators = len(robot.links), len(robot.driven_actuators)
     friction = np.asarray(rng.uniform(*d.friction))
     return Variation(
-        friction, rng.uniform(*d.mass, links), rng.uniform(*d.strength, drives), rng.uniform(*d.gain, drives)
+        friction, rng.uniform(*d.mass, links), rng.uniform(*d.strength, actuators), rng.uniform(*d.gain, actuators)
     )

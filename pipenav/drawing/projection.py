@@ -51,34 +51,34 @@ class View(NamedTuple):
         return cls(np.array([ce * c, ce * s, se]), np.array([-s, c, 0.0]), np.array([-se * c, -se * s, ce]))
 
     @classmethod
-    def of(cls, run: PipeRoute) -> View:
+    def of(cls, route: PipeRoute) -> View:
         """That in which few straights hide others, and the one that is shortened most is shortened least."""
 
         def worth(view: View) -> float:
-            seen = float(np.linalg.norm(view.flat(run.legs.axes[:, :, 0]), axis=1).min())
-            return seen - HIDING * view.hidden(run)
+            seen = float(np.linalg.norm(view.flat(route.legs.axes[:, :, 0]), axis=1).min())
+            return seen - HIDING * view.hidden(route)
 
         return max((cls.towards(azimuth) for azimuth in AZIMUTHS), key=worth)
 
-    def hidden(self, run: PipeRoute) -> int:
+    def hidden(self, route: PipeRoute) -> int:
         """How many pairs of straights that are no neighbours lie over each other in the picture."""
         share = np.linspace(0, 1, SAMPLES)[:, None]
-        line = self.flat(run.centre_line)
+        line = self.flat(route.centre_line)
         points = line[:-1, None] + share * np.diff(line, axis=0)[:, None]  # (legs, SAMPLES, 2)
         pairs = [(i, j) for j in range(len(points)) for i in range(j - 1)]
         apart = [np.linalg.norm(points[i][:, None] - points[j], axis=-1).min() for i, j in pairs]
-        return int(np.sum(np.array(apart) < 2 * (run.radius + run.wall)))
+        return int(np.sum(np.array(apart) < 2 * (route.radius + route.wall)))
 
     def flat(self, points: Floats) -> Floats:
         """Points (..., 3) in the picture, (..., 2)."""
         return np.stack([points @ self.right, points @ self.up], axis=-1)
 
 
-def draw_tube(axes: Axes, run: PipeRoute, view: View) -> Floats:
+def draw_tube(axes: Axes, route: PipeRoute, view: View) -> Floats:
     """Draw the tube and its shadow, in millimetres of the picture; returns all their points, (k, 2) [mm]."""
     from matplotlib.collections import PolyCollection
 
-    quads = wall_quads(run)  # (q, 4, 3)
+    quads = wall_quads(route)  # (q, 4, 3)
     normal = np.cross(quads[:, 1] - quads[:, 0], quads[:, 3] - quads[:, 0])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     light = view.to_viewer + view.up - 0.6 * view.right
@@ -87,7 +87,7 @@ def draw_tube(axes: Axes, run: PipeRoute, view: View) -> Floats:
     colours = np.where(outside[:, None], np.minimum(shade[:, None] * WALL_RGB, 1.0), BORE_RGB)
     order = np.argsort(quads.mean(axis=1) @ view.to_viewer)
     ground = quads.copy()
-    ground[..., 2] = quads[..., 2].min() - run.diameter
+    ground[..., 2] = quads[..., 2].min() - route.diameter
     shadow, tube = (m_to_mm(1.0) * view.flat(part) for part in (ground, quads[order]))
     axes.add_collection(PolyCollection(list(shadow), facecolors=SHADOW, edgecolors=SHADOW, linewidths=0.3, zorder=0))
     axes.add_collection(
@@ -96,11 +96,11 @@ def draw_tube(axes: Axes, run: PipeRoute, view: View) -> Floats:
     return np.concatenate([shadow, tube]).reshape(-1, 2)
 
 
-def wall_quads(run: PipeRoute) -> Floats:
+def wall_quads(route: PipeRoute) -> Floats:
     """The outer surface in small pieces, corners in order, counter-clockwise seen from outside, (q, 4, 3) [m]."""
-    lines = run.legs.lines(run.radius + run.wall, np.arange(AROUND) * 2 * math.pi / AROUND)  # (AROUND, p, 3)
+    lines = route.legs.lines(route.radius + route.wall, np.arange(AROUND) * 2 * math.pi / AROUND)  # (AROUND, p, 3)
     pieces = []
-    for start, end, length in zip(lines.swapaxes(0, 1)[:-1], lines.swapaxes(0, 1)[1:], run.straights, strict=True):
+    for start, end, length in zip(lines.swapaxes(0, 1)[:-1], lines.swapaxes(0, 1)[1:], route.straights, strict=True):
         share = np.linspace(0, 1, math.ceil(length / PIECE) + 1)[:, None, None]
         rings = start + share * (end - start)  # (pieces + 1, AROUND, 3)
         beside = np.roll(rings, -1, axis=1)

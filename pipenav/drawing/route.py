@@ -54,45 +54,45 @@ STRAIGHT = 1e-6
 """A bend, and a roll in deg, that is smaller than this is none."""
 
 
-def draw_run(run: PipeRoute, name: str, path: Path) -> None:
+def draw_route(route: PipeRoute, name: str, path: Path) -> None:
     """Draw the run into a PNG file, under a name."""
-    save_figure(run_figure(run, name), path)
+    save_figure(route_figure(route, name), path)
 
 
-def run_figure(run: PipeRoute, name: str) -> Figure:
+def route_figure(route: PipeRoute, name: str) -> Figure:
     """The drawing as a matplotlib figure."""
     from matplotlib.figure import Figure
 
     figure = Figure(facecolor="white", layout="constrained")
-    few = len(run.corners) <= LABELLED
-    axes, schedule = (figure.add_subplot(), None) if run.planar and few else figure.subplots(2, 1)
-    tall = _plan(run, axes) if run.planar else _in_space(run, axes)
+    few = len(route.corners) <= LABELLED
+    axes, schedule = (figure.add_subplot(), None) if route.planar and few else figure.subplots(2, 1)
+    tall = _plan(route, axes) if route.planar else _in_space(route, axes)
     shrink = min(1.0, TALLEST_IN / tall)
     below = 1.4
     if schedule is not None:
-        below = _schedule(run, schedule)
+        below = _schedule(route, schedule)
         schedule.get_gridspec().set_height_ratios([tall * shrink, below])
         below += 1.0
     figure.set_size_inches(max(WIDTH_IN * shrink, 6.5) + 0.6, tall * shrink + below)
-    many = f"{len(run.corners)} corners" if len(run.corners) > 1 else "one corner"
-    bore = f"⌀ {number(m_to_mm(run.diameter))} mm, wall {number(m_to_mm(run.wall))} mm"
-    length = f"{sum(run.straights):.2f} m along the centre line, lengths from corner to corner"
+    many = f"{len(route.corners)} corners" if len(route.corners) > 1 else "one corner"
+    bore = f"⌀ {number(m_to_mm(route.diameter))} mm, wall {number(m_to_mm(route.wall))} mm"
+    length = f"{sum(route.straights):.2f} m along the centre line, lengths from corner to corner"
     write_title(axes, f"{name}: {many}, {bore}", f"{length}; all lengths in mm")
-    if run.planar:
+    if route.planar:
         figure.legend(loc="outside lower center", ncols=4, fontsize=9, frameon=False, labelcolor=INK)
     return figure
 
 
-def _plan(run: PipeRoute, axes: Axes) -> float:
+def _plan(route: PipeRoute, axes: Axes) -> float:
     """The run from above; returns the height of the drawing at full width [in]."""
-    draw_walls(axes, run)
-    line = m_to_mm(1.0) * run.centre_line[:, :2]
+    draw_walls(axes, route)
+    line = m_to_mm(1.0) * route.centre_line[:, :2]
     axes.plot(*line.T, color=CENTRE, linewidth=0.9, dashes=(12, 3, 2, 3), zorder=2, label="centre line")
-    sketch = _Sketch(run, axes, line)
-    left = np.cos(run.legs.inside)[:, None] > 0
-    edges = np.where(left, run.walls.left[1:-1], run.walls.right[1:-1])[run.legs.reach > STRAIGHT]
+    sketch = _Sketch(route, axes, line)
+    left = np.cos(route.legs.inside)[:, None] > 0
+    edges = np.where(left, route.walls.left[1:-1], route.walls.right[1:-1])[route.legs.reach > STRAIGHT]
     axes.plot(*m_to_mm(1.0) * edges.T, "o", color=EDGE, markersize=4, zorder=6, label="inner edge")
-    if len(run.corners) <= LABELLED:
+    if len(route.corners) <= LABELLED:
         sketch.lengths()
         sketch.angles()
     sketch.robot()
@@ -100,13 +100,13 @@ def _plan(run: PipeRoute, axes: Axes) -> float:
     return frame_axes(axes, *sketch.frame())
 
 
-def _in_space(run: PipeRoute, axes: Axes) -> float:
+def _in_space(route: PipeRoute, axes: Axes) -> float:
     """The run in space; returns the height of the drawing at full width [in]."""
-    view = View.of(run)
-    drawn = draw_tube(axes, run, view)
-    sketch = _Sketch(run, axes, m_to_mm(1.0) * view.flat(run.centre_line))
+    view = View.of(route)
+    drawn = draw_tube(axes, route, view)
+    sketch = _Sketch(route, axes, m_to_mm(1.0) * view.flat(route.centre_line))
     sketch.drawn.append(drawn)
-    if len(run.corners) <= LABELLED:
+    if len(route.corners) <= LABELLED:
         sketch.lengths()
     sketch.robot()
     sketch.corners()
@@ -119,9 +119,9 @@ def _in_space(run: PipeRoute, axes: Axes) -> float:
 class _Sketch(Drafting):
     """Dimensions along the centre line as it lies in the picture, (corners + 2, 2) [mm]."""
 
-    def __init__(self, run: PipeRoute, axes: Axes, line: Floats) -> None:
-        self.run, self.centre = run, line
-        self.outside = m_to_mm(run.radius + run.wall)
+    def __init__(self, route: PipeRoute, axes: Axes, line: Floats) -> None:
+        self.route, self.centre = route, line
+        self.outside = m_to_mm(route.radius + route.wall)
         super().__init__(axes, np.concatenate([line - self.outside, line + self.outside]))
         steps = np.diff(line, axis=0)
         self.seen = np.linalg.norm(steps, axis=1)  # (legs,) lengths in the picture [mm]
@@ -129,10 +129,10 @@ class _Sketch(Drafting):
 
     def lengths(self) -> None:
         """Every straight's length: in the pipe where there is room, else beside it."""
-        for i, length in enumerate(self.run.straights):
+        for i, length in enumerate(self.route.straights):
             middle, along = self.centre[i : i + 2].mean(axis=0), self.along[i]
             tilt = (math.degrees(math.atan2(along[1], along[0])) + 90.0) % 180.0 - 90.0
-            within = self.run.planar and self.outside > 1.5 * self.unit
+            within = self.route.planar and self.outside > 1.5 * self.unit
             at = middle if within else self._beside(middle, along)
             self.text(at, number(m_to_mm(length)), box=FREE if within else "white", tilt=tilt)
 
@@ -151,13 +151,13 @@ class _Sketch(Drafting):
 
     def angles(self) -> None:
         """Every corner's angle and turn, outside of the corner or, where that is taken, inside."""
-        for i, corner in enumerate(self.run.corners):
+        for i, corner in enumerate(self.route.corners):
             away = self.along[i] - self.along[i + 1]
             size = float(np.linalg.norm(away))
             away = away / size if size > STRAIGHT else np.array([-self.along[i, 1], self.along[i, 0]])
             off = self.outside / math.sin(corner.angle / 2) + 3 * self.unit
-            places = [self.centre[i + 1] + off * way for way in (away, -away)]
-            at = max(places, key=lambda place: min(self._clearance(place), 3.5 * self.unit))
+            distances = [self.centre[i + 1] + off * way for way in (away, -away)]
+            at = max(distances, key=lambda place: min(self._clearance(place), 3.5 * self.unit))
             way = (at - self.centre[i + 1]) / off
             ha = "center" if abs(way[0]) < 0.4 else "left" if way[0] > 0 else "right"
             self.text(at - 1.5 * self.unit * way, _words(corner), ha=ha)
@@ -192,15 +192,15 @@ def _words(corner: Corner) -> str:
     return f"{rad_to_deg(corner.angle):g}° {corner.turn}{rolled}"
 
 
-def _schedule(run: PipeRoute, axes: Axes) -> float:
+def _schedule(route: PipeRoute, axes: Axes) -> float:
     """Every corner as a dial that shows to which side the pipe bends; returns the height of all [in]."""
     phi = np.linspace(0, 2 * math.pi, 60)
-    rows = math.ceil(len(run.corners) / PER_ROW)
+    rows = math.ceil(len(route.corners) / PER_ROW)
     axes.set(xlim=(-1.7, CELL * PER_ROW - 0.5), ylim=(-ROW * rows + 0.8, 1.3), aspect="equal")
     axes.set_axis_off()
     axes.text(-1.7, 1.05, "Corners as the robot sees them that looks ahead and never rolls", fontsize=10, color=INK)
     style: dict[str, Any] = {"ha": "center", "fontsize": 9, "color": DIMENSION}
-    for i, (corner, inside) in enumerate(zip(run.corners, run.legs.inside, strict=True)):
+    for i, (corner, inside) in enumerate(zip(route.corners, route.legs.inside, strict=True)):
         x, y = CELL * (i % PER_ROW), -ROW * (i // PER_ROW)
         axes.fill(x + DIAL * np.cos(phi), y + DIAL * np.sin(phi), facecolor=FREE, edgecolor=INK, linewidth=1)
         tip = np.array([-math.cos(inside), math.sin(inside)]) * 0.85 * DIAL  # left of the robot is left in the dial
@@ -209,7 +209,7 @@ def _schedule(run: PipeRoute, axes: Axes) -> float:
         axes.text(x - DIAL, y + DIAL, f"{i + 1}", ha="center", va="center", fontsize=10, color=INK, fontweight="bold")
         axes.text(x, y - DIAL - 0.12, _words(corner), va="top", **style)
         for at, straight in ((x - CELL / 2, i), (x + CELL / 2, i + 1)):
-            if at < x or i + 1 == len(run.corners):
+            if at < x or i + 1 == len(route.corners):
                 axes.plot([at - CELL / 2 + DIAL, at + CELL / 2 - DIAL], [y, y], color=CENTRE, linewidth=1)
-                axes.text(at, y + 0.1, number(m_to_mm(run.straights[straight])), **style)
+                axes.text(at, y + 0.1, number(m_to_mm(route.straights[straight])), **style)
     return 0.62 * (ROW * rows + 0.5)

@@ -26,7 +26,7 @@ from pipenav.units import m_to_mm, rad_to_deg
 StageResults = dict[PassageStage, StageResult]
 
 
-class EvaluationRun:
+class CheckedEvaluation:
     """An evaluation that has been checked and can begin.
 
     Args:

@@ -14,7 +14,7 @@ from pipenav.evaluation.results import Evaluation, PipeRecord
 from pipenav.experiments.runner import ExperimentPlan, resolved_agent
 from pipenav.experiments.tables import PHASES, Phase, Result
 from pipenav.learning.figures import progress_columns
-from pipenav.learning.run_folder import RunFolder
+from pipenav.learning.training_folder import TrainingFolder
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -73,7 +73,7 @@ def _curves(plan: ExperimentPlan, agent: str) -> tuple[Floats, Floats, Floats]:
 
 
 def _columns(plan: ExperimentPlan, agent: str, seed: int) -> dict[str, list[float]]:
-    file = RunFolder(plan.run_folder(agent, seed)).progress
+    file = TrainingFolder(plan.run_folder(agent, seed)).progress
     try:
         return progress_columns(file.read_text(encoding="utf-8"))
     except OSError as error:

@@ -89,13 +89,15 @@ class Training:
     threads: int
 
     def __call__(self, report: Callable[[int], None], should_stop: Callable[[], bool]) -> None:
-        from pipenav.learning.run_folder import RunFolder
         from pipenav.learning.train import train
+        from pipenav.learning.training_folder import TrainingFolder
 
         config = self.config.model_copy(update={"options": _with_threads(self.config, self.threads)})
-        resumed = RunFolder(self.folder).resume.exists()
+        resumed = TrainingFolder(self.folder).resume.exists()
         folder = (
-            RunFolder.open(self.folder)[0] if resumed else RunFolder.create(self.folder, config, "pipenav experiment")
+            TrainingFolder.open(self.folder)[0]
+            if resumed
+            else TrainingFolder.create(self.folder, config, "pipenav experiment")
         )
         outcome = train(config, folder, resumed, lambda progress: report(progress.steps), should_stop)
         if not outcome.stopped:
@@ -116,7 +118,7 @@ class Measurement:
 
     def __call__(self, report: Callable[[int], None], should_stop: Callable[[], bool]) -> None:
         from pipenav.evaluation.config import EvaluationConfig
-        from pipenav.evaluation.evaluate import EvaluationRun
+        from pipenav.evaluation.evaluate import CheckedEvaluation
         from pipenav.evaluation.report import write_evaluation
 
         def progress(_part: str, _total: int, done: int, _successes: int) -> None:
@@ -135,7 +137,7 @@ class Measurement:
             backend=self.settings.backend,
             options={"threads": self.threads} if self.settings.backend == "mujoco" else {},
         )
-        evaluation = EvaluationRun(config).run(progress)
+        evaluation = CheckedEvaluation(config).run(progress)
         write_evaluation(self.folder, evaluation)
 
 

@@ -13,7 +13,7 @@ from pipenav.export.scene_xml import COLOUR, Shape, add, mjcf, sdf, text, urdf, 
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.corner_solids import Box, Mesh, boards_mesh, tube_mesh, wall_boxes
 from pipenav.pipes.json_keys import CORNER_KEYS
-from pipenav.storage.atomic_folder import read_record, refuse_contradictions, write_record, write_whole_folder
+from pipenav.storage.atomic_folder import read_record, refuse_contradictions, write_folder, write_record
 from pipenav.units import m_to_mm, rad_to_deg
 
 SCHEMA = 1
@@ -41,7 +41,7 @@ def write_pipe_folder(pipe: PipeCorner, out_root: Path) -> Path:
         PipenavError: something that is not a pipe folder has that name.
     """
     folder = out_root / pipe.name
-    write_whole_folder(folder, "pipe folder", "pipe.json", FILES, lambda draft: _write_files(pipe, draft))
+    write_folder(folder, "pipe folder", "pipe.json", FILES, lambda draft: _write_files(pipe, draft))
     return folder
 
 

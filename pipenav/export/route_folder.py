@@ -15,8 +15,8 @@ from pipenav.export.corner_folder import write_stl
 from pipenav.export.scene_xml import COLOUR, Shape, add, mjcf, sdf, text, urdf, write_xml
 from pipenav.pipes.json_keys import ROUTE_KEYS, route_fields
 from pipenav.pipes.route import PipeRoute
-from pipenav.pipes.route_solids import PRISM_FACES, run_boards_mesh, run_tube_mesh, wall_prisms
-from pipenav.storage.atomic_folder import read_record, refuse_contradictions, write_record, write_whole_folder
+from pipenav.pipes.route_solids import PRISM_FACES, route_boards_mesh, route_tube_mesh, wall_prisms
+from pipenav.storage.atomic_folder import read_record, refuse_contradictions, write_folder, write_record
 from pipenav.units import m_to_mm, rad_to_deg
 
 SCHEMA = 1
@@ -35,12 +35,12 @@ FILES = {
 """The files of a run folder, each with one line of what it is; `boards.stl` for planar runs only."""
 
 
-def run_files(run: PipeRoute) -> dict[str, str]:
+def route_files(route: PipeRoute) -> dict[str, str]:
     """The files of this run's folder, each with one line of what it is."""
-    return {name: purpose for name, purpose in FILES.items() if run.planar or name != "boards.stl"}
+    return {name: purpose for name, purpose in FILES.items() if route.planar or name != "boards.stl"}
 
 
-def write_run_folder(run: PipeRoute, name: str, out_root: Path) -> Path:
+def write_route_folder(route: PipeRoute, name: str, out_root: Path) -> Path:
     """Write `<out_root>/<name>/`, whole or not at all, in place of an older folder of a run.
 
     Files that others put into the older folder are kept.
@@ -50,36 +50,36 @@ def write_run_folder(run: PipeRoute, name: str, out_root: Path) -> Path:
         PipenavError: something that is not a run folder has that name.
     """
     folder = out_root / name
-    write_whole_folder(folder, "run folder", "run.json", FILES, lambda draft: _write_files(run, name, draft))
+    write_folder(folder, "run folder", "run.json", FILES, lambda draft: _write_files(route, name, draft))
     return folder
 
 
-def _write_files(run: PipeRoute, name: str, folder: Path) -> None:
-    from pipenav.drawing.route import draw_run
+def _write_files(route: PipeRoute, name: str, folder: Path) -> None:
+    from pipenav.drawing.route import draw_route
 
-    prisms = wall_prisms(run)
+    prisms = wall_prisms(route)
     walls = [Shape("all", "mesh", "walls.obj")]
-    write_record(folder / "run.json", run_record(run, name))
-    if run.planar:
-        write_stl(folder / "boards.stl", run_boards_mesh(run))
-    write_stl(folder / "tube.stl", run_tube_mesh(run))
+    write_record(folder / "run.json", route_record(route, name))
+    if route.planar:
+        write_stl(folder / "boards.stl", route_boards_mesh(route))
+    write_stl(folder / "tube.stl", route_tube_mesh(route))
     (folder / "walls.obj").write_text(_obj(prisms), encoding="utf-8")
-    write_xml(folder / "pipe.xml", _mjcf(run, name, prisms))
+    write_xml(folder / "pipe.xml", _mjcf(route, name, prisms))
     write_xml(folder / "pipe.urdf", urdf(name, walls))
     write_xml(folder / "pipe.sdf", sdf(name, walls))
-    draw_run(run, name, folder / "pipe.png")
+    draw_route(route, name, folder / "pipe.png")
 
 
-def run_record(run: PipeRoute, name: str) -> dict[str, Any]:
+def route_record(route: PipeRoute, name: str) -> dict[str, Any]:
     """The content of run.json. The SI numbers count; the ones in mm and deg repeat them for people."""
     return {
         "schema": SCHEMA,
         "name": name,
-        "planar": run.planar,
-        "diameter_m": run.diameter,
-        "diameter_mm": m_to_mm(run.diameter),
-        "wall_m": run.wall,
-        "wall_mm": m_to_mm(run.wall),
+        "planar": route.planar,
+        "diameter_m": route.diameter,
+        "diameter_mm": m_to_mm(route.diameter),
+        "wall_m": route.wall,
+        "wall_mm": m_to_mm(route.wall),
         "corners": [
             {
                 "turn": corner.turn,
@@ -88,17 +88,17 @@ def run_record(run: PipeRoute, name: str) -> dict[str, Any]:
                 "roll_rad": corner.roll,
                 "roll_deg": rad_to_deg(corner.roll),
             }
-            for corner in run.corners
+            for corner in route.corners
         ],
-        "straights_m": list(run.straights),
-        "straights_mm": [m_to_mm(straight) for straight in run.straights],
-        "centre_line_m": run.centre_line.tolist(),
-        "rotations": run.frames.rotation.tolist(),
-        "wall_segments_m": run.segments.tolist() if run.planar else None,
+        "straights_m": list(route.straights),
+        "straights_mm": [m_to_mm(straight) for straight in route.straights],
+        "centre_line_m": route.centre_line.tolist(),
+        "rotations": route.frames.rotation.tolist(),
+        "wall_segments_m": route.segments.tolist() if route.planar else None,
     }
 
 
-def read_run_folder(path: Path) -> PipeRoute:
+def read_route_folder(path: Path) -> PipeRoute:
     """The run of a run folder, or of its run.json, exactly as it was written.
 
     Raises:
@@ -109,16 +109,16 @@ def read_run_folder(path: Path) -> PipeRoute:
     file = path / "run.json" if path.is_dir() else path
     record = read_record(file, "run file", SCHEMA, list(ROUTE_KEYS.values()))
     try:
-        run = PipeRoute.model_validate(route_fields(record))
+        route = PipeRoute.model_validate(route_fields(record))
     except ValidationError as error:
         raise ConfigError.from_validation(str(file), error) from error
-    refuse_contradictions(file, record, run_record(run, str(record.get("name"))))
-    return run
+    refuse_contradictions(file, record, route_record(route, str(record.get("name"))))
+    return route
 
 
-def _mjcf(run: PipeRoute, name: str, prisms: Floats) -> ET.Element:
+def _mjcf(route: PipeRoute, name: str, prisms: Floats) -> ET.Element:
     """A static MuJoCo model: one convex mesh per prism, and a camera that sees the whole run from above."""
-    low, high = run.centre_line.min(axis=0), run.centre_line.max(axis=0)
+    low, high = route.centre_line.min(axis=0), route.centre_line.max(axis=0)
     x, y, _ = (low + high) / 2
     root, body = mjcf(name, (float(x), float(y), float(high[2] + 1.4 * max(high - low))))
     assets = add(root, "asset")

@@ -18,7 +18,7 @@ from pipenav.evaluation.passage import run_task
 from pipenav.learning import checkpoint
 from pipenav.learning.config import TrainConfig
 from pipenav.learning.figures import write_training_plot
-from pipenav.learning.run_folder import RunFolder
+from pipenav.learning.training_folder import TrainingFolder
 from pipenav.policies.header import PolicyHeader, header_for
 from pipenav.policies.named import PolicyController
 from pipenav.policies.policy import load_policy, save_policy
@@ -71,7 +71,7 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
     def __init__(
         self,
         config: TrainConfig,
-        folder: RunFolder,
+        folder: TrainingFolder,
         state: checkpoint.State,
         report: Callable[[Progress], None] | None,
         should_stop: Callable[[], bool],

@@ -17,8 +17,8 @@ from pipenav.envs.sb3_env import TaskVecEnv
 from pipenav.learning import checkpoint
 from pipenav.learning.callback import Progress, TrainingCallback
 from pipenav.learning.config import TrainConfig
-from pipenav.learning.run_folder import RunFolder
 from pipenav.learning.schedule import LearningRate
+from pipenav.learning.training_folder import TrainingFolder
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.registry import task_of
 from pipenav.tasks.sampling import random_episodes
@@ -38,7 +38,7 @@ class TrainingSummary(NamedTuple):
 
 def train(
     config: TrainConfig,
-    folder: RunFolder,
+    folder: TrainingFolder,
     resumed: bool = False,
     report: Callable[[Progress], None] | None = None,
     should_stop: Callable[[], bool] = lambda: False,
@@ -74,7 +74,7 @@ def train(
         model = new_model(config, env)
         state = checkpoint.load_state(folder.resume, model) if resumed else checkpoint.State(0, 0.0, -1.0)
         if start is not None:
-            checkpoint.load_weights(RunFolder.open(start)[0].resume, model)
+            checkpoint.load_weights(TrainingFolder.open(start)[0].resume, model)
         if resumed:  # other episodes than those that the run has had already
             rng.bit_generator.state = np.random.default_rng([config.seed, state.steps]).bit_generator.state
         model.set_logger(configure(str(folder.path), ["tensorboard"]))

@@ -193,7 +193,7 @@ class PipeRoute(Pipe):
         return _frames(self)
 
     @property
-    def places(self) -> Floats:
+    def distances(self) -> Floats:
         """Where along the centre line open ends and corners are, (corners + 2,) [m]; 0 is the first corner."""
         return np.concatenate([[-self.straights[0], 0.0], np.cumsum(self.straights[1:])])
 
@@ -280,9 +280,9 @@ class PipeRoute(Pipe):
 
 # Kept beside the runs and not in them, as for pipes.
 @lru_cache(maxsize=4096)
-def _legs(run: PipeRoute) -> Legs:
-    angles = np.array([corner.angle for corner in run.corners])
-    return make_legs(angles, _inside(run.corners), np.array(run.straights))
+def _legs(route: PipeRoute) -> Legs:
+    angles = np.array([corner.angle for corner in route.corners])
+    return make_legs(angles, _inside(route.corners), np.array(route.straights))
 
 
 @lru_cache(maxsize=1024)
@@ -292,22 +292,24 @@ def _with_straights(route: PipeRoute, straights: tuple[float, ...]) -> PipeRoute
 
 
 @lru_cache(maxsize=4096)
-def _frames(run: PipeRoute) -> Frames:
-    rolls = np.cumsum([0.0, *(corner.roll for corner in run.corners)])
-    return Frames(run.legs.start, frozen(run.legs.axes @ np.stack([about_x(roll) for roll in rolls])))
+def _frames(route: PipeRoute) -> Frames:
+    rolls = np.cumsum([0.0, *(corner.roll for corner in route.corners)])
+    return Frames(route.legs.start, frozen(route.legs.axes @ np.stack([about_x(roll) for roll in rolls])))
 
 
 @lru_cache(maxsize=4096)
-def _walls(run: PipeRoute) -> Sides:
-    if not run.planar:
-        raise PipenavError(f"{run.name} leaves the plane, so it has no walls in the plane: choose a run without rolls.")
-    left, right = run.legs.lines(run.radius, np.array([0.0, math.pi]))[..., :2]
+def _walls(route: PipeRoute) -> Sides:
+    if not route.planar:
+        raise PipenavError(
+            f"{route.name} leaves the plane, so it has no walls in the plane: choose a run without rolls."
+        )
+    left, right = route.legs.lines(route.radius, np.array([0.0, math.pi]))[..., :2]
     return Sides(frozen(left), frozen(right))
 
 
 @lru_cache(maxsize=4096)
-def _segments(run: PipeRoute) -> Floats:
-    walls = [run.walls.right, run.walls.left[::-1]]
+def _segments(route: PipeRoute) -> Floats:
+    walls = [route.walls.right, route.walls.left[::-1]]
     return frozen(np.concatenate([np.stack([line[:-1], line[1:]], axis=1) for line in walls]))
 
 

@@ -20,7 +20,7 @@ from pipenav.units import m_to_mm
 
 T = TypeVar("T")
 
-MAX_RUNS = 1000
+MAX_ROUTES = 1000
 MAX_DRAWS = 1000
 """How often a run is drawn anew because it crosses itself, until the set is refused."""
 
@@ -36,7 +36,7 @@ class CornerEntry(BaseModel):
     straight_mm: float | None = None
 
 
-class RunFile(BaseModel):
+class RouteFile(BaseModel):
     """A run as TOML."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -48,21 +48,21 @@ class RunFile(BaseModel):
     first_straight_mm: float | None = None
     corners: list[CornerEntry] = Field(min_length=1, max_length=MAX_CORNERS)
 
-    def run(self) -> PipeRoute:
+    def route(self) -> PipeRoute:
         """Raises PipenavError where `PipeRoute.of` does."""
         corners = [(corner.angle_deg, corner.turn, corner.roll_deg) for corner in self.corners]
         straights = [self.first_straight_mm, *(corner.straight_mm for corner in self.corners)]
         return PipeRoute.of(self.diameter_mm, corners, straights, self.wall_mm)
 
 
-class RunSetFile(BaseModel):
+class RouteSetFile(BaseModel):
     """A set of runs as TOML: a rule by which they are drawn, always the same ones."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     schema_: Literal[1] = Field(alias="schema")
     description: str
-    runs: int = Field(ge=1, le=MAX_RUNS)
+    routes: int = Field(alias="runs", ge=1, le=MAX_ROUTES)
     seed: int
     corners: int = Field(ge=1, le=MAX_CORNERS)
     diameters_mm: Values
@@ -80,7 +80,7 @@ class RunSetFile(BaseModel):
         """
         draw = random.Random(self.seed).random  # the one stream that Python promises never to change
         diameters = values_of(self.diameters_mm)
-        return [self._draw_one(diameters[i % len(diameters)], draw) for i in range(self.runs)]
+        return [self._draw_one(diameters[i % len(diameters)], draw) for i in range(self.routes)]
 
     def _draw_one(self, diameter_mm: float, draw: Callable[[], float]) -> PipeRoute:
         def one_of(values: Sequence[T]) -> T:
@@ -99,12 +99,12 @@ class RunSetFile(BaseModel):
         )
 
 
-def run_set_names() -> list[str]:
+def route_set_names() -> list[str]:
     """The shipped sets of runs."""
     return sorted(path.stem for path in _folder().glob("*.toml"))
 
 
-def parse_runs(given: Sequence[str]) -> list[PipeRoute]:
+def parse_routes(given: Sequence[str]) -> list[PipeRoute]:
     """All runs of the given sets, in order, each once; a corner counts as a run of one.
 
     Args:
@@ -119,27 +119,27 @@ def parse_runs(given: Sequence[str]) -> list[PipeRoute]:
 
 
 def parse_any(given: Sequence[str]) -> list[Pipe]:
-    """As `parse_runs`, but a corner stays a pipe."""
+    """As `parse_routes`, but a corner stays a pipe."""
     return list(dict.fromkeys(pipe for text in given for pipe in _parse_one(text)))
 
 
-def parse_run(text: str) -> tuple[str, PipeRoute]:
+def parse_route(text: str) -> tuple[str, PipeRoute]:
     """One run and a name for it: that of its TOML file, or `runs-level-3` for the third run of that shipped set.
 
     Raises:
         PipenavError: something that is neither, or a run that is not possible.
     """
     name, colon, number = text.partition(":")
-    if name in run_set_names():
+    if name in route_set_names():
         if not colon:
             raise PipenavError(f"{text} is a set of runs: choose one of them by its number, as in {text}:1.")
-        return f"{name}-{number}", parse_runs([text])[0]
+        return f"{name}-{number}", parse_routes([text])[0]
     if not text.endswith(".toml"):
-        raise UnknownName("run", text, [*(f"{known}:1" for known in run_set_names()), "FILE.toml"])
-    return Path(text).stem, read_run(Path(text))
+        raise UnknownName("run", text, [*(f"{known}:1" for known in route_set_names()), "FILE.toml"])
+    return Path(text).stem, read_route(Path(text))
 
 
-def read_run(path: Path) -> PipeRoute:
+def read_route(path: Path) -> PipeRoute:
     """The run of a TOML file, corner by corner.
 
     Raises:
@@ -148,25 +148,25 @@ def read_run(path: Path) -> PipeRoute:
     """
     if not isinstance(read_toml(path).get("corners"), list):
         raise ConfigError(f"{path} is not one run: that is a file with a [[corners]] table for each corner.")
-    file = read_as(RunFile, path, CornerEntry)
+    file = read_as(RouteFile, path, CornerEntry)
     try:
-        return file.run()
+        return file.route()
     except PipenavError as error:
         raise ConfigError(f"{path}: {error}") from error
 
 
 def _parse_one(text: str) -> Sequence[Pipe]:
     name, colon, number = text.partition(":")
-    if name in run_set_names():
-        runs = _read_set(_folder() / f"{name}.toml")
-        return [runs[_index(text, number, len(runs))]] if colon else runs
+    if name in route_set_names():
+        routes = _read_set(_folder() / f"{name}.toml")
+        return [routes[_index(text, number, len(routes))]] if colon else routes
     if text.endswith(".toml"):
         table = read_toml(Path(text))
         if "corners" in table:
-            return _read_set(Path(text)) if "runs" in table else [read_run(Path(text))]
+            return _read_set(Path(text)) if "runs" in table else [read_route(Path(text))]
     elif "=" not in text and text not in pipe_set_names():
         raise UnknownName(
-            "set of pipes or runs", text, [*run_set_names(), *pipe_set_names(), "FILE.toml", "d=90,angle=60"]
+            "set of pipes or runs", text, [*route_set_names(), *pipe_set_names(), "FILE.toml", "d=90,angle=60"]
         )
     return parse_pipes([text])
 
@@ -178,7 +178,7 @@ def _index(text: str, number: str, count: int) -> int:
 
 
 def _read_set(path: Path) -> list[PipeRoute]:
-    file = read_as(RunSetFile, path)
+    file = read_as(RouteSetFile, path)
     try:
         return file.draw()
     except PipenavError as error:

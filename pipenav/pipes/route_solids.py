@@ -28,7 +28,7 @@ PRISM_FACES: Faces = np.array(
 """Triangles of a prism of `wall_prisms`, counter-clockwise seen from outside, (12, 3)."""
 
 
-def wall_prisms(run: PipeRoute, facets: int = FACETS, thickness: float | None = None) -> Floats:
+def wall_prisms(route: PipeRoute, facets: int = FACETS, thickness: float | None = None) -> Floats:
     """The wall as convex prisms, (legs, facets, 8, 3) [m] in the run's frame.
 
     Each lies behind one side of the polygon, from mitre to mitre or to an open end. Its corners: on the bore and
@@ -36,39 +36,41 @@ def wall_prisms(run: PipeRoute, facets: int = FACETS, thickness: float | None = 
     mitre too; so they leave no gap, and none reaches into the bore of another leg.
 
     Args:
-        run: the run.
+        route: the run.
         facets: sides of the polygon.
         thickness: of the wall [m], by default the run's own.
 
     Raises:
         PipenavError: a wall so thick that those of the legs before and after a short one would meet.
     """
-    thickness = run.wall if thickness is None else thickness
+    thickness = route.wall if thickness is None else thickness
     edges = (np.arange(facets) - 0.5) * 2 * math.pi / facets
     to_corner = 1 / math.cos(math.pi / facets)
-    near, far = (run.legs.lines(r * to_corner, edges) for r in (run.radius, run.radius + thickness))  # (facets, p, 3)
-    if (np.sum(np.diff(far, axis=1) * run.legs.axes[:, :, 0], axis=-1) <= 0).any():
+    near, far = (
+        route.legs.lines(r * to_corner, edges) for r in (route.radius, route.radius + thickness)
+    )  # (facets, p, 3)
+    if (np.sum(np.diff(far, axis=1) * route.legs.axes[:, :, 0], axis=-1) <= 0).any():
         raise PipenavError(
-            f"walls of {m_to_mm(thickness):g} mm do not fit behind the short straights of {run.name}: "
+            f"walls of {m_to_mm(thickness):g} mm do not fit behind the short straights of {route.name}: "
             "choose thinner ones."
         )
     ring = np.stack([near, np.roll(near, -1, axis=0), np.roll(far, -1, axis=0), far], axis=2)  # (facets, p, 4, 3)
     return np.concatenate([ring[:, :-1], ring[:, 1:]], axis=2).swapaxes(0, 1)
 
 
-def run_tube_mesh(run: PipeRoute) -> Mesh:
+def route_tube_mesh(route: PipeRoute) -> Mesh:
     """The hollow tube."""
-    outside = run.radius + run.wall
-    inner, outer = (run.legs.lines(r, round_angles(outside)) for r in (run.radius, outside))
+    outside = route.radius + route.wall
+    inner, outer = (route.legs.lines(r, round_angles(outside)) for r in (route.radius, outside))
     return tube_between(inner, outer)
 
 
-def run_boards_mesh(run: PipeRoute) -> Mesh:
+def route_boards_mesh(route: PipeRoute) -> Mesh:
     """The two boards of a planar run: its left and its right wall, as high as the diameter.
 
     Raises:
         PipenavError: the run leaves the plane.
     """
-    left, right = run.walls
-    behind_left, behind_right = run.legs.lines(run.radius + run.wall, np.array([0.0, math.pi]))[..., :2]
-    return boards_between([(left, behind_left), (behind_right, right)], run.radius)
+    left, right = route.walls
+    behind_left, behind_right = route.legs.lines(route.radius + route.wall, np.array([0.0, math.pi]))[..., :2]
+    return boards_between([(left, behind_left), (behind_right, right)], route.radius)

@@ -38,7 +38,7 @@ class RandomController:
         self._rng = np.random.default_rng(seed)
 
     def act(self, observation: Floats) -> Floats:
-        return self._rng.uniform(-1.0, 1.0, (len(observation), len(self.robot.drives)))
+        return self._rng.uniform(-1.0, 1.0, (len(observation), len(self.robot.driven_actuators)))
 
 
 def open_controller(text: str, robot_name: str | None = None, seed: int = 0) -> AnyController:

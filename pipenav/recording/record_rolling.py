@@ -28,7 +28,7 @@ class SpaceRecording:
     """A motion in space, one row per control step, the start first. Its arrays must not be written to.
 
     Attributes:
-        run: where, its ends long enough for the robot.
+        route: where, its ends long enough for the robot.
         robot: what moved.
         controller: name of what acted.
         backend: on what.
@@ -39,7 +39,7 @@ class SpaceRecording:
         doing: who drives, a `Mode` each, as words.
     """
 
-    run: PipeRoute
+    route: PipeRoute
     robot: RobotSpec
     controller: str
     backend: str
@@ -60,7 +60,7 @@ class SpaceRecording:
 
 
 def record_in_space(
-    controller: AnyController, name: str, run: PipeRoute, seed: int, episode: int, simulator: RecordingSettings
+    controller: AnyController, name: str, route: PipeRoute, seed: int, episode: int, simulator: RecordingSettings
 ) -> SpaceRecording:
     """The episode that an evaluation with this seed runs as its number `episode` in this run: as `record_task`.
 
@@ -72,7 +72,7 @@ def record_in_space(
     if simulator.watch is not None:
         raise PipenavError("--live shows robots in a plane: give --out a name ending in .gif or .mp4 for a film.")
     assert isinstance(task, TraverseConfig)  # no other task takes such runs
-    one = random_start(robot, task, [run], episode + 1, seed)(episode)
+    one = random_start(robot, task, [route], episode + 1, seed)(episode)
     world = open_space(simulator.backend, robot, 1, simulator.options, gravity_of(task))
     batch = RollingBatch(robot, task, world, 1, lambda _: one)
     outcome = Outcome.RUNNING

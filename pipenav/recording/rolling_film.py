@@ -55,7 +55,7 @@ def draw_in_space(path: Path, recording: SpaceRecording, progress: Progress) -> 
         PipenavError: MP4 without ffmpeg.
         FileProblem: the file cannot be written.
     """
-    view = View.of(recording.run)
+    view = View.of(recording.route)
     if path.suffix.lower() == ".png":
         picture = io.BytesIO()
         _strip(recording, view, progress).savefig(picture, format="png", dpi=DPI)
@@ -150,7 +150,7 @@ def _overview(axes: Axes, recording: SpaceRecording, view: View, row: int, marke
     axes.set_axis_off()
     outcome = f"{recording.outcome} after {recording.time[-1]:.1f} s"
     colour = SUCCEEDED if recording.succeeded else FAILED
-    axes.set_title(recording.run.label.replace(", ", "  ·  "), loc="left", fontsize=8, color=INK)
+    axes.set_title(recording.route.label.replace(", ", "  ·  "), loc="left", fontsize=8, color=INK)
     axes.text(
         0.0, 0.0, f"{recording.controller} · {recording.backend}: {outcome}", transform=axes.transAxes, color=colour
     )
@@ -184,7 +184,7 @@ def _pipe(axes: Axes, recording: SpaceRecording, view: View, around: Floats | No
     """The far half of the wall, seen from inside, near a point or all of it."""
     from matplotlib.collections import PolyCollection
 
-    pieces = wall_quads(recording.run)
+    pieces = wall_quads(recording.route)
     if around is not None:
         pieces = pieces[np.linalg.norm(pieces.mean(axis=1) - around, axis=1) < 2 * REACH]
     normal = np.cross(pieces[:, 1] - pieces[:, 0], pieces[:, 3] - pieces[:, 0])

@@ -89,7 +89,7 @@ class RobotSpec(Table):
         return self.joints + self.wheels
 
     @property
-    def drives(self) -> tuple[Actuator, ...]:
+    def driven_actuators(self) -> tuple[Actuator, ...]:
         """The actuator of all that is commanded, in order."""
         return tuple(self.actuators[one.actuator] for one in self.driven)
 
@@ -135,8 +135,8 @@ class RobotSpec(Table):
 
     @cached_property
     def effort_limits(self) -> Floats:
-        """Stall effort of all that is driven, (drives,) [N m or N]."""
-        return constant([actuator.effort_limit for actuator in self.drives])
+        """Stall effort of all that is driven, (actuators,) [N m or N]."""
+        return constant([actuator.effort_limit for actuator in self.driven_actuators])
 
     @cached_property
     def mirror_signs(self) -> Floats:
@@ -150,7 +150,7 @@ class RobotSpec(Table):
 
     @cached_property
     def mirror_drives(self) -> Floats:
-        """What it does to commands: as to the joints; a wheel's rolling side is the other one, -1, (drives,)."""
+        """What it does to commands: as to the joints; a wheel's rolling side is the other one, -1, (actuators,)."""
         return constant([*self.mirror_signs, *[-1.0] * len(self.wheels)])
 
 

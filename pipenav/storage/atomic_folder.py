@@ -13,9 +13,7 @@ from typing import Any
 from pipenav.errors import ConfigError, FileProblem, PipenavError
 
 
-def write_whole_folder(
-    folder: Path, kind: str, record: str, files: Collection[str], write: Callable[[Path], None]
-) -> None:
+def write_folder(folder: Path, kind: str, record: str, files: Collection[str], write: Callable[[Path], None]) -> None:
     """Write a folder, whole or not at all, in place of an older one of its kind.
 
     Files that others put into the older folder are kept.

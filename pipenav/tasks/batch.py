@@ -58,7 +58,7 @@ class TaskBatch(ABC):
     @property
     def action_size(self) -> int:
         """Values of one robot's action."""
-        return len(self.robot.drives)
+        return len(self.robot.driven_actuators)
 
     @property
     @abstractmethod

@@ -42,10 +42,10 @@ class Bench:
 
     def commands(self, steps: int, control: Control = "torque", seed: int = 0) -> list[Command]:
         """Random commands: drives, or set-points within the middle half of what joints travel and wheels turn."""
-        values = np.random.default_rng(seed).uniform(-1.0, 1.0, (steps, self.n, len(self.robot.drives)))
+        values = np.random.default_rng(seed).uniform(-1.0, 1.0, (steps, self.n, len(self.robot.driven_actuators)))
         if control == "position":
             travel = np.minimum(-self.robot.lower, self.robot.upper)
-            wheels = [actuator.speed_limit for actuator in self.robot.drives[len(travel) :]]
+            wheels = [actuator.speed_limit for actuator in self.robot.driven_actuators[len(travel) :]]
             values *= 0.5 * np.concatenate([travel, wheels])
         return [Command(control, v) for v in values]
 

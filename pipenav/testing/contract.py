@@ -55,7 +55,7 @@ def check_readings_finite_and_shaped(bench: Bench) -> None:
     n, joints, lidar = bench.n, len(bench.robot.joints), bench.robot.laser
     signed = {"q", "qd", "tip", "link_forces", "wheel_speeds", "loads"}
     shapes = {"q": (n, joints), "qd": (n, joints), "ranges": (n, lidar.beams), "time": (n,), "tip": (n, 3)}
-    shapes |= {"link_forces": (n, len(bench.robot.links), 2), "loads": (n, len(bench.robot.drives))}
+    shapes |= {"link_forces": (n, len(bench.robot.links), 2), "loads": (n, len(bench.robot.driven_actuators))}
     shapes["wheel_speeds"] = (n, len(bench.robot.wheels))
     with bench.open() as subject:
         subject.reset(*starts(bench))
@@ -90,7 +90,7 @@ def check_contact_force_is_the_largest_of_the_links(bench: Bench) -> None:
     with bench.open() as subject:
         subject.reset(*starts(bench))
         for _ in range(15):
-            subject.step(Command("torque", np.ones((bench.n, len(bench.robot.drives)))))
+            subject.step(Command("torque", np.ones((bench.n, len(bench.robot.driven_actuators)))))
             if not isinstance(subject, Simulator):
                 return
             truth = subject.truth()
@@ -186,7 +186,7 @@ def check_limits_respected(bench: Bench) -> None:
         for direction in (-1.0, 1.0):
             subject.reset(*starts(bench))
             for _ in range(40):
-                subject.step(Command("torque", np.full((bench.n, len(robot.drives)), direction)))
+                subject.step(Command("torque", np.full((bench.n, len(robot.driven_actuators)), direction)))
                 q, qd = subject.read()[:2]
                 inside = (q >= robot.lower - slack) & (q <= robot.upper + slack)
                 _require(bool(inside.all()), f"joints pass their limits: {q}")
@@ -196,17 +196,17 @@ def check_limits_respected(bench: Bench) -> None:
 
 def check_commands_move_the_right_way(bench: Bench) -> None:
     """A positive drive increases its joint's position; a set-point in free space is reached."""
-    joints, drives = len(bench.robot.joints), len(bench.robot.drives)
+    joints, actuators = len(bench.robot.joints), len(bench.robot.driven_actuators)
     with bench.open() as subject:
         for joint in range(joints):
             subject.reset(*starts(bench))
             before = subject.read().q
-            subject.step(Command("torque", np.tile(0.3 * np.eye(drives)[joint], (bench.n, 1))))
+            subject.step(Command("torque", np.tile(0.3 * np.eye(actuators)[joint], (bench.n, 1))))
             moved = subject.read().q[:, joint] - before[:, joint]
             _require(bool((moved > 0).all()), f"a positive drive moves joint {joint} by {moved}")
         subject.reset(*starts(bench))
         set_points = starts(bench, seed=2).q[:, -joints:]
-        standing = np.zeros((bench.n, drives - joints))  # the wheels'
+        standing = np.zeros((bench.n, actuators - joints))  # the wheels'
         for _ in range(20):
             subject.step(Command("position", np.concatenate([set_points, standing], axis=1)))
         np.testing.assert_allclose(subject.read().q, set_points, atol=2e-3, err_msg="set-points are not reached")

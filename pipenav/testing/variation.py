@@ -131,8 +131,8 @@ VARIATION_LAWS: list[Callable[[Bench], None]] = [
 
 def factors(bench: Bench, **given: float) -> Variation:
     """The same factors for all drives and robots; 1 where none is given."""
-    n, drives = bench.n, len(bench.robot.drives)
-    shapes = {"friction": (n,), "mass": (n, len(bench.robot.links)), "strength": (n, drives), "gain": (n, drives)}
+    n, actuators = bench.n, len(bench.robot.driven_actuators)
+    shapes = {"friction": (n,), "mass": (n, len(bench.robot.links)), "strength": (n, actuators), "gain": (n, actuators)}
     return Variation(**{name: np.full(shape, given.get(name, 1.0)) for name, shape in shapes.items()})
 
 

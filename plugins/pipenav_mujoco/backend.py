@@ -57,7 +57,7 @@ class MujocoBackend(backend.Simulator):
         self._base = np.zeros(n)
         self._control: Control | None = None
         self._pose: kinematics.ChainPose | None = None
-        self._stiffness = np.tile([actuator.controller_gain for actuator in robot.drives], (n, 1))
+        self._stiffness = np.tile([actuator.controller_gain for actuator in robot.driven_actuators], (n, 1))
         self._effort = np.tile(robot.effort_limits, (n, 1))
         self._bind(n)
 
@@ -78,7 +78,7 @@ class MujocoBackend(backend.Simulator):
         base = [model.joint(f"base_{name}").qposadr[0] for name in BASE if robot.free]
         self._joints, self._configured = np.array(joints, int), np.array(base + joints, int)
         self._wheels = np.array([model.joint(wheel.name).qposadr[0] for wheel in robot.wheels], int)
-        self._asked, self._loads = batch.bind("actuator_force"), np.zeros((n, len(robot.drives)))
+        self._asked, self._loads = batch.bind("actuator_force"), np.zeros((n, len(robot.driven_actuators)))
         self._ctrl, self._warm = batch.bind("ctrl"), batch.bind("qacc_warmstart")
         self._wall_position, self._wall_quaternion = batch.bind("mocap_pos"), batch.bind("mocap_quat")
         first = model.geom("wall0").id
@@ -152,7 +152,7 @@ class MujocoBackend(backend.Simulator):
         batch.expand("geom_friction")[indices, :, 0] = model.geom_friction[:, 0] * variation.friction[:, None]
         self._derive_constants(indices)
         self._effort[indices] = self._robot.effort_limits * variation.strength
-        stiffness = [actuator.controller_gain for actuator in self._robot.drives]
+        stiffness = [actuator.controller_gain for actuator in self._robot.driven_actuators]
         self._stiffness[indices] = stiffness * variation.strength * variation.gain
         batch.expand("actuator_forcerange")[indices] = np.stack(
             [-self._effort[indices], self._effort[indices]], axis=-1

@@ -83,7 +83,7 @@ def _add_robot(spec: Any, robot: RobotSpec, contact: Contact) -> None:
         if link.wheel is not None:
             _add_wheel(body, link.wheel, robot.actuators[link.wheel.actuator], contact)
         parent, offset = body, link.length
-    for driven, actuator in zip(robot.driven, robot.drives, strict=True):
+    for driven, actuator in zip(robot.driven, robot.driven_actuators, strict=True):
         _add_actuator(spec, driven.name, actuator)
     parent.add_site(name="tip", pos=[robot.links[-1].length, 0, 0])
 

@@ -50,13 +50,13 @@ class MujocoSpace(SpaceBackend):
         self._compiled = lru_cache(maxsize=max(64, n))(self._compile)
         self._windows = Windows(settings.substeps, settings.timestep)
 
-    def _compile(self, run: PipeRoute) -> Any:
+    def _compile(self, route: PipeRoute) -> Any:
         settings = self._settings
-        return space_spec(self._robot, run, settings.timestep, settings.contact, settings.gravity).compile()
+        return space_spec(self._robot, route, settings.timestep, settings.contact, settings.gravity).compile()
 
-    def reset(self, indices: Ints, runs: Sequence[PipeRoute], q: Floats, base: Floats, plane: Floats) -> SpaceReading:
-        for robot, run, *start in zip(indices, runs, q, base, plane, strict=True):
-            world = _World(self._robot, self._compiled(run), self._settings, self._windows)
+    def reset(self, indices: Ints, routes: Sequence[PipeRoute], q: Floats, base: Floats, plane: Floats) -> SpaceReading:
+        for robot, route, *start in zip(indices, routes, q, base, plane, strict=True):
+            world = _World(self._robot, self._compiled(route), self._settings, self._windows)
             world.put(*start)
             self._worlds[robot] = world
         return _readings([world for robot in indices if (world := self._worlds[robot])])
@@ -101,7 +101,7 @@ class _World:
         self._record = np.zeros((settings.substeps, model.nsensordata))
         self._turned = np.zeros((HALVES, 3))
         self._ranges = np.zeros(robot.laser.beams)
-        self._loads = np.zeros(len(robot.drives))
+        self._loads = np.zeros(len(robot.driven_actuators))
         self._forces, self._depth, self._share = np.zeros((len(links), 3)), 0.0, 0.0
 
     def put(self, q: Floats, base: float, plane: float) -> None:

@@ -32,7 +32,7 @@ FRONT = "_front"
 """What is added to the divided link's name for its front half."""
 
 
-def space_spec(robot: RobotSpec, run: PipeRoute, timestep: float, contact: Contact, gravity: float) -> Any:
+def space_spec(robot: RobotSpec, route: PipeRoute, timestep: float, contact: Contact, gravity: float) -> Any:
     """An MjSpec of the robot in the run; gravity [m/s^2] pulls along -z."""
     assert robot.roll is not None
     spec = new_spec(robot, timestep)
@@ -40,7 +40,7 @@ def space_spec(robot: RobotSpec, run: PipeRoute, timestep: float, contact: Conta
         mujoco.mjtDisableBit.mjDSBL_MIDPHASE
     )  # one body, the world, has all the walls' geoms
     spec.option.gravity = [0.0, 0.0, -gravity]
-    _add_walls(spec, robot, run, contact)
+    _add_walls(spec, robot, route, contact)
     parent, offset = spec.worldbody, 0.0
     for link in robot.links:
         body = parent.add_body(name=link.name, pos=[offset, 0, 0])
@@ -49,13 +49,15 @@ def space_spec(robot: RobotSpec, run: PipeRoute, timestep: float, contact: Conta
         else:
             add_driven_joint(body, link.joint, robot.actuators[link.joint.actuator])
         if link.wheel is not None:
-            _add_wheel(body, link.wheel, robot, run.radius, contact)
+            _add_wheel(body, link.wheel, robot, route.radius, contact)
         if link.name == robot.roll.link:
             parent, offset = _add_halves(body, link, robot.roll, robot, contact)
         else:
             _add_boxes(body, link, robot, contact, 0.0, link.length, 0.0)
             parent, offset = body, link.length
-    for driven, actuator in zip((*robot.driven, robot.roll.joint), (*robot.drives, roll_actuator(robot)), strict=True):
+    for driven, actuator in zip(
+        (*robot.driven, robot.roll.joint), (*robot.driven_actuators, roll_actuator(robot)), strict=True
+    ):
         add_servo(spec, driven, actuator)
     parent.add_site(name="tip", pos=[offset, 0, 0])
     _add_gyroscopes(spec, [robot.roll.link, robot.roll.link + FRONT])
@@ -75,8 +77,8 @@ def roll_actuator(robot: RobotSpec) -> Any:
     return robot.actuators[robot.roll.joint.actuator]
 
 
-def _add_walls(spec: Any, robot: RobotSpec, run: PipeRoute, contact: Contact) -> None:
-    prisms = wall_prisms(run, thickness=OUTER_THICKNESS)
+def _add_walls(spec: Any, robot: RobotSpec, route: PipeRoute, contact: Contact) -> None:
+    prisms = wall_prisms(route, thickness=OUTER_THICKNESS)
     for leg, side in np.ndindex(prisms.shape[:2]):
         name = f"wall{leg}_{side}"
         spec.add_mesh(name=name, uservert=prisms[leg, side].ravel())

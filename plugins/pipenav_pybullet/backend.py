@@ -52,7 +52,7 @@ class PybulletBackend(backend.Simulator):
         self._windows = Windows(substeps, options.timestep)
         self._crew = Crew(robot, n, setting, options.processes)
         self._configuration = np.zeros((n, robot.coordinates))
-        self._speeds, self._loads = np.zeros((2, n, len(robot.drives)))
+        self._speeds, self._loads = np.zeros((2, n, len(robot.driven_actuators)))
         self._distances = np.full((n, robot.laser.beams), np.inf)
         self._base, self._time = np.zeros(n), np.zeros(n)
         self._depth, self._contact_share = np.zeros(n), np.zeros(n)

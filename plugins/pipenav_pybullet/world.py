@@ -70,8 +70,8 @@ class Motion(NamedTuple):
 
     Attributes:
         configuration: (k, coordinates) [rad or m].
-        speeds: of joints and wheels, (k, drives) [rad/s or m/s].
-        loads: drives that the on-board controllers asked for last, as shares of the effort limit, (k, drives).
+        speeds: of joints and wheels, (k, actuators) [rad/s or m/s].
+        loads: drives that the on-board controllers asked for last, as shares of the effort limit, (k, actuators).
         distances: along the beams to the nearest wall, inf where there is none, (k, beams) [m].
         forces: net force of the walls on each link in each physics step, in the plane, (k, substeps, links, 2) [N].
         depth: deepest overlap of the period, (k,) [m].
@@ -115,11 +115,11 @@ class World:
         self._storey = {arm: i for i, arm in enumerate(self._arms)}
         self._around: list[list[int]] = [[] for _ in range(k)]
         self._shapes: dict[Pipe, tuple[int, int]] = {}
-        efforts = [(a.effort_limit, a.controller_gain) for a in robot.drives]
+        efforts = [(a.effort_limit, a.controller_gain) for a in robot.driven_actuators]
         self._motors = np.array(efforts).T[:, None]  # (2, 1, drives)
         self._effort, self._stiffness = np.repeat(self._motors, k, axis=1)
-        self._damping = np.array([a.damping for a in robot.drives])
-        self._configuration, self._speeds = np.zeros((k, robot.coordinates)), np.zeros((k, len(robot.drives)))
+        self._damping = np.array([a.damping for a in robot.driven_actuators])
+        self._configuration, self._speeds = np.zeros((k, robot.coordinates)), np.zeros((k, len(robot.driven_actuators)))
 
     def _load_arms(self) -> list[int]:
         arms = []
@@ -264,11 +264,11 @@ class World:
         """One control period under commands as `Command` has them."""
         forces = np.zeros((self._k, self._substeps, len(self._robot.links), 2))
         depth, touching = np.zeros(self._k), np.zeros((self._k, self._substeps))
-        drives = self._effort * np.clip(values, -1.0, 1.0)
+        actuators = self._effort * np.clip(values, -1.0, 1.0)
         for substep in range(self._substeps):
             if control == "position":
-                drives = np.clip(self._stiffness * (values - self._controlled()), -self._effort, self._effort)
-            efforts = drives - self._damping * self._speeds
+                actuators = np.clip(self._stiffness * (values - self._controlled()), -self._effort, self._effort)
+            efforts = actuators - self._damping * self._speeds
             for arm, effort in zip(self._arms, efforts.tolist(), strict=True):
                 pybullet.setJointMotorControlArray(
                     arm, self._driven, pybullet.TORQUE_CONTROL, forces=effort, physicsClientId=self._client
@@ -279,7 +279,7 @@ class World:
         return Motion(
             self._configuration.copy(),
             self._speeds.copy(),
-            drives / self._effort,
+            actuators / self._effort,
             self._distances(range(self._k)),
             forces,
             depth,
@@ -287,7 +287,7 @@ class World:
         )
 
     def _controlled(self) -> Floats:
-        """What the on-board controllers keep: positions of joints, speeds of wheels, (k, drives)."""
+        """What the on-board controllers keep: positions of joints, speeds of wheels, (k, actuators)."""
         joints = len(self._robot.joints)
         return np.concatenate([self._configuration[:, -joints:], self._speeds[:, joints:]], axis=1)
 

@@ -137,7 +137,7 @@ class SequenceController(PrivilegedController[TraverseBatch]):
         return [course.phase for course in self._courses]
 
     def act(self, observation: Floats, batch: TraverseBatch) -> Floats:
-        """Canonical actions in [-1, 1], (n, drives).
+        """Canonical actions in [-1, 1], (n, actuators).
 
         Raises:
             PipenavError: a pipe is a run of several corners, or leaves the plane.
@@ -145,7 +145,7 @@ class SequenceController(PrivilegedController[TraverseBatch]):
         if len(self._courses) != batch.n:
             self._courses = [_Course() for _ in range(batch.n)]
         points, along = batch.points, batch.along
-        actions = np.zeros((batch.n, len(self.robot.drives)))
+        actions = np.zeros((batch.n, len(self.robot.driven_actuators)))
         for i, given in enumerate(batch.pipes):
             if given is None:
                 continue
@@ -166,7 +166,7 @@ class SequenceController(PrivilegedController[TraverseBatch]):
     def _drive(
         self, course: _Course, pipe: PipeCorner, observation: Floats, bends: Floats, points: Floats, along: Floats
     ) -> Floats:
-        """One robot's action, (drives,), after it has gone on to its next phase where it is ready to.
+        """One robot's action, (actuators,), after it has gone on to its next phase where it is ready to.
 
         Args:
             course: the robot's.

@@ -49,16 +49,16 @@ class RollingBatch(TaskBatch):
         self._backend, self._source = backend, source
         self._scale = np.concatenate([part.scale for part in observation.layout(robot, config)])
         self._pilots: dict[int, Pilot] = {}
-        self._runs: dict[int, PipeRoute] = {}
+        self._routes: dict[int, PipeRoute] = {}
         self._lines = CentreLines.of([ANYWHERE] * n, 3)
         self.steps = np.zeros(n, int)
         self._tracker = OutcomeTracker(robot, config, n)
-        self._action, self._end, self._limit = np.zeros((n, len(robot.drives))), np.zeros(n), np.zeros(n, int)
+        self._action, self._end, self._limit = np.zeros((n, len(robot.driven_actuators))), np.zeros(n), np.zeros(n, int)
 
     @property
     def pipes(self) -> list[PipeRoute]:
         """The run of each robot, once all have one."""
-        return [self._runs[i] for i in range(self.n)]
+        return [self._routes[i] for i in range(self.n)]
 
     @property
     def q(self) -> Floats:
@@ -78,15 +78,15 @@ class RollingBatch(TaskBatch):
         """Start new episodes for some robots (sorted, unique), or all, the first time all of them."""
         indices = np.arange(self.n) if indices is None else np.asarray(indices, np.intp)
         episodes = self._source(indices)
-        runs = [pipe.route for pipe in episodes.pipes]
-        planes = np.array([run.corners[0].roll for run in runs])
-        reading = self._backend.reset(indices, runs, episodes.q, episodes.base, planes)
-        self._lines = self._lines.put(indices, CentreLines.of(runs, 3))
-        for i, run, q in zip(indices, runs, reading.body.q, strict=True):
-            self._runs[i] = run
-            self._pilots[i] = Pilot(self.robot, run, q + self.config.start_press * np.sign(q))
-            self._end[i] = run.places[-2] + run.inner_edges[-1]
-            self._limit[i] = LIMIT_FACTOR * self.config.max_steps * len(run.corners)
+        routes = [pipe.route for pipe in episodes.pipes]
+        planes = np.array([route.corners[0].roll for route in routes])
+        reading = self._backend.reset(indices, routes, episodes.q, episodes.base, planes)
+        self._lines = self._lines.put(indices, CentreLines.of(routes, 3))
+        for i, route, q in zip(indices, routes, reading.body.q, strict=True):
+            self._routes[i] = route
+            self._pilots[i] = Pilot(self.robot, route, q + self.config.start_press * np.sign(q))
+            self._end[i] = route.distances[-2] + route.inner_edges[-1]
+            self._limit[i] = LIMIT_FACTOR * self.config.max_steps * len(route.corners)
         self.steps[indices], self._action[indices] = 0, 0.0
         self._tracker.start(indices, self._along()[indices])
         return self._observe(self._backend.read())
@@ -95,7 +95,7 @@ class RollingBatch(TaskBatch):
         """One control step of every robot.
 
         Args:
-            action: canonical actions of the policy in [-1, 1], (n, drives); not done where the pilot drives.
+            action: canonical actions of the policy in [-1, 1], (n, actuators); not done where the pilot drives.
         """
         reading, pilots = self._backend.read(), [self._pilots[i] for i in range(self.n)]
         held = np.array([pilot.set_points for pilot in pilots])

@@ -67,10 +67,10 @@ class Pilot:
         set_points: of the joints, (6,) [rad].
     """
 
-    def __init__(self, robot: RobotSpec, run: PipeRoute, set_points: Floats) -> None:
-        self._robot, self._run = robot, run
+    def __init__(self, robot: RobotSpec, route: PipeRoute, set_points: Floats) -> None:
+        self._robot, self._route = robot, route
         self.mode, self.corner, self.set_points = Mode.CORNER, 0, set_points
-        self.plane = run.corners[0].roll
+        self.plane = route.corners[0].roll
         self._drive: RollForward | None = None
         self._roll: Roll | None = None
         self._goes, self._tries = 0, 0
@@ -78,7 +78,7 @@ class Pilot:
         self._heading = 0.0  # of the divided link, by its gyroscope
         self._before: float | None = None  # that of the rear half before the corner
         self._past: list[Floats] = []  # joints and way gone in the last control steps of this mode
-        stretch = 2 * float(robot.lengths[HALF]) * (1 - math.cos(steepness(robot, run.radius)))
+        stretch = 2 * float(robot.lengths[HALF]) * (1 - math.cos(steepness(robot, route.radius)))
         self._leave = float(robot.lengths[0]) + stretch + MARGIN
 
     @property
@@ -92,7 +92,7 @@ class Pilot:
     @property
     def turn_sign(self) -> float:
         """+1 where the corner turns to the robot's left, -1 to its right."""
-        return 1.0 if math.cos(float(self._run.legs.inside[self.corner]) - self.plane) > 0 else -1.0
+        return 1.0 if math.cos(float(self._route.legs.inside[self.corner]) - self.plane) > 0 else -1.0
 
     def command(self, reading: SpaceReading, of_policy: Floats) -> tuple[Floats, float]:
         """Set-points of joints and wheels, (12,), and of the roll joint [rad].
@@ -127,9 +127,9 @@ class Pilot:
         """The policy drives: is the corner behind?"""
         rear = self._heading - senses.from_rear_half(self._robot, reading.body.q)
         self._before = rear if self._before is None else self._before
-        turn = math.pi - self._run.corners[self.corner].angle
+        turn = math.pi - self._route.corners[self.corner].angle
         behind = (rear - self._before) * self.turn_sign >= BEHIND * turn
-        if self._lasts(behind) and self.corner + 1 < len(self._run.corners):
+        if self._lasts(behind) and self.corner + 1 < len(self._route.corners):
             self.corner, self._goes = self.corner + 1, 0
             self._begin_driving(Mode.LEAVE, reading)
         elif stalled and self._tries < TRIES:
@@ -137,7 +137,7 @@ class Pilot:
 
     def _go_on(self, drive: RollForward, reading: SpaceReading, stalled: bool) -> None:
         """The robot drives itself: is it where it wants to be?"""
-        near = self._lasts(drive.clamped and senses.sees_end(self._robot, reading, self._run.radius, drive.third))
+        near = self._lasts(drive.clamped and senses.sees_end(self._robot, reading, self._route.radius, drive.third))
         if self.mode is Mode.BACK_OUT:
             if stalled or drive.gone <= -BACK:
                 self._roll_or_approach(reading)
@@ -171,17 +171,17 @@ class Pilot:
 
     def _begin_driving(self, mode: Mode, reading: SpaceReading, direction: float = 1.0) -> None:
         self._begin(mode)
-        self._drive = RollForward(self._robot, self._run.radius, reading.body.q, self.set_points, direction)
+        self._drive = RollForward(self._robot, self._route.radius, reading.body.q, self.set_points, direction)
 
     def _roll_or_approach(self, reading: SpaceReading) -> None:
         """Roll where the plane is not that of the corner ahead, else go on to it."""
-        seen = senses.plane_of(self._robot, reading, self._run.legs.axes[self.corner])
+        seen = senses.plane_of(self._robot, reading, self._route.legs.axes[self.corner])
         self.plane = self.plane if seen is None else seen
-        away = math.remainder(float(self._run.legs.inside[self.corner]) - self.plane, math.pi)
+        away = math.remainder(float(self._route.legs.inside[self.corner]) - self.plane, math.pi)
         if abs(away) > TOLERANCE and self._goes < GOES:
             self._goes += 1
             self._begin(Mode.ROLL)
-            self._roll = Roll(self._robot, self._run.radius, away, reading.body.q, reading.down)
+            self._roll = Roll(self._robot, self._route.radius, away, reading.body.q, reading.down)
         else:
             self._begin_driving(Mode.APPROACH, reading)
 

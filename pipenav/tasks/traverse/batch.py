@@ -53,7 +53,7 @@ class TraverseBatch(TrainingBatch):
         self._corner = np.zeros(n, np.intp)
         self._gravity = np.zeros((n, 2))
         self._tracker = OutcomeTracker(robot, config, n)
-        self._action, self._q = np.zeros((n, len(robot.drives))), np.zeros((n, robot.coordinates))
+        self._action, self._q = np.zeros((n, len(robot.driven_actuators))), np.zeros((n, robot.coordinates))
         self._set_points = np.zeros((n, len(robot.joints)))
         self._observation = np.zeros((n, len(self._scale)))
 
@@ -104,7 +104,7 @@ class TraverseBatch(TrainingBatch):
         """One control step of every robot.
 
         Args:
-            action: canonical actions in [-1, 1], (n, drives).
+            action: canonical actions in [-1, 1], (n, actuators).
         """
         joints = self._q[:, -self._set_points.shape[1] :]
         command = observation.to_command(

@@ -17,15 +17,15 @@ from one wall to the other, and its forwards turns round."""
 
 def layout(robot: RobotSpec, config: TraverseConfig) -> list[ObservationField]:
     """The observation's parts in order, with the scale that each value is divided by."""
-    drives, lidar = len(robot.drives), robot.laser
+    actuators, lidar = len(robot.driven_actuators), robot.laser
     weighs = config.inclination_deg is not None
     return [
         ObservationField("q", "rad", np.maximum(-robot.lower, robot.upper)),
         ObservationField("qd", "rad/s", np.array(robot.speed_limits)),
         ObservationField("wheel_speeds", "rad/s", wheel_limits(robot)),
-        ObservationField("loads", "1", np.ones(drives)),
+        ObservationField("loads", "1", np.ones(actuators)),
         ObservationField("ranges", "m", np.full(lidar.beams, lidar.range_max)),
-        ObservationField("action_before", "1", np.ones(drives)),
+        ObservationField("action_before", "1", np.ones(actuators)),
         ObservationField("turns_beside", "1", np.ones(2)),
         *([ObservationField("down", "1", np.ones(2))] if weighs else []),
     ]
@@ -37,12 +37,12 @@ def wheel_limits(robot: RobotSpec) -> Floats:
 
 
 def action_scale(robot: RobotSpec, config: TraverseConfig) -> Floats:
-    """What a full action is: a joint's set-point change [rad], then a wheel's speed forwards [rad/s], (drives,)."""
+    """What a full action is: a joint's set-point change [rad], then a wheel's speed forwards [rad/s], (actuators,)."""
     return np.concatenate([np.full(len(robot.joints), config.alpha), wheel_limits(robot)])
 
 
 def drive_signs(robot: RobotSpec, turn_sign: Floats) -> Floats:
-    """Factor on loads, commands and actions that turns them into the canonical frame or back, (n, drives).
+    """Factor on loads, commands and actions that turns them into the canonical frame or back, (n, actuators).
 
     Its first columns do so to joint positions and speeds, its last ones to wheel speeds.
 
@@ -54,7 +54,7 @@ def drive_signs(robot: RobotSpec, turn_sign: Floats) -> Floats:
 
 
 def seen_from(robot: RobotSpec, action: Floats, change: Floats) -> Floats:
-    """Canonical actions (n, drives) as they are after a change of side: bends change sign, wheels roll forwards anyway.
+    """Canonical actions (n, actuators) as they are after a change of side: bends change sign, wheels roll forwards anyway.
 
     Args:
         robot: the robot.
@@ -83,7 +83,7 @@ def observe(
     Args:
         robot: the robot.
         reading: what the sensors give.
-        action_before: the last action in the canonical frame, zero at the first step, (n, drives).
+        action_before: the last action in the canonical frame, zero at the first step, (n, actuators).
         turn_sign: +1 for a left turn, -1 for a right one, (n,).
         beside: likewise for the corners before and after the robot's, 0 where there is none, (n, 2).
         down: what the accelerometer gives at rest, turned round, as a share of the weight: forwards along its link and
@@ -113,7 +113,7 @@ def to_command(
     Args:
         robot: the robot.
         config: sizes of a full action.
-        action: canonical actions, (n, drives); clipped to [-1, 1].
+        action: canonical actions, (n, actuators); clipped to [-1, 1].
         q: measured joint positions in the robot's own frame, (n, joints).
         set_points: those of the command before, (n, joints).
         turn_sign: +1 for a left turn, -1 for a right one, (n,).

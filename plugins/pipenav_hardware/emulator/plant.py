@@ -51,7 +51,7 @@ class Plant(ABC):
     """The mechanics behind the servos."""
 
     @abstractmethod
-    def command(self, now: float, drives: Sequence[Drive]) -> None:
+    def command(self, now: float, actuators: Sequence[Drive]) -> None:
         """What the motors do from now on [s]."""
 
     @abstractmethod
@@ -77,9 +77,9 @@ class FreePlant(Plant):
         """Turn the shafts by hand."""
         self._position[:] = positions
 
-    def command(self, now: float, drives: Sequence[Drive]) -> None:
+    def command(self, now: float, actuators: Sequence[Drive]) -> None:
         self._advance(now)
-        self._drives = list(drives)
+        self._drives = list(actuators)
 
     def shafts(self, now: float) -> list[Shaft]:
         self._advance(now)
@@ -144,10 +144,10 @@ class PipePlant(Plant):
         self._waiting, self._start = False, 0.0
         self._before = self._after = (q, np.zeros_like(q))
 
-    def command(self, now: float, drives: Sequence[Drive]) -> None:
+    def command(self, now: float, actuators: Sequence[Drive]) -> None:
         self._advance(now)
-        self._waiting |= list(drives) != self._drives
-        self._drives = list(drives)
+        self._waiting |= list(actuators) != self._drives
+        self._drives = list(actuators)
         self._advance(now)
 
     def shafts(self, now: float) -> list[Shaft]:

@@ -25,7 +25,7 @@ PROGRESS_COLUMNS = (
 )
 
 
-class RunFolder:
+class TrainingFolder:
     """Names and writing of a run's files."""
 
     def __init__(self, path: Path) -> None:
@@ -37,7 +37,7 @@ class RunFolder:
         self._rows: list[dict[str, Any]] = []
 
     @classmethod
-    def create(cls, path: Path, config: TrainConfig, command: str) -> RunFolder:
+    def create(cls, path: Path, config: TrainConfig, command: str) -> TrainingFolder:
         """A new run; refuses a folder that already holds one, but not what a run left that never came to save."""
         folder = cls(path)
         if folder.resume.exists():
@@ -52,7 +52,7 @@ class RunFolder:
         return folder
 
     @classmethod
-    def open(cls, path: Path) -> tuple[RunFolder, TrainConfig]:
+    def open(cls, path: Path) -> tuple[TrainingFolder, TrainConfig]:
         """A run to resume, with its configuration."""
         folder = cls(path)
         if not folder.config.is_file() or not folder.resume.is_file():
@@ -84,7 +84,7 @@ class RunFolder:
         atomic_write(self.progress, text.getvalue())
 
 
-def default_run_path(preset: str, root: Path = Path("runs")) -> Path:
+def default_training_path(preset: str, root: Path = Path("runs")) -> Path:
     """`runs/<preset>`, or with a number behind it where that is taken."""
     path, number = root / preset, 1
     while path.exists():
