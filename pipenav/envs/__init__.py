@@ -1,1 +1,19 @@
-"""The tasks as other people's environments: Gymnasium, its vector env, Stable-Baselines3."""
+"""The tasks as other people's environments: Gymnasium, its vector environment, Stable-Baselines3."""
+
+from typing import TYPE_CHECKING, Any
+
+from pipenav.envs.gymnasium_env import CornerEnv, CornerVectorEnv
+
+if TYPE_CHECKING:
+    from pipenav.envs.sb3_env import TaskVecEnv
+
+__all__ = ["CornerEnv", "CornerVectorEnv", "TaskVecEnv"]
+
+
+def __getattr__(name: str) -> Any:
+    """`TaskVecEnv` when it is first asked for: Stable-Baselines3 takes seconds to import."""
+    if name == "TaskVecEnv":
+        from pipenav.envs.sb3_env import TaskVecEnv
+
+        return TaskVecEnv
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,1 +1,25 @@
 """What a robot is: its description, where its links are, what its laser reads."""
+
+from pipenav.robots import frames, kinematics, laser
+from pipenav.robots.kinematics import ChainPose
+from pipenav.robots.parts import Actuator, BoxPart, DiscPart, Joint, Laser, Link, Roll, Wheel
+from pipenav.robots.robot import BASE, RobotSpec, load_robot, robot_names
+
+__all__ = [
+    "BASE",
+    "Actuator",
+    "BoxPart",
+    "ChainPose",
+    "DiscPart",
+    "Joint",
+    "Laser",
+    "Link",
+    "RobotSpec",
+    "Roll",
+    "Wheel",
+    "frames",
+    "kinematics",
+    "laser",
+    "load_robot",
+    "robot_names",
+]

@@ -12,7 +12,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from pipenav.arrays import Floats, Table
 from pipenav.errors import ConfigError, FileProblem
-from pipenav.robots.robot import RobotSpec
+from pipenav.robots import RobotSpec
 from pipenav.units import deg_to_rad, m_to_mm, mm_to_m, rad_to_deg
 from pipenav_hardware.table import BAUD_VALUES, CENTRE, COUNT, COUNTS, SHARE_UNIT, TRAVEL
 

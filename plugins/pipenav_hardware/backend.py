@@ -14,14 +14,24 @@ import numpy as np
 from pydantic import Field
 
 from pipenav.arrays import Floats, Ints
-from pipenav.backends.backend import CONTROL_PERIOD, BackendOptions
-from pipenav.backends.messages import Command, Reading, Truth
-from pipenav.backends.real_robot import Calibrator, Emulated, Finding, RealRobot, Recoder, Sent
-from pipenav.backends.safety import Deadlines, Stopped
+from pipenav.backends import (
+    CONTROL_PERIOD,
+    BackendOptions,
+    Calibrator,
+    Command,
+    Deadlines,
+    Emulated,
+    Finding,
+    Reading,
+    RealRobot,
+    Recoder,
+    Sent,
+    Stopped,
+    Truth,
+)
 from pipenav.errors import PipenavError
-from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.pipe import Pipe
-from pipenav.robots.robot import RobotSpec
+from pipenav.pipes import Pipe, PipeCorner
+from pipenav.robots import RobotSpec
 from pipenav_hardware import packets, table
 from pipenav_hardware.arm_config import ArmConfig, load_arm
 from pipenav_hardware.calibrate import Calibration

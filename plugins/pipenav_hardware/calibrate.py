@@ -7,10 +7,9 @@ import math
 import time
 from collections.abc import Mapping
 
-from pipenav.backends.real_robot import Calibrator
-from pipenav.backends.safety import Stopped
+from pipenav.backends import Calibrator, Stopped
 from pipenav.errors import PipenavError
-from pipenav.robots.robot import RobotSpec
+from pipenav.robots import RobotSpec
 from pipenav.units import m_to_mm, mm_to_m, rad_to_deg
 from pipenav_hardware import table
 from pipenav_hardware.arm_config import (

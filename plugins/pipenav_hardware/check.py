@@ -6,7 +6,7 @@ import statistics
 import time
 from collections.abc import Iterator
 
-from pipenav.backends.real_robot import Finding
+from pipenav.backends import Finding
 from pipenav.errors import PipenavError
 from pipenav.units import m_to_mm, rad_to_deg
 from pipenav_hardware import table

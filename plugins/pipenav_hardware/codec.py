@@ -11,11 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from pipenav.arrays import Floats
-from pipenav.backends import safety
-from pipenav.backends.backend import CONTROL_PERIOD
-from pipenav.backends.messages import Command, Reading
-from pipenav.backends.safety import Bounds, Repeats, Stopped
-from pipenav.robots.robot import RobotSpec
+from pipenav.backends import CONTROL_PERIOD, Bounds, Command, Reading, Repeats, Stopped, safety
+from pipenav.robots import RobotSpec
 from pipenav_hardware.arm_config import ArmConfig
 from pipenav_hardware.ranging import BeamFilter, RangeScan
 from pipenav_hardware.table import COUNT, COUNTS, SPEED_UNIT, State, decode_state

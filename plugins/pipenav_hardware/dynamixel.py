@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 import serial
 from dynamixel_sdk import COMM_RX_TIMEOUT, COMM_SUCCESS, GroupSyncWrite, PortHandler, Protocol1PacketHandler
 
-from pipenav.backends.safety import Stopped
+from pipenav.backends import Stopped
 from pipenav.errors import PipenavError
 from pipenav_hardware import packets, table
 from pipenav_hardware.ports import holder_of, port_problem

@@ -16,10 +16,9 @@ import numpy as np
 import serial
 
 from pipenav.arrays import Floats
-from pipenav.backends.backend import CONTROL_PERIOD
+from pipenav.backends import CONTROL_PERIOD
 from pipenav.errors import PipenavError
-from pipenav.robots import laser
-from pipenav.robots.parts import Laser
+from pipenav.robots import Laser, laser
 from pipenav_hardware.arm_config import ScannerConfig
 from pipenav_hardware.ports import port_problem
 

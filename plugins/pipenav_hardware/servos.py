@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from typing import NamedTuple
 
-from pipenav.backends.safety import Stopped
+from pipenav.backends import Stopped
 from pipenav.errors import PipenavError
 from pipenav_hardware import table
 from pipenav_hardware.arm_config import ArmConfig, Servo

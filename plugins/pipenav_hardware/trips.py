@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from pipenav.arrays import Floats
-from pipenav.backends.backend import CONTROL_PERIOD
-from pipenav.backends.safety import Repeats, Stopped
+from pipenav.backends import CONTROL_PERIOD, Repeats, Stopped
 from pipenav_hardware.arm_config import ArmConfig
 from pipenav_hardware.ranging import RangeScan
 from pipenav_hardware.table import COUNT, Alarm, State

@@ -8,7 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from pipenav.backends.safety import Stopped
+from pipenav.backends import Stopped
 from pipenav_hardware import supervisor
 from pipenav_hardware.packets import TORQUE_OFF_ALL
 

@@ -11,20 +11,28 @@ import numpy as np
 from pydantic import Field
 
 from pipenav.arrays import Floats, Ints
-from pipenav.backends import backend
-from pipenav.backends.contact_force import Windows, strongest
-from pipenav.backends.messages import Command, Control, Reading, Truth
-from pipenav.backends.wall_boxes import wall_boxes
+from pipenav.backends import (
+    CONTROL_PERIOD,
+    BackendOptions,
+    Command,
+    Control,
+    Reading,
+    Simulator,
+    Truth,
+    Variation,
+    Windows,
+    strongest,
+    wall_boxes,
+)
 from pipenav.errors import PipenavError
-from pipenav.pipes.pipe import Pipe
-from pipenav.robots import kinematics, laser
-from pipenav.robots.robot import BASE, RobotSpec
+from pipenav.pipes import Pipe
+from pipenav.robots import BASE, RobotSpec, kinematics, laser
 from pipenav_mujoco.model import Contact, build_spec
 from pipenav_mujoco.space import MujocoSpace, SpaceSettings
 from pipenav_mujoco.viewer import MujocoViewer
 
 
-class MujocoOptions(backend.BackendOptions):
+class MujocoOptions(BackendOptions):
     """Settings of the MuJoCo backend."""
 
     timestep: float = Field(0.0025, gt=0, le=0.01, description="physics step [s]; must divide the control period")
@@ -38,14 +46,14 @@ class MujocoOptions(backend.BackendOptions):
     )
 
 
-class MujocoBackend(backend.Simulator):
-    """See `pipenav.backends.backend.Backend`."""
+class MujocoBackend(Simulator):
+    """See `pipenav.backends.Backend`."""
 
     Options = MujocoOptions
     moves_in_space = True
     can_vary = can_incline = has_viewer = True
 
-    def __init__(self, robot: RobotSpec, n: int, options: backend.BackendOptions, wall_segments: int = 4) -> None:
+    def __init__(self, robot: RobotSpec, n: int, options: BackendOptions, wall_segments: int = 4) -> None:
         assert isinstance(options, MujocoOptions)
         self._robot = robot
         self._slots = wall_segments
@@ -62,7 +70,7 @@ class MujocoBackend(backend.Simulator):
         self._bind(n)
 
     @classmethod
-    def in_space(cls, robot: RobotSpec, n: int, options: backend.BackendOptions, gravity: float) -> MujocoSpace:
+    def in_space(cls, robot: RobotSpec, n: int, options: BackendOptions, gravity: float) -> MujocoSpace:
         assert isinstance(options, MujocoOptions)
         _substeps(options.timestep)
         contact = Contact(options.contact_time_constant, options.contact_impedance)
@@ -141,7 +149,7 @@ class MujocoBackend(backend.Simulator):
             self._masses[np.ix_(indices, moving)][..., None] * gravity[:, None]
         )
 
-    def vary(self, indices: Ints, variation: backend.Variation) -> None:
+    def vary(self, indices: Ints, variation: Variation) -> None:
         """Vary some robots. Fields become the robots' own when this is first called."""
         batch, model = self._batch, self._model
         links = [model.body(link.name).id for link in self._robot.links]
@@ -211,10 +219,10 @@ def _substeps(timestep: float) -> int:
     Raises:
         PipenavError: they do not fill it.
     """
-    steps = round(backend.CONTROL_PERIOD / timestep)
-    if abs(steps * timestep - backend.CONTROL_PERIOD) > 1e-9:
+    steps = round(CONTROL_PERIOD / timestep)
+    if abs(steps * timestep - CONTROL_PERIOD) > 1e-9:
         raise PipenavError(
-            f"a timestep of {timestep:g} s does not divide the control period of {backend.CONTROL_PERIOD:g} s: "
+            f"a timestep of {timestep:g} s does not divide the control period of {CONTROL_PERIOD:g} s: "
             "choose for example 0.0025 or 0.001."
         )
     return steps

@@ -7,10 +7,9 @@ from typing import Any, NamedTuple
 import mujoco
 import numpy as np
 
-from pipenav.backends.wall_boxes import OUTER_THICKNESS, PARKED, WALL_HALF_HEIGHT, wall_boxes
-from pipenav.pipes.corner import PipeCorner
-from pipenav.robots.parts import Actuator, BoxPart, Joint, Link, Wheel
-from pipenav.robots.robot import BASE, RobotSpec
+from pipenav.backends import OUTER_THICKNESS, PARKED, WALL_HALF_HEIGHT, wall_boxes
+from pipenav.pipes import PipeCorner
+from pipenav.robots import BASE, Actuator, BoxPart, Joint, Link, RobotSpec, Wheel
 
 ROBOT, WALL = 1, 2
 """Collision groups: links meet walls only, never each other."""

@@ -12,14 +12,9 @@ import mujoco
 import numpy as np
 
 from pipenav.arrays import Floats, Ints
-from pipenav.backends.backend import CONTROL_PERIOD
-from pipenav.backends.contact_force import Windows, strongest
-from pipenav.backends.messages import Reading
-from pipenav.backends.spatial import HALVES, SpaceBackend, SpaceReading, SpaceTruth
-from pipenav.pipes.route import PipeRoute
-from pipenav.pipes.route_legs import about_x
-from pipenav.robots import laser
-from pipenav.robots.robot import BASE, RobotSpec
+from pipenav.backends import CONTROL_PERIOD, HALVES, Reading, SpaceBackend, SpaceReading, SpaceTruth, Windows, strongest
+from pipenav.pipes import PipeRoute, about_x
+from pipenav.robots import BASE, RobotSpec, laser
 from pipenav_mujoco.model import Contact
 from pipenav_mujoco.space_model import FRONT, WALL_GROUP, space_spec
 

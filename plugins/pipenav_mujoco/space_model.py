@@ -8,11 +8,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from pipenav.backends.wall_boxes import OUTER_THICKNESS
-from pipenav.pipes.route import PipeRoute
-from pipenav.pipes.route_solids import wall_prisms
-from pipenav.robots.parts import BoxPart, Link, Roll, Wheel
-from pipenav.robots.robot import RobotSpec
+from pipenav.backends import OUTER_THICKNESS
+from pipenav.pipes import PipeRoute, wall_prisms
+from pipenav.robots import BoxPart, Link, RobotSpec, Roll, Wheel
 from pipenav_mujoco.model import (
     HIDDEN_GROUP,
     ROBOT_TOUCHES,

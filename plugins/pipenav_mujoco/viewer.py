@@ -16,7 +16,7 @@ NO_DISPLAY = "leave out --live to get a picture, which needs no display"
 
 
 class MujocoViewer:
-    """See `pipenav.backends.backend.Viewer`. It has a state of its own, so that the backend may go before the window does.
+    """See `pipenav.backends.Viewer`. It has a state of its own, so that the backend may go before the window does.
 
     Args:
         model: the batch's model with the robot's own wall sizes; it becomes the viewer's.

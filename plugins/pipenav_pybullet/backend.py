@@ -9,18 +9,25 @@ import numpy as np
 from pydantic import Field
 
 from pipenav.arrays import Floats, Ints
-from pipenav.backends import backend
-from pipenav.backends.contact_force import Windows, strongest
-from pipenav.backends.messages import Command, Reading, Truth
+from pipenav.backends import (
+    CONTROL_PERIOD,
+    BackendOptions,
+    Command,
+    Reading,
+    Simulator,
+    Truth,
+    Variation,
+    Windows,
+    strongest,
+)
 from pipenav.errors import PipenavError
-from pipenav.pipes.pipe import Pipe
-from pipenav.robots import kinematics, laser
-from pipenav.robots.robot import RobotSpec
+from pipenav.pipes import Pipe
+from pipenav.robots import RobotSpec, kinematics, laser
 from pipenav_pybullet.crew import Crew
 from pipenav_pybullet.world import Motion, Setting, shares
 
 
-class PybulletOptions(backend.BackendOptions):
+class PybulletOptions(BackendOptions):
     """Settings of the PyBullet backend."""
 
     timestep: float = Field(
@@ -33,20 +40,20 @@ class PybulletOptions(backend.BackendOptions):
     contact_erp: float = Field(0.2, ge=0, le=1, description="share of an overlap that a physics step undoes")
 
 
-class PybulletBackend(backend.Simulator):
-    """See `pipenav.backends.backend.Backend`."""
+class PybulletBackend(Simulator):
+    """See `pipenav.backends.Backend`."""
 
     Options = PybulletOptions
     can_vary = True
 
-    def __init__(self, robot: RobotSpec, n: int, options: backend.BackendOptions, wall_segments: int = 4) -> None:
+    def __init__(self, robot: RobotSpec, n: int, options: BackendOptions, wall_segments: int = 4) -> None:
         assert isinstance(options, PybulletOptions)
         self._robot, self._n, self._slots = robot, n, wall_segments
-        substeps = round(backend.CONTROL_PERIOD / options.timestep)
-        if abs(substeps * options.timestep - backend.CONTROL_PERIOD) > 1e-9:
+        substeps = round(CONTROL_PERIOD / options.timestep)
+        if abs(substeps * options.timestep - CONTROL_PERIOD) > 1e-9:
             raise PipenavError(
                 f"a timestep of {options.timestep:g} s does not divide the control period of "
-                f"{backend.CONTROL_PERIOD:g} s: choose for example 0.0025 or 0.001."
+                f"{CONTROL_PERIOD:g} s: choose for example 0.0025 or 0.001."
             )
         setting = Setting(options.timestep, options.solver_iterations, options.contact_erp)
         self._windows = Windows(substeps, options.timestep)
@@ -77,7 +84,7 @@ class PybulletBackend(backend.Simulator):
         self._depth[indices], self._contact_share[indices], self._link_forces[indices] = 0.0, 0.0, 0.0
         return self.read().part(indices)
 
-    def vary(self, indices: Ints, variation: backend.Variation) -> None:
+    def vary(self, indices: Ints, variation: Variation) -> None:
         bounds = self._crew.bounds
         orders = [
             (indices[rows] - first, variation.part(rows)) if len(rows) else None
@@ -94,7 +101,7 @@ class PybulletBackend(backend.Simulator):
         forces = whole.forces
         means = self._windows.means(forces.reshape(*forces.shape[:2], -1))
         self._link_forces = strongest(means.reshape(self._n, -1, *forces.shape[2:]))
-        self._time = self._time + backend.CONTROL_PERIOD
+        self._time = self._time + CONTROL_PERIOD
 
     def read(self) -> Reading:
         ranges = laser.measure(self._robot.laser, self._distances)

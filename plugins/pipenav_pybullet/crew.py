@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from pipenav.errors import PipenavError
-from pipenav.robots.robot import RobotSpec
+from pipenav.robots import RobotSpec
 from pipenav_pybullet.world import WORLD_SIZE, Setting
 
 

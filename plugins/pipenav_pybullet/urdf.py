@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from pipenav.robots.parts import Actuator, BoxPart, DiscPart, Link, Wheel
-from pipenav.robots.robot import RobotSpec
+from pipenav.robots import Actuator, BoxPart, DiscPart, Link, RobotSpec, Wheel
 
 ROTOR_SHARE = 0.75
 """Share of a hinge's rotor that its link carries [1].

@@ -14,10 +14,9 @@ from typing import Any
 import numpy as np
 
 from pipenav.arrays import Floats, Ints
-from pipenav.backends.backend import Variation
-from pipenav.backends.messages import Control
-from pipenav.pipes.pipe import Pipe
-from pipenav.robots.robot import RobotSpec
+from pipenav.backends import Control, Variation
+from pipenav.pipes import Pipe
+from pipenav.robots import RobotSpec
 from pipenav_pybullet.world import WORLD_SIZE, Motion, Setting, World, shares
 
 

@@ -11,12 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from pipenav.arrays import Floats, Ints
-from pipenav.backends.backend import CONTROL_PERIOD, Variation
-from pipenav.backends.messages import Control
-from pipenav.backends.wall_boxes import WALL_HALF_HEIGHT, Edge, wall_boxes
-from pipenav.pipes.pipe import Pipe
-from pipenav.robots import kinematics
-from pipenav.robots.robot import RobotSpec
+from pipenav.backends import CONTROL_PERIOD, WALL_HALF_HEIGHT, Control, Edge, Variation, wall_boxes
+from pipenav.pipes import Pipe
+from pipenav.robots import RobotSpec, kinematics
 from pipenav_pybullet.quiet import silenced_stderr
 from pipenav_pybullet.urdf import DISCS as DISC_LINK
 from pipenav_pybullet.urdf import SLIDES, body, discs, robot_urdf
@@ -182,7 +179,7 @@ class World:
         return self._robot.friction if wheel is None else wheel.friction
 
     def vary(self, arms: Sequence[int], variation: Variation) -> None:
-        """As `pipenav.backends.backend.Variable`."""
+        """As `pipenav.backends.Variable`."""
         effort, stiffness = self._motors
         for row, i in enumerate(arms):
             self._effort[i] = effort * variation.strength[row]

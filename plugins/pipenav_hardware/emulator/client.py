@@ -12,8 +12,8 @@ from types import TracebackType
 from typing import Any, Self
 
 from pipenav.errors import PipenavError
-from pipenav.pipes.corner import PipeCorner
-from pipenav.robots.robot import RobotSpec
+from pipenav.pipes import PipeCorner
+from pipenav.robots import RobotSpec
 from pipenav_hardware.arm_config import ArmConfig, FrontSensorConfig, ScannerConfig, arm_toml, default_arm
 
 

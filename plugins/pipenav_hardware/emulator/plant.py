@@ -9,11 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from pipenav.arrays import Floats
-from pipenav.backends.backend import CONTROL_PERIOD, Simulator
-from pipenav.backends.messages import Command
-from pipenav.pipes.corner import PipeCorner
-from pipenav.robots import kinematics, laser
-from pipenav.robots.robot import RobotSpec
+from pipenav.backends import CONTROL_PERIOD, Command, Simulator
+from pipenav.pipes import PipeCorner
+from pipenav.robots import RobotSpec, kinematics, laser
 from pipenav_hardware.arm_config import ArmConfig
 from pipenav_hardware.table import COUNT, DIRECTION, SPEED_UNIT
 

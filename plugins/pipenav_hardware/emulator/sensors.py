@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from pipenav.robots.parts import Laser
+from pipenav.robots import Laser
 from pipenav_hardware import scip2
 from pipenav_hardware.emulator.faults import FaultScript
 from pipenav_hardware.emulator.plant import Plant

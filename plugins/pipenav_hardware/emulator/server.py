@@ -23,8 +23,8 @@ import numpy as np
 from pydantic import Field
 
 from pipenav.arrays import Table
-from pipenav.pipes.corner import PipeCorner
-from pipenav.robots.robot import load_robot
+from pipenav.pipes import PipeCorner
+from pipenav.robots import load_robot
 from pipenav_hardware import table
 from pipenav_hardware.arm_config import ArmConfig
 from pipenav_hardware.emulator.bus import ServoBus
@@ -195,7 +195,7 @@ class Server:
 def _plant(config: EmulatorConfig) -> Plant:
     if config.pipe is None:
         return FreePlant(len(config.arm.servos), config.seed)
-    from pipenav.backends.registry import open_simulator
+    from pipenav.backends import open_simulator
 
     robot = load_robot(config.robot)
     options = {"threads": 1} if config.backend == "mujoco" else {}
