@@ -1,4 +1,4 @@
-"""Imports run one way, simulators stay in their plugins, and heavy libraries load only where they are needed."""
+"""Imports run one way over the floors of docs/architecture.md; heavy libraries load only where they are needed."""
 
 from __future__ import annotations
 
@@ -15,41 +15,27 @@ ROOT = Path(__file__).resolve().parent.parent
 CORE = ROOT / "pipenav"
 PLUGINS = sorted(path.name for path in (ROOT / "plugins").iterdir() if (path / "__init__.py").is_file())
 
-LAYERS = [
-    {"errors", "units", "assets", "files", "source_imports", "whole_folder"},
-    {
-        "any_pipe",
-        "convex",
-        "pipe",
-        "pipe_run",
-        "pipe_run_legs",
-        "pipe_shapes",
-        "pipe_export",
-        "pipe_drawing",
-        "pipe_set",
-        "pipe_run_set",
-        "pipe_run_shapes",
-        "pipe_run_export",
-        "pipe_run_drawing",
-        "pipe_run_view",
-        "scenes",
-        "drafting",
-        "robot",
-        "robot_parts",
-        "kinematics",
-        "laser",
-        "state",
-        "wall_boxes",
-        "contact_force",
-    },
-    {"backend", "space", "task"},
-    {"registry"},
-    set[str](),  # all other modules: environments, policies, training, evaluation, ...
-    {"cli", "__main__"},
+FLOORS: list[set[str]] = [
+    {"errors", "units", "arrays"},
+    {"storage"},
+    {"pipes", "robots"},
+    {"backends", "drawing"},
+    {"tasks", "disturbances", "locating", "export", "testing"},
+    {"policies", "motions", "envs"},
+    {"evaluation", "deployment", "comparison"},
+    {"learning", "recording"},
+    {"experiments"},
+    {"cli"},
 ]
-"""A module imports modules of its own layer or of those before it."""
+"""Packages (and the modules of the lowest floor) from the bottom to the top: each imports only what lies below it."""
 
-MACHINES = {"mujoco", "pybullet", "serial", "dynamixel_sdk"}
+DOORS = {"__init__": 0, "__main__": 10, "env": 6, "train": 8}
+"""Modules beside the packages, and the floor above which each stands: the ways in that other people's code knows."""
+
+OPEN_TO_PLUGINS = {"backends", "robots", "pipes", "errors", "arrays", "units"}
+"""What a plugin may import of pipenav."""
+
+SIMULATORS = {"mujoco", "pybullet", "serial", "dynamixel_sdk"}
 HEAVY = {"torch", "stable_baselines3", "gymnasium", "matplotlib", "mujoco", "pybullet", "tensorboard", "trimesh"}
 
 
@@ -63,6 +49,7 @@ def modules(folder: Path) -> dict[str, Path]:
 
 
 ALL = modules(CORE)
+IN_PLUGINS = {name: path for plugin in PLUGINS for name, path in modules(ROOT / "plugins" / plugin).items()}
 
 
 def imported(path: Path, everywhere: bool = True) -> set[str]:
@@ -93,20 +80,42 @@ def tops(names: set[str]) -> set[str]:
     return {name.partition(".")[0] for name in names}
 
 
-def layer(module: str) -> int:
-    noun = module.split(".")[1] if "." in module else "errors"
-    return next((i for i, layer in enumerate(LAYERS) if noun in layer), len(LAYERS) - 2)
+def room(module: str) -> str:
+    """The package that a module of pipenav belongs to, or the module itself where it lies beside the packages."""
+    return "__init__" if module == "pipenav" else module.split(".")[1]
+
+
+def floor(module: str) -> int:
+    """The floor that a module stands on, from 1; a door stands above the floor that it opens."""
+    name = room(module)
+    if name in DOORS:
+        return DOORS[name] + 1
+    floors = [number for number, rooms in enumerate(FLOORS, 1) if name in rooms]
+    assert floors, f"{module} belongs to no package of the table: give it one, or its package a floor"
+    return floors[0]
 
 
 @pytest.mark.parametrize("module", ALL)
-def test_imports_run_one_way(module: str) -> None:
+def test_every_module_imports_only_its_own_package_and_what_lies_below(module: str) -> None:
     ours = {name for name in imported(ALL[module]) if name in ALL and name != "pipenav"}
-    upwards = sorted(name for name in ours if layer(name) > layer(module))
-    assert not upwards, f"{module} imports from a higher layer: {upwards}"
+    beside = sorted(n for n in ours if room(n) != room(module) and floor(n) >= floor(module))
+    assert not beside, f"{module}, on floor {floor(module)}, imports from its own floor or above: {beside}"
+
+
+def test_packages_of_the_table_exist() -> None:
+    assert {name for rooms in FLOORS for name in rooms} | set(DOORS) == {room(module) for module in ALL}
+
+
+def test_few_modules_lie_beside_the_packages() -> None:
+    beside = {path.name for path in CORE.glob("*.py")} - {"__init__.py", "__main__.py"}
+    assert len(beside) <= 8, sorted(beside)
 
 
 def test_no_module_imports_itself_through_others() -> None:
     graph = {module: (imported(path) & ALL.keys()) - {module, "pipenav"} for module, path in ALL.items()}
+    packages = {module for module, path in ALL.items() if path.name == "__init__.py"}
+    for module, names in graph.items():
+        graph[module] = {n for n in names if not (n in packages and module.startswith(f"{n}."))}
     try:
         TopologicalSorter(graph).prepare()
     except CycleError as error:
@@ -115,26 +124,29 @@ def test_no_module_imports_itself_through_others() -> None:
 
 @pytest.mark.parametrize("module", ALL)
 def test_the_core_imports_no_plugin_simulator_or_serial_library(module: str) -> None:
-    assert not tops(imported(ALL[module])) & (MACHINES | set(PLUGINS))
+    assert not tops(imported(ALL[module])) & (SIMULATORS | set(PLUGINS))
 
 
-@pytest.mark.parametrize("plugin", PLUGINS)
-def test_plugins_do_not_import_each_other(plugin: str) -> None:
-    others = set(PLUGINS) - {plugin}
-    for module, path in modules(ROOT / "plugins" / plugin).items():
-        assert not tops(imported(path)) & others, module
+@pytest.mark.parametrize("module", IN_PLUGINS)
+def test_plugins_stand_on_the_open_packages_alone(module: str) -> None:
+    names = imported(IN_PLUGINS[module])
+    others = set(PLUGINS) - {module.partition(".")[0]}
+    assert not tops(names) & others, f"{module} imports another plugin"
+    closed = sorted(n for n in names if n.startswith("pipenav.") and n.split(".")[1] not in OPEN_TO_PLUGINS)
+    assert not closed, f"{module} imports what plugins may not: {closed}"
 
 
 def brought_in(module: str, seen: set[str]) -> set[str]:
-    """Top-level packages that importing a module of ours brings in, by way of our modules."""
+    """Top-level packages that importing a module of ours brings in, by way of our modules and their packages."""
     if module in seen or module not in ALL:
         return set()
     seen.add(module)
-    names = imported(ALL[module], everywhere=False)
+    above = module.rpartition(".")[0]
+    names = imported(ALL[module], everywhere=False) | ({above} if above else set())
     return tops(names).union(*(brought_in(name, seen) for name in names))
 
 
-LIGHT = [module for module in ALL if layer(module) != len(LAYERS) - 2 or module.startswith("pipenav.testing")]
+LIGHT = [module for module in ALL if floor(module) < 6 or room(module) in ("policies", "motions", "cli", "__main__")]
 
 
 @pytest.mark.parametrize("module", LIGHT)
@@ -153,4 +165,4 @@ def test_help_loads_nothing_heavy() -> None:
     result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     loaded = set(result.stdout.rpartition("LOADED")[2].split())
     assert "gen-pipe" in result.stdout
-    assert not loaded & (HEAVY | MACHINES | set(PLUGINS) | {"numpy"})
+    assert not loaded & (HEAVY | SIMULATORS | set(PLUGINS) | {"numpy"})
