@@ -63,7 +63,7 @@ def _curves(plan: ExperimentPlan, agent: str) -> tuple[Floats, Floats, Floats]:
     curves = np.full((2, len(columns), count), np.nan)
     for seed, column in enumerate(columns):
         place = np.ceil(np.array(column["steps"]) / ITERATION).astype(int) - 1
-        for row, name in enumerate(("success", "min_range_m")):
+        for row, name in enumerate(("success", "clearance_m")):
             values = np.array(column[name])
             for i in np.unique(place[place < count]):
                 here = values[place == i]

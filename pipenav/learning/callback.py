@@ -159,7 +159,7 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
                 "seconds": f"{self.seconds:.2f}",
                 "steps_per_s": f"{row.steps_per_s:.0f}",
                 "success": f"{row.success:.4f}" if episodes else "",
-                "min_range_m": f"{row.min_range:.5f}",
+                "clearance_m": f"{row.min_range:.5f}",
                 "reward": f"{self._reward / max(self._samples, 1):.4f}",
                 "episode_steps": f"{self._episode_steps / episodes:.2f}" if episodes else "",
                 "std": f"{float(self.model.policy.log_std.exp()[0]):.3f}",
