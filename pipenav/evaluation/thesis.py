@@ -19,7 +19,7 @@ class ThesisRow(NamedTuple):
         table: number of the table, e.g. `5.1`.
         control: `torque` or `position`.
         robot: `basic` or `high-fidelity`.
-        phase: `front` or `rear`; the rear's figures are shares of the successful front passages.
+        phase: `reach` or `rear`; the rear's figures are shares of the successful front passages.
         agent: state, reward weights and target, in words.
         percent: success by diameter [mm].
     """
@@ -39,7 +39,7 @@ def thesis_rows() -> tuple[ThesisRow, ...]:
     return tuple(_row(row) for row in csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
 
 
-def thesis_best(control: str, robot: str = "basic", phase: str = "front") -> dict[float, float]:
+def thesis_best(control: str, robot: str = "basic", phase: str = "reach") -> dict[float, float]:
     """The thesis's best success [percent] by diameter [mm], whichever agent had it; empty where it has none."""
     best: dict[float, float] = {}
     for row in thesis_rows():
