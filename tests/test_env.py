@@ -26,6 +26,7 @@ from pipenav.pipes.corner_sets import parse_pipes
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.reach.batch import ReachBatch
 from pipenav.tasks.reach.config import ReachConfig
+from pipenav.tasks.reach.task import ReachTask
 from pipenav.tasks.sampling import random_episodes
 
 SHORT = {"max_steps": 7}
@@ -161,7 +162,7 @@ def test_both_turns_render() -> None:
 
 def sb3_env(n: int = 4, seed: int = 0, **task: Any) -> TaskVecEnv:
     robot, config, pipes = load_robot("basic"), ReachConfig.model_validate(task or SHORT), parse_pipes(["thesis-train"])
-    source = random_episodes(robot, config, [pipes], np.random.default_rng(seed))
+    source = random_episodes(ReachTask(config), robot, [pipes], np.random.default_rng(seed))
     return TaskVecEnv(ReachBatch(robot, config, open_simulator("mujoco", robot, n, FAST), n, source))
 
 
@@ -204,7 +205,7 @@ def test_the_vec_env_keeps_the_rest_of_the_contract() -> None:
     assert env.env_is_wrapped(gymnasium.Wrapper, 0) == [False]
     assert env.seed(3) == [None] * 4
     with pytest.raises(AttributeError, match="share one backend"):
-        env.set_attr("goal", 1)
+        env.set_attr("target", 1)
     with pytest.raises(AttributeError, match="share one backend"):
         env.env_method("reset")
     env.close()

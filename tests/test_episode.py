@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipenav.arrays import Floats
-from pipenav.backends.backend import Backend, BackendOptions
+from pipenav.backends.backend import BackendOptions, Simulator
 from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.corner_sets import parse_pipes
@@ -21,7 +21,7 @@ from pipenav.tasks.reach import episode
 from pipenav.tasks.reach.batch import ReachBatch
 from pipenav.tasks.reach.config import ReachConfig, RewardConfig
 from pipenav.tasks.reach.episode import distance_to_target
-from pipenav.tasks.registry import task_of
+from pipenav.tasks.reach.task import ReachTask
 from pipenav.tasks.sampling import random_episodes
 
 ROBOT, TASK = load_robot("basic"), ReachConfig()
@@ -82,7 +82,7 @@ def test_turns_mirror_each_other(seed: int, pipe: PipeCorner) -> None:
     other = pipe.model_copy(update={"turn": "right" if pipe.turn == "left" else "left"})
     one, two = drawn(seed, [pipe]), drawn(seed, [other])
     assert one.turn_sign == -two.turn_sign
-    for name in ("q", "base", "goal", "edge"):
+    for name in ("q", "base", "target", "edge"):
         assert np.array_equal(getattr(one, name), getattr(two, name))
 
 
@@ -142,7 +142,7 @@ def test_the_way_falls_to_zero_along_the_way(seed: int, pipe: PipeCorner) -> Non
     assert ways[-1] == pytest.approx(0.0, abs=1e-8)
 
 
-class Puppet(Backend):
+class Puppet(Simulator):
     """A backend without physics: the robot is where the test puts it."""
 
     Options = BackendOptions
@@ -171,13 +171,13 @@ class Puppet(Backend):
 
 def puppet_batch(**task: object) -> tuple[ReachBatch, Puppet]:
     backend, config = Puppet(), ReachConfig.model_validate(task)
-    source = random_episodes(ROBOT, config, [PIPES[:1]], np.random.default_rng(1))
+    source = random_episodes(ReachTask(config), ROBOT, [PIPES[:1]], np.random.default_rng(1))
     batch = ReachBatch(ROBOT, config, backend, 1, source)
     batch.reset()
     return batch, backend
 
 
-def put_tip_at_the_goal(batch: ReachBatch, backend: Puppet) -> None:
+def put_tip_at_the_target(batch: ReachBatch, backend: Puppet) -> None:
     """By slide and two hinges: two links to the target, the head in line with the second."""
     x, y = batch.target[0]
     theta = np.arctan2(y, x - 0.04 - 0.2)
@@ -195,7 +195,7 @@ STILL = np.zeros((1, 4))
 def test_outcomes_have_an_order_of_precedence() -> None:
     batch, backend = puppet_batch(max_steps=1)
     assert batch.step(STILL).outcome == Outcome.TIMEOUT
-    put_tip_at_the_goal(batch, backend)
+    put_tip_at_the_target(batch, backend)
     assert batch.step(STILL).outcome == Outcome.REACHED
     backend.q[0, 0] = ROBOT.upper[0]
     assert batch.step(STILL).outcome == Outcome.LIMIT
@@ -205,7 +205,7 @@ def test_outcomes_have_an_order_of_precedence() -> None:
 
 def test_an_episode_that_reaches_its_target_in_a_wall_has_failed() -> None:
     batch, backend = puppet_batch()
-    put_tip_at_the_goal(batch, backend)
+    put_tip_at_the_target(batch, backend)
     backend.penetration[0] = 1.01 * TASK.max_penetration
     result = batch.step(STILL)
     assert result.outcome == Outcome.PENETRATION
@@ -224,7 +224,7 @@ def test_every_joint_has_two_limits(joint: int, end: str) -> None:
 
 def test_the_first_history_state_repeats_the_present_and_knows_no_action() -> None:
     batch, backend = puppet_batch(observation="history")
-    scale = task_of(batch.config).observation_scale(ROBOT)
+    scale = ReachTask(batch.config).observation_scale(ROBOT)
     first = batch.reset()[0] * scale
     assert np.array_equal(first[:18], first[18:36])
     assert np.array_equal(first[36:40], np.zeros(4))

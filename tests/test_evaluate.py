@@ -13,6 +13,7 @@ from pipenav.arrays import Floats
 from pipenav.cli import main
 from pipenav.evaluation import episode_runner
 from pipenav.evaluation.episode_runner import EpisodeResults
+from pipenav.evaluation.config import EvaluationConfig
 from pipenav.evaluation.evaluate import CheckedEvaluation
 from pipenav.evaluation.passage import run_task
 from pipenav.pipes.corner_sets import parse_pipes
@@ -23,7 +24,7 @@ from pipenav.policies.policy import load_policy
 from pipenav.robots.robot import load_robot
 from pipenav.storage import shipped
 from pipenav.tasks.outcome import Outcome
-from pipenav.tasks.reach.batch import ReachBatch
+
 from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.registry import task_of
 
@@ -45,7 +46,7 @@ class Clumsy:
         size = len(task_of(self.task).observation_scale(self.robot))
         self._weights = np.random.default_rng(1).normal(0.0, 1.5, (size, len(self.robot.joints)))
 
-    def act(self, observation: Floats, batch: ReachBatch) -> Floats:  # noqa: ARG002  # the seam's signature
+    def act(self, observation: Floats) -> Floats:
         return np.tanh(np.einsum("ni,ij->nj", observation, self._weights))
 
 
@@ -95,16 +96,17 @@ def test_every_episode_has_ended_in_one_way(results: EpisodeResults) -> None:
     limit = Clumsy.task.max_steps
     assert ((results.steps > 0) & (results.steps <= limit)).all()
     assert ((results.contact_share >= 0) & (results.contact_share <= 1)).all()
-    assert (results.clearance > 0).all()
+    assert (results.min_range > 0).all()
     assert (results.force > 0).any()
     assert (results.penetration >= 0).all()
 
 
 def test_progress_is_told_until_the_end() -> None:
     told: list[tuple[str, int, int, int]] = []
-    CheckedEvaluation("baseline:centreline", NAMES[:1], EPISODES, 0).run(lambda *all_four: told.append(all_four))
+    config = EvaluationConfig(policy="baseline:centreline", pipes=(NAMES[0],), episodes=EPISODES)
+    CheckedEvaluation(config).run(lambda *all_four: told.append(all_four))
     assert told == sorted(told)
-    assert told[-1] == ("front", EPISODES, EPISODES, EPISODES)
+    assert told[-1] == ("reach", EPISODES, EPISODES, EPISODES)
 
 
 def test_the_shipped_policy_passes_the_working_range() -> None:

@@ -68,7 +68,7 @@ def test_views_are_right_handed(azimuth: float) -> None:
     assert view.up[2] > 0 and view.to_viewer[2] > 0
 
 
-@pytest.mark.parametrize("run", [ROLLED, *parse_routes(["runs-rolled"])[::6]], ids=lambda route: route.name)
+@pytest.mark.parametrize("route", [ROLLED, *parse_routes(["runs-rolled"])[::6]], ids=lambda route: route.name)
 def test_the_chosen_view_shows_every_straight(route: PipeRoute) -> None:
     view = View.of(route)
     assert np.linalg.norm(view.flat(route.legs.axes[:, :, 0]), axis=1).min() > 0.4

@@ -43,7 +43,7 @@ def depth_in_any(prisms: Floats, points: Floats) -> Floats:
     return np.asarray(-outside.max(axis=2).min(axis=1))
 
 
-@pytest.mark.parametrize("run", RUNS, ids=lambda route: route.name)
+@pytest.mark.parametrize("route", RUNS, ids=lambda route: route.name)
 def test_tubes_are_watertight_and_as_large_as_straight_ones(route: PipeRoute) -> None:
     body = solid(route_tube_mesh(route))
     assert body.is_watertight and body.is_winding_consistent
@@ -52,7 +52,7 @@ def test_tubes_are_watertight_and_as_large_as_straight_ones(route: PipeRoute) ->
     assert body.volume == pytest.approx(1e9 * expected, rel=5e-3)
 
 
-@pytest.mark.parametrize("run", [route for route in RUNS if route.planar], ids=lambda route: route.name)
+@pytest.mark.parametrize("route", [route for route in RUNS if route.planar], ids=lambda route: route.name)
 def test_boards_are_watertight_and_as_large_as_straight_ones(route: PipeRoute) -> None:
     body = solid(route_boards_mesh(route))
     assert body.is_watertight and body.is_winding_consistent

@@ -13,6 +13,7 @@ import pytest
 from rich.console import Console
 
 from pipenav.errors import FileProblem
+from pipenav.evaluation.config import EvaluationConfig
 from pipenav.evaluation.figures import map_figure, percent, success_figure
 from pipenav.evaluation.report import FILES, evaluation_table, pipes_csv, write_evaluation
 from pipenav.evaluation.results import Evaluation, PipeRecord, read_evaluation
@@ -39,13 +40,9 @@ def record(diameter: float, angle: float, turn: str = "left", successes: int = 8
 def evaluation(pipes: list[PipeRecord]) -> Evaluation:
     return Evaluation.of(
         pipes,
-        policy="some-policy",
-        backend="mujoco",
+        config=EvaluationConfig(policy="some-policy", pipes=("thesis",), episodes=10, stage="reach"),
         robot="basic",
         thesis=thesis_best("torque"),
-        stage="reach",
-        seed=0,
-        episodes_per_pipe=10,
         penetration_p99_m=0.00111,
     )
 
@@ -66,7 +63,7 @@ RUNS = evaluation(
             diameter_mm=d,
             angle_deg=None,
             turn=None,
-            run=f"run-d{d:g}-{corners}",
+            route=f"run-d{d:g}-{corners}",
             episodes=4,
             reach_attempts=4,
             reach_successes=passed,
@@ -138,7 +135,7 @@ def test_tables_fit_into_100_columns_without_cut_words(case: str) -> None:
 
 def test_tables_say_what_was_measured() -> None:
     text = shown(GRID)
-    for fact in ("some-policy: 85.0 % of 600 episodes", "stage front, 60 pipes × 10 episodes", "1.11 mm"):
+    for fact in ("some-policy: 85.0 % of 600 episodes", "stage reach, 60 pipes × 10 episodes", "1.11 mm"):
         assert fact in text
     narrow = next(line for line in text.splitlines() if line.split()[:1] == ["90"])
     assert narrow.split()[:5] == ["90", "300", "70.0", "64.6-74.9", "89"]

@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipenav.backends.backend import Backend
+from pipenav.backends.backend import Simulator
 from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.backends.registry import open_simulator
 from pipenav.disturbances.disturbance import Disturbance
-from pipenav.disturbances.disturbed_backend import DisturbedBackend
+from pipenav.disturbances.disturbed_backend import DisturbedSimulator
 from pipenav.errors import PipenavError
 from pipenav.pipes.centre_lines import CentreLines
 from pipenav.pipes.corner import PipeCorner
@@ -111,8 +111,8 @@ def test_where_down_is_is_felt_in_the_divided_link_and_mirrored_as_all_else() ->
 @given(seeds)
 def test_the_way_is_the_pipes_centre_line(seed: int) -> None:
     points = np.random.default_rng(seed).uniform(-1.0, 1.0, (len(PIPES), 6, 2))
-    along = CentreLines.of(PIPES).along(points)
-    for one, pipe, own in zip(along, PIPES, points, strict=True):
+    distances = CentreLines.of(PIPES).distance(points)
+    for one, pipe, own in zip(distances, PIPES, points, strict=True):
         assert one == pytest.approx(pipe.distance_along(own))
 
 
@@ -271,7 +271,7 @@ def test_a_backend_without_gravity_is_refused_where_pipes_are_inclined() -> None
 def test_unclamped_in_an_upright_pipe_it_falls_freely(steps: int) -> None:
     pipe, n = PipeCorner.of(120, 90, leg_mm=3000), 1
     with closing(open_simulator("mujoco", ROBOT, n, {"threads": 1})) as simulator:
-        simulator.incline(np.arange(n), np.array([[-GRAVITY, 0.0]]))  # type: ignore[attr-defined]
+        simulator.incline(np.arange(n), np.array([[-GRAVITY, 0.0]]))
         simulator.reset(np.arange(n), [pipe], np.zeros((n, 9)), np.array([-1.0]))
         height = _tip_x(simulator)
         for _ in range(steps):
@@ -293,17 +293,15 @@ def test_held_clamped_in_an_upright_pipe_it_stays_and_its_wheels_carry_it_up() -
     assert np.all(heights[2] - heights[1] > 0.03)
 
 
-def _tip_x(simulator: Backend) -> float:
-    truth = simulator.truth()
-    assert truth is not None
-    return float(truth.tip[0, 0])
+def _tip_x(simulator: Simulator) -> float:
+    return float(simulator.truth().tip[0, 0])
 
 
 def test_a_disturbed_robot_falls_too() -> None:
     n = 1
     simulator = open_simulator("mujoco", ROBOT, n, {"threads": 1})
     config = CONFIG.model_copy(update={"inclination_deg": (180.0, 180.0)})
-    with closing(DisturbedBackend(simulator, ROBOT, n, Disturbance(mass=(1.5, 1.5)), 0)) as disturbed:
+    with closing(DisturbedSimulator(simulator, ROBOT, n, Disturbance(mass=(1.5, 1.5)), 0)) as disturbed:
         one = TraverseBatch(ROBOT, config, disturbed, n, lambda _: episodes(config, pipes=[PipeCorner.of(120, 90)]))
         one.reset()
         before = one.q[0, 0]
@@ -314,12 +312,12 @@ def test_a_disturbed_robot_falls_too() -> None:
 
 def test_both_tasks_are_described_alike() -> None:
     arm = load_robot("basic")
-    for robot, task in ((arm, ReachConfig()), (ROBOT, CONFIG)):
-        kind, pipes = task_of(task), [PipeCorner.of(90, 90)]
-        assert len(kind.action_scale(robot, task)) == len(robot.driven_actuators)
-        source = random_episodes(robot, task, [pipes], np.random.default_rng(0), sample=kind.sample)
-        with closing(kind.batch(robot, task, open_simulator("mujoco", robot, 2, {}), 2, source)) as made:
-            assert made.reset().shape == (2, made.observation_size) == (2, len(task_of(task).observation_scale(robot)))
+    for robot, config in ((arm, ReachConfig()), (ROBOT, CONFIG)):
+        task, pipes = task_of(config), [PipeCorner.of(90, 90)]
+        assert len(task.action_scale(robot)) == len(robot.driven_actuators)
+        source = random_episodes(task, robot, [pipes], np.random.default_rng(0))
+        with closing(task.batch(robot, open_simulator("mujoco", robot, 2, {}), 2, source)) as made:
+            assert made.reset().shape == (2, made.observation_size) == (2, len(task.observation_scale(robot)))
             result = made.step(np.zeros((2, made.action_size)))
             assert result.reward.shape == result.cut_off.shape == (2,)
             assert made.q.shape == (2, robot.coordinates)
