@@ -9,8 +9,9 @@ import pytest
 
 from pipenav.cli import main
 from pipenav.errors import PipenavError
-from pipenav.evaluation.evaluate import CheckedEvaluation, StageName
-from pipenav.evaluation.passage import Passages, StageResult
+from pipenav.evaluation.config import EvaluationConfig, StageName
+from pipenav.evaluation.evaluate import CheckedEvaluation
+from pipenav.evaluation.passage import EpisodePlan, Passages, StageResult
 from pipenav.evaluation.results import Evaluation
 from pipenav.motions.mirror import join, rear_motion
 from pipenav.motions.trajectory import Motion
@@ -21,7 +22,7 @@ from pipenav.robots import kinematics
 from pipenav.storage import shipped
 from pipenav.tasks.outcome import Outcome
 
-NAMES = ["d=110,angle=90", "d=100,angle=75,turn=right"]
+NAMES = ("d=110,angle=90", "d=100,angle=75,turn=right")
 EPISODES = 3
 JOBS = len(NAMES) * EPISODES
 
@@ -33,7 +34,7 @@ def controller() -> Controller:
 
 @pytest.fixture(scope="module")
 def passages(controller: Controller) -> Passages:
-    return Passages(controller.robot, controller.task, parse_pipes(NAMES), EPISODES, seed=5)
+    return Passages(EpisodePlan(controller.robot, controller.task, parse_pipes(NAMES), EPISODES, seed=5))
 
 
 @pytest.fixture(scope="module")
@@ -81,18 +82,22 @@ def test_the_rear_plays_both_motions_backwards(passages: Passages, located: Stag
     )  # it waits at the end until it is there
 
 
+def evaluate(policy: str | None, stage: StageName) -> Evaluation:
+    return CheckedEvaluation(EvaluationConfig(policy=policy, pipes=NAMES, episodes=EPISODES, seed=5, stage=stage)).run()
+
+
 def counts(evaluation: Evaluation) -> list[tuple[int | None, ...]]:
     return [
         (r.located, r.reach_attempts, r.reach_successes, r.rear_attempts, r.rear_successes) for r in evaluation.pipes
     ]
 
 
-@pytest.mark.parametrize("stage", ["front", "reach-rear", "locate", "passage"])
+@pytest.mark.parametrize("stage", ["reach", "reach-rear", "locate", "passage"])
 def test_counts_are_those_of_the_stages_that_ran(stage: StageName) -> None:
-    found = CheckedEvaluation(None if stage == "locate" else "arm", NAMES, EPISODES, 5, stage).run()
+    found = evaluate("arm" if stage != "locate" else None, stage)
     n = EPISODES
     expected = {
-        "front": (None, n, n, None, None),
+        "reach": (None, n, n, None, None),
         "reach-rear": (None, n, n, n, n),
         "locate": (n, None, None, None, None),
         "passage": (n, n, n, n, n),
@@ -103,7 +108,7 @@ def test_counts_are_those_of_the_stages_that_ran(stage: StageName) -> None:
 
 
 def test_failures_add_up_and_a_stage_that_nothing_came_to_is_empty() -> None:
-    found = CheckedEvaluation("baseline:random", NAMES, EPISODES, 5, "passage").run()
+    found = evaluate("baseline:random", "passage")
     for record in found.pipes:
         assert record.located == record.reach_attempts == EPISODES
         assert (record.reach_successes, record.rear_attempts, record.rear_successes) == (0, 0, 0)
@@ -120,11 +125,11 @@ def test_the_same_seed_gives_the_same_passages(passages: Passages, located: Stag
 
 @pytest.mark.parametrize(
     ("policy", "stage", "message"),
-    [(None, "front", "stage front measures a policy"), ("arm", "locate", "stage locate runs without a policy")],
+    [(None, "reach", "stage reach measures a policy"), ("arm", "locate", "stage locate runs without a policy")],
 )
 def test_a_stage_wants_its_policy(policy: str | None, stage: StageName, message: str) -> None:
     with pytest.raises(PipenavError, match=message):
-        CheckedEvaluation(policy, NAMES, 1, 0, stage)
+        evaluate(policy, stage)
 
 
 def test_a_pipe_too_narrow_for_the_robot_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -140,6 +145,7 @@ def test_a_pipe_too_narrow_for_the_robot_is_refused(tmp_path: Path, capsys: pyte
 
 
 def test_a_failed_stage_names_itself() -> None:
-    found = CheckedEvaluation(None, ["d=110,angle=175"], 2, 0, "locate", variant="thesis").run()
+    config = EvaluationConfig(stage="locate", pipes=("d=110,angle=175",), episodes=2, variant="thesis")
+    found = CheckedEvaluation(config).run()
     assert set(found.pipes[0].failures) <= {f"locate {outcome.label}" for outcome in Outcome}
     assert found.policy == "locate:thesis"

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from pipenav.errors import ConfigError, FileProblem
+from pipenav.evaluation.config import EvaluationConfig
 from pipenav.evaluation.results import DiameterRecord, Evaluation, PipeRecord, read_evaluation, wilson
 from pipenav.evaluation.thesis import ANGLES_DEG, is_thesis_set, thesis_best, thesis_rows
 
@@ -19,7 +20,7 @@ PIPE_KEYS = {
     "diameter_mm",
     "angle_deg",
     "turn",
-    "run",
+    "route",
     "episodes",
     "located",
     "reach_attempts",
@@ -44,8 +45,8 @@ def pipe(diameter: float = 90, angle: float | None = 60, successes: int = 9, **f
 
 
 def evaluation(pipes: list[PipeRecord], **facts: Any) -> Evaluation:
-    defaults = {"policy": "p", "backend": "mujoco", "robot": "basic", "stage": "reach", "seed": 1}
-    return Evaluation.of(pipes, episodes_per_pipe=10, **{**defaults, **facts})
+    config = EvaluationConfig(policy="p", pipes=("d=90,angle=60",), episodes=10, seed=1, stage="reach")
+    return Evaluation.of(pipes, **{"config": config, "robot": "basic", **facts})
 
 
 @pytest.mark.parametrize(
@@ -87,16 +88,18 @@ def test_json_has_exactly_the_documented_keys() -> None:
     table = json.loads(evaluation([pipe()]).to_json())
     assert set(table) == {
         *("schema", "policy", "backend", "robot", "stage", "seed", "pipes", "diameters", "episodes_per_pipe"),
-        *("success", "success_low", "success_high", "penetration_p99_m", "options", "disturb"),
+        *("success", "success_low", "success_high", "penetration_p99_m", "options", "disturb", "config"),
     }
-    assert table["schema"] == 1
+    assert table["schema"] == 2
+    assert EvaluationConfig.model_validate(table["config"]) == evaluation([pipe()]).config
     assert set(table["pipes"][0]) == PIPE_KEYS | {"reach_success_low", "reach_success_high"}
     assert table["pipes"][0]["rear_attempts"] is None
 
 
 def test_evaluations_survive_the_file(tmp_path: Path) -> None:
     full = pipe(located=10, rear_attempts=9, rear_successes=8, failures={"limit": 1}, min_range_m=0.01)
-    given_one = evaluation([full, pipe(100)], options={"timestep_s": 0.002, "list": [1, None]}, penetration_p99_m=1e-3)
+    options = EvaluationConfig(stage="locate", options={"timestep_s": 0.002, "list": [1, None]})
+    given_one = evaluation([full, pipe(100)], config=options, penetration_p99_m=1e-3)
     (tmp_path / "eval.json").write_text(given_one.to_json(), encoding="utf-8")
     assert read_evaluation(tmp_path) == read_evaluation(tmp_path / "eval.json") == given_one
 
@@ -108,9 +111,21 @@ def test_unreadable_evaluations_are_named(tmp_path: Path) -> None:
     file.write_text("{", encoding="utf-8")
     with pytest.raises(ConfigError, match="invalid JSON"):
         read_evaluation(file)
-    file.write_text(evaluation([pipe()]).to_json().replace('"schema": 1', '"schema": 2'), encoding="utf-8")
-    with pytest.raises(ConfigError, match=r"schema: input should be 1, given 2"):
+    file.write_text(evaluation([pipe()]).to_json().replace('"schema": 2', '"schema": 3'), encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"schema: input should be 1 or 2, given 3"):
         read_evaluation(file)
+
+
+def test_a_file_of_schema_1_is_read_as_one_of_today(tmp_path: Path) -> None:
+    """Keys were `run`, `front_...` and `min_clearance_m`, the stage `front`, and there was no `config`."""
+    table = json.loads(evaluation([pipe(min_range_m=0.01)]).to_json()) | {"schema": 1, "stage": "front"}
+    config = table.pop("config")
+    text = json.dumps(table).replace("reach_", "front_").replace('"route"', '"run"')
+    (tmp_path / "eval.json").write_text(text.replace("min_range_m", "min_clearance_m"), encoding="utf-8")
+    found = read_evaluation(tmp_path)
+    assert (found.pipes, found.diameters) == ((pipe(min_range_m=0.01),), evaluation([pipe()]).diameters)
+    names = ["d=90.0,angle=60.0,turn=left"]
+    assert found.config.model_dump(mode="json") == {**config, "pipes": names}
 
 
 def test_added_keys_do_not_stop_a_reader(tmp_path: Path) -> None:
@@ -124,7 +139,7 @@ def test_added_keys_do_not_stop_a_reader(tmp_path: Path) -> None:
     [
         {"angle": None},
         {"turn": None},
-        {"run": "run-d90-L60"},
+        {"route": "run-d90-L60"},
         {"reach_attempts": 11},
         {"reach_successes": 11},
         {"located": 9},

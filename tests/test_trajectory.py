@@ -23,6 +23,7 @@ from pipenav.motions.trajectory import (
 )
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import load_robot
+from pipenav.tasks.outcome import PassageStage
 
 ROBOT = load_robot("basic")
 PIPES = st.builds(
@@ -44,7 +45,7 @@ def trajectories(draw: st.DrawFn) -> Trajectory:
         pipe=pipe,
         base_m=draw(st.floats(-1, 0)),
         goal_m=draw(st.sampled_from([None, tuple(0.8 * pipe.leg * pipe.second_leg)])),
-        stage=draw(st.sampled_from(["front", "locate", "rear"])),
+        stage=draw(st.sampled_from(["reach", "locate", "rear"])),
         outcome=draw(st.sampled_from(["reached", "timeout", None])),
         backend="mujoco",
         controller="arm",
@@ -87,7 +88,7 @@ def test_the_header_speaks_of_units_and_of_the_pipe_as_its_own_file_does(tmp_pat
     write_trajectory(tmp_path / "front.csv", recorded())
     first, columns, start, *_ = (tmp_path / "front.csv").read_text().splitlines()
     header = json.loads(first.removeprefix("# pipenav-trajectory "))
-    assert header["schema"] == 1
+    assert header["schema"] == 2
     assert header["pipe"] == {
         "turn": "right",
         "diameter_m": 0.1,
@@ -149,7 +150,7 @@ def without_column(column: int) -> Edit:
         (cell(8, 1, "0.4"), ["line 8", "l_m", "0.4", "-0.05 to 0.343"]),
         (cell(13, 4, "-3"), ["line 13", "theta3_rad", "-3", "-2.4 to 2.4"]),
         (cell(13, 5, "-3"), ["line 13", "contact_force_n", "negative"]),
-        (head(schema=2), ["line 1: schema", "given 2"]),
+        (head(schema=3), ["line 1: schema", "given 3"]),
         (head(robot="high-five"), ["'high-five'"]),
         (head(robot=None), ["line 1: robot"]),
         (head(base_m="near"), ["line 1: base_m", "'near'"]),
@@ -175,6 +176,14 @@ def test_what_cannot_be_is_refused_by_name(tmp_path: Path, edit: Edit, names: li
     assert all(name in message for name in names), message
     assert "\n" not in message
     assert message.endswith((".", "?"))
+
+
+def test_a_file_of_schema_1_calls_reaching_front(tmp_path: Path) -> None:
+    path = tmp_path / "front.csv"
+    write_trajectory(path, recorded())
+    edit = head(schema=1, stage="front")
+    path.write_text("".join(line + "\n" for line in edit(path.read_text().splitlines())))
+    assert read_trajectory(path).header.stage is PassageStage.REACH
 
 
 def test_another_robot_is_refused_by_name(tmp_path: Path) -> None:

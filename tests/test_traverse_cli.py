@@ -88,7 +88,7 @@ def test_an_evaluation_names_runs_beside_corners(trained: Path, tmp_path: Path) 
     assert run("eval", "--policy", str(trained / "best.zip"), *args, "--out", str(tmp_path / "eval")) == 0
     found = read_evaluation(tmp_path / "eval")
     names = [parse_routes(["runs-level:3"])[0].name, "run-d100-L90-R75", None]
-    assert [(record.run, record.angle_deg, record.turn) for record in found.pipes] == [
+    assert [(record.route, record.angle_deg, record.turn) for record in found.pipes] == [
         (names[0], None, None),
         (names[1], None, None),
         (None, 80.0, "left"),
@@ -96,7 +96,7 @@ def test_an_evaluation_names_runs_beside_corners(trained: Path, tmp_path: Path) 
     assert [record.failures for record in found.pipes] == [{"timeout": 1}] * 3
     assert [row.diameter_mm for row in found.diameters] == [100.0, 90.0]
     rows = list(csv.DictReader((tmp_path / "eval" / "eval.csv").open(encoding="utf-8")))
-    assert [row["run"] for row in rows] == [*names[:2], ""]
+    assert [row["route"] for row in rows] == [*names[:2], ""]
     assert {row["angle_deg"] for row in rows[:2]} == {""}
 
 

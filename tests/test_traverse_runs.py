@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipenav.arrays import Floats, Ints
-from pipenav.backends.backend import Backend, BackendOptions
+from pipenav.backends.backend import BackendOptions, Simulator
 from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.backends.registry import open_simulator
 from pipenav.disturbances.disturbance import load_disturbance
@@ -69,32 +69,31 @@ def test_the_way_is_the_centre_line_of_runs_and_corners_alike(seed: int) -> None
     line = [np.array([[-1.0, 0], [0, 0], [1, 1]]) if isinstance(p, PipeCorner) else p.centre_line[:, :2] for p in pipes]
     points = np.stack([points[rng.integers(len(points), size=8)] for points in line])
     points += rng.normal(0.0, 0.3, points.shape)
-    along = CentreLines.of(pipes).along(points)
-    for one, pipe, own in zip(along, pipes, points, strict=True):
-        expected = pipe.distance_along(own) if isinstance(pipe, PipeCorner) else pipe.along(own)
-        assert one == pytest.approx(expected)
+    distances = CentreLines.of(pipes).distance(points)
+    for one, pipe, own in zip(distances, pipes, points, strict=True):
+        assert one == pytest.approx(pipe.distance_along(own))
 
 
-def test_ways_make_room_for_more_corners() -> None:
-    ways = CentreLines.of([CORNERS[0], CORNERS[1]]).put(np.array([1]), CentreLines.of([LEVEL[0]]))
+def test_centre_lines_make_room_for_more_corners() -> None:
+    lines = CentreLines.of([CORNERS[0], CORNERS[1]]).put(np.array([1]), CentreLines.of([LEVEL[0]]))
     points = np.random.default_rng(0).normal(size=(2, 50, 2))
-    assert ways.along(points)[0] == pytest.approx(CORNERS[0].distance_along(points[0]))
-    assert ways.along(points)[1] == pytest.approx(LEVEL[0].along(points[1]))
-    assert list(ways.corners) == [1, 5]
+    assert lines.distance(points)[0] == pytest.approx(CORNERS[0].distance_along(points[0]))
+    assert lines.distance(points)[1] == pytest.approx(LEVEL[0].distance_along(points[1]))
+    assert list(lines.corners) == [1, 5]
 
 
 @given(st.sampled_from(LEVEL))
 def test_corners_end_one_after_the_other_and_turn_to_the_side_that_the_run_turns_to(route: PipeRoute) -> None:
-    ways = CentreLines.of([route])
-    assert np.all(np.diff(ways.end[0, :-1]) > 0)
+    lines = CentreLines.of([route])
+    assert np.all(np.diff(lines.end[0, :-1]) > 0)
     direction = np.diff(route.centre_line[:, :2], axis=0)
     cross = direction[:-1, 0] * direction[1:, 1] - direction[:-1, 1] * direction[1:, 0]
     assert route.turn_signs == pytest.approx(np.sign(cross))
-    assert ways.turn_sign[0, :-1] == pytest.approx(np.sign(cross))
+    assert lines.turn_sign[0, :-1] == pytest.approx(np.sign(cross))
 
 
 def test_a_run_of_one_gives_the_episode_of_the_corner() -> None:
-    routes = [PipeRoute.from_pipe(pipe) for pipe in CORNERS]
+    routes = [PipeRoute.from_corner(pipe) for pipe in CORNERS]
     for number in range(3):
         one, other = (random_start(ROBOT, CONFIG, pipes, 3, 5)(number) for pipes in (CORNERS, routes))
         for a, b in zip(one[1:], other[1:], strict=True):
@@ -123,7 +122,7 @@ def test_an_action_seen_from_the_other_side_asks_for_the_same_and_twice_is_itsel
         assert observation.to_command(ROBOT, config, seen, q, before, change).values == pytest.approx(one)
 
 
-class Ghost(Backend):
+class Ghost(Simulator):
     """Robots that are carried through their pipes by hand, bent as they are told, touching nothing."""
 
     Options = BackendOptions
@@ -157,7 +156,7 @@ class Ghost(Backend):
 def _on_the_centre_line(pipe: Pipe, at: float) -> tuple[float, float, float]:
     """Place and direction of the way where it is `at` long."""
     assert isinstance(pipe, PipeRoute)
-    leg = int(np.clip(np.searchsorted(pipe.distances, at, turn_sign="right") - 1, 0, len(pipe.straights) - 1))
+    leg = int(np.clip(np.searchsorted(pipe.distances, at, side="right") - 1, 0, len(pipe.straights) - 1))
     x, y = pipe.legs.axes[leg][:2, 0]
     place = pipe.centre_line[leg, :2] + (at - pipe.distances[leg]) * np.array([x, y])
     return (*place, float(np.arctan2(y, x)))

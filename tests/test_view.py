@@ -28,7 +28,7 @@ def here(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
 def front(here: Path, capsys: pytest.CaptureFixture[str]) -> Path:
     assert run("view", "--policy", "arm", "--pipes", "d=95,angle=65,turn=right", "--out", "front.csv", *FAST) == 0
     assert re.search(
-        r"95 mm, 65 deg, right, front: reached after 1\.\d s, largest contact force", capsys.readouterr().out
+        r"95 mm, 65 deg, right, reach: reached after 1\.\d s, largest contact force", capsys.readouterr().out
     )
     return here / "front.csv"
 
