@@ -37,9 +37,13 @@ class Screen:
 
 
 class Shown(KinematicBackend):
-    """A backend with a window of its own."""
+    """A simulator with a window of its own."""
 
     screens: list[Screen]
+
+    @property
+    def has_viewer(self) -> bool:
+        return True
 
     def open_viewer(self) -> Screen:
         self.screens.append(Screen(5))

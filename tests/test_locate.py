@@ -13,10 +13,19 @@ from hypothesis import strategies as st
 
 from pipenav.arrays import Floats
 from pipenav.backends.messages import Reading
+from pipenav.backends.registry import SimulatorSettings
 from pipenav.errors import PipenavError
 from pipenav.evaluation.locate_stage import LocateStage, inside_second_leg
-from pipenav.evaluation.passage import Passages
-from pipenav.locating.locator import LocateConfig, PrintedLocator, Variant, point_on_beam, robot_for
+from pipenav.evaluation.passage import EpisodePlan, Passages
+from pipenav.locating.locator import (
+    LOCATORS,
+    LocateConfig,
+    MapLocator,
+    PrintedLocator,
+    Variant,
+    point_on_beam,
+    robot_for,
+)
 from pipenav.pipes.corner import PipeCorner
 from pipenav.recording.record import RecordingSettings, record_locate
 from pipenav.robots import kinematics, laser
@@ -27,7 +36,8 @@ from pipenav.tasks.reach.episode import ReachEpisodes
 from pipenav.testing import KinematicBackend, KinematicOptions
 
 ROBOTS = ("basic", "high-fidelity", "real-setup")
-FAST = RecordingSettings("mujoco", {"timestep": 0.005, "threads": 1})
+SIMULATOR = SimulatorSettings("mujoco", {"timestep": 0.005, "threads": 1})
+FAST = RecordingSettings(SIMULATOR.backend, SIMULATOR.options)
 ONE = np.arange(1)
 
 
@@ -146,7 +156,8 @@ def search(name: str, pipe: PipeCorner, gap: float, bend: Floats, variant: Varia
     q = np.concatenate([[0.0], bend])[None]
     start = ReachEpisodes((pipe,), q, base, np.array([pipe.turn_sign]), np.zeros((1, 2)), np.zeros((1, 2)))
     backend, rows, outcome = KinematicBackend(robot, 1, KinematicOptions()), [q[0]], Outcome.RUNNING
-    with closing(LocateStage(robot, LocateConfig(), variant, ReachConfig(), backend, 1, lambda _: start)) as stage:
+    locator = LOCATORS[variant](robot, LocateConfig(), 1)
+    with closing(LocateStage(robot, locator, ReachConfig(), backend, lambda _: start)) as stage:
         stage.start(ONE)
         while outcome is Outcome.RUNNING:
             step = stage.step()
@@ -196,7 +207,7 @@ def test_on_physics_nothing_is_touched(name: str) -> None:
     turns = ["left", "right"]
     random = [PipeCorner.of(d, a, turns[i % 2]) for i, (d, a) in enumerate(rng.uniform((70, 55), (120, 125), (10, 2)))]
     pipes = [*random, *(PipeCorner.of(70, angle, turn) for angle in (55, 85, 120, 125) for turn in turns)]
-    part = Passages(load_robot(name), ReachConfig(), pipes, 2, 3, options=dict(FAST.options)).locate()
+    part = Passages(EpisodePlan(load_robot(name), ReachConfig(), pipes, 2, 3, SIMULATOR)).locate()
     assert part.passed.all()
     assert part.results.force.max() == 0.0
     assert part.results.penetration.max() == 0.0
@@ -204,7 +215,7 @@ def test_on_physics_nothing_is_touched(name: str) -> None:
 
 def test_a_recorded_search_is_the_one_that_an_evaluation_runs() -> None:
     robot, pipe = load_robot("high-fidelity"), PipeCorner.of(85, 70, "right")
-    part = Passages(robot, ReachConfig(), [pipe], 3, 5, options=dict(FAST.options)).locate()
+    part = Passages(EpisodePlan(robot, ReachConfig(), [pipe], 3, 5, SIMULATOR)).locate()
     for number in range(3):
         located = record_locate(robot, "map", pipe, 5, number, FAST)
         np.testing.assert_array_equal(located.trajectory.q, part.motions[number])
@@ -238,10 +249,8 @@ def test_a_robot_of_other_joints_is_refused() -> None:
     with pytest.raises(PipenavError, match="drives a slide followed by hinges; robot 'basic' has hinge, hinge, hinge"):
         LocateStage(
             hinges,
-            LocateConfig(),
-            "map",
+            MapLocator(robot, LocateConfig(), 1),
             ReachConfig(),
             KinematicBackend(robot, 1, KinematicOptions()),
-            1,
             lambda _: pytest.fail("no episode is drawn"),
         )

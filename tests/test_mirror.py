@@ -24,7 +24,7 @@ from pipenav.policies.named import open_controller
 from pipenav.recording.record import RecordingSettings, record_task
 from pipenav.robots.kinematics import forward
 from pipenav.robots.robot import load_robot
-from pipenav.tasks.outcome import Outcome
+from pipenav.tasks.outcome import Outcome, PassageStage
 from pipenav.testing import KinematicBackend, KinematicOptions
 
 ROBOT = load_robot("basic")
@@ -124,7 +124,7 @@ def test_the_plan_of_a_front(front: Trajectory) -> None:
 
 def test_a_front_that_began_where_locating_ended_needs_the_locating_part(front: Trajectory) -> None:
     whole = front.q
-    locate = replace(changed(front, stage="locate"), q=whole[:6])
+    locate = replace(changed(front, stage=PassageStage.LOCATE), q=whole[:6])
     rest = replace(front, q=whole[5:])
     assert np.abs(rest.q[0, 1:]).max() > mirror.STRAIGHT
     with pytest.raises(PipenavError, match=r"does not start straight: theta\d is at .* deg, allowed are 5\.7 deg"):
@@ -135,10 +135,10 @@ def test_a_front_that_began_where_locating_ended_needs_the_locating_part(front: 
 @pytest.mark.parametrize(
     ("header", "message"),
     [
-        ({"outcome": "timeout"}, r"front part of the passage did not succeed \(outcome: timeout\)"),
+        ({"outcome": "timeout"}, r"the reach part of the passage did not succeed \(outcome: timeout\)"),
         ({"outcome": None}, r"\(outcome: not run\)"),
-        ({"stage": "rear"}, "a rear half's already"),
-        ({"stage": "locate"}, "ends with a part of stage 'locate'"),
+        ({"stage": PassageStage.REAR}, "a rear half's already"),
+        ({"stage": PassageStage.LOCATE}, "ends with a part of stage 'locate'"),
         ({"base_m": -0.3}, "in the corner"),
     ],
 )

@@ -163,11 +163,11 @@ def test_an_import_that_the_constructor_makes_is_named_when_it_is_opened(install
     [
         ("1 / 0", "importing {} fails with ZeroDivisionError: division by zero; report it to the authors of"),
         ("", "importing {} fails with AttributeError"),
-        ("GoodBackend = 3", "is not a subclass of pipenav.backends.backend.Backend"),
-        ("class GoodBackend: pass", "is not a subclass of pipenav.backends.backend.Backend"),
+        ("GoodBackend = 3", "is not a subclass of pipenav.backends.Backend"),
+        ("class GoodBackend: pass", "is not a subclass of pipenav.backends.Backend"),
         (
-            "from pipenav.backends.backend import Backend\nclass GoodBackend(Backend): pass",
-            "does not implement __init__, close",
+            "from pipenav.backends import Backend\nclass GoodBackend(Backend): pass",
+            "does not implement close, read, reset, step",
         ),
         (f"{GOOD}\nclass GoodBackend(GoodBackend): Options = dict", "has no Options derived from"),
         ("from pipenav.errors import nothing_there", "cannot import name 'nothing_there'"),

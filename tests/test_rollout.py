@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from pipenav.backends.backend import Backend
+from pipenav.backends.registry import SimulatorSettings
 from pipenav.evaluation.passage import run_task
 from pipenav.motions.mirror import plan_rear
 from pipenav.motions.trajectory import Trajectory
@@ -28,7 +29,7 @@ def fronts() -> list[Trajectory]:
 
 
 def test_the_recorded_episode_is_the_one_that_an_evaluation_runs(fronts: list[Trajectory]) -> None:
-    results = run_task(open_controller("arm"), [PIPE], 3, 5, options=OPTIONS)
+    results = run_task(open_controller("arm"), [PIPE], 3, 5, SimulatorSettings("mujoco", OPTIONS))
     for number, front in enumerate(fronts):
         assert front.header.outcome == Outcome(results.outcome[number]).label
         assert len(front.q) - 1 == results.steps[number]
@@ -39,7 +40,7 @@ def test_the_recorded_episode_is_the_one_that_an_evaluation_runs(fronts: list[Tr
 
 def test_the_header_says_where_and_on_what(fronts: list[Trajectory]) -> None:
     header = fronts[0].header
-    assert (header.robot, header.pipe, header.stage, header.seed) == ("basic", PIPE, "front", 5)
+    assert (header.robot, header.pipe, header.stage, header.seed) == ("basic", PIPE, "reach", 5)
     assert (header.backend, header.controller, header.options) == ("mujoco", "arm", OPTIONS)
     assert header.goal_m is not None
     tip = forward(fronts[0].robot, fronts[0].q[-1:]).tip[0] + [header.base_m, 0.0]

@@ -35,8 +35,8 @@ def simulate(
     start = episode.sample(robot, policy.header.task, [pipe], rng)
     backend = open_simulator("mujoco", robot, 1, {"threads": 1}, len(pipe.segments))
     now = before = backend.reset(np.array([0]), [pipe], start.q, start.base)
-    given = {"goal": None, "retreat": False} | settings
-    run = Mission(policy, float(start.turn_sign[0]), PERIOD, given["goal"], LocateConfig(), given["retreat"])
+    given = {"target": None, "retreat": False} | settings
+    run = Mission(policy, float(start.turn_sign[0]), PERIOD, given["target"], LocateConfig(), given["retreat"])
     made, step = [], robot.speed_limits * PERIOD
     for _ in range(500):
         seen = now._replace(q=now.q - rng.uniform(0, lag) * (now.q - before.q))

@@ -11,6 +11,7 @@ from pipenav.evaluation.episode_runner import EpisodeQueue, joined, random_start
 from pipenav.evaluation.passage import run_task
 from pipenav.evaluation.stage import TaskStage
 from pipenav.pipes.corner_sets import parse_pipes
+from pipenav.policies.controller import actions_of
 from pipenav.policies.named import open_controller
 from pipenav.robots import kinematics
 from pipenav.tasks.outcome import Outcome
@@ -34,7 +35,7 @@ def test_the_front_stage_is_the_corner_task_under_its_controller() -> None:
         observation = plain.reset()
         stage.start(np.arange(stage.n))
         for _ in range(12):
-            expected, step = plain.step(controller.act(observation, plain)), stage.step()
+            expected, step = plain.step(actions_of(controller, observation, plain)), stage.step()
             observation = expected.observation
             np.testing.assert_array_equal(step.outcome, expected.outcome)
             np.testing.assert_array_equal(step.truth.tip, expected.truth.tip)
@@ -49,7 +50,7 @@ def test_an_episode_is_the_same_whenever_it_is_asked_for() -> None:
         one, again = start(job), start(job)
         assert one.pipes == again.pipes == (PIPES[job // 3],)
         np.testing.assert_array_equal(one.q, again.q)
-        np.testing.assert_array_equal(one.goal, again.goal)
+        np.testing.assert_array_equal(one.target, again.target)
 
 
 def test_results_say_where_each_episode_ended() -> None:
@@ -61,4 +62,4 @@ def test_results_say_where_each_episode_ended() -> None:
     for job, q in enumerate(found.q):
         episode = start(job)
         tip = kinematics.forward(controller.robot, q[None]).tip * [1.0, episode.turn_sign[0]]
-        assert np.linalg.norm(tip - episode.goal) <= controller.task.reach_tolerance
+        assert np.linalg.norm(tip - episode.target) <= controller.task.reach_tolerance
