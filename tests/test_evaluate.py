@@ -12,8 +12,8 @@ import pytest
 from pipenav.arrays import Floats
 from pipenav.cli import main
 from pipenav.evaluation import episode_runner
-from pipenav.evaluation.episode_runner import EpisodeResults
 from pipenav.evaluation.config import EvaluationConfig
+from pipenav.evaluation.episode_runner import EpisodeResults
 from pipenav.evaluation.evaluate import CheckedEvaluation
 from pipenav.evaluation.passage import run_task
 from pipenav.pipes.corner_sets import parse_pipes
@@ -24,7 +24,6 @@ from pipenav.policies.policy import load_policy
 from pipenav.robots.robot import load_robot
 from pipenav.storage import shipped
 from pipenav.tasks.outcome import Outcome
-
 from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.registry import task_of
 

@@ -13,6 +13,7 @@ from pipenav.errors import ConfigError, FileProblem, OutOfRange, PipenavError
 from pipenav.export import corner_folder
 from pipenav.export.corner_folder import FILES, read_pipe, write_pipe_folder
 from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.json_keys import CORNER_KEYS
 
 diameters = st.floats(40, 300)
 angles = st.one_of(st.floats(30, 180), st.sampled_from([30.0, 90.0, 179.999, 180.0]))
@@ -26,7 +27,7 @@ pipes = st.builds(lambda d, a, t, r, w: PipeCorner.of(d, a, t, r, wall_mm=w), di
 @given(pipes)
 def test_json_round_trip_is_exact(pipe: PipeCorner) -> None:
     record = json.loads(json.dumps(corner_folder.pipe_record(pipe)))
-    assert PipeCorner.model_validate({f: record[key] for f, key in corner_folder.FIELD_KEYS.items()}) == pipe
+    assert PipeCorner.model_validate({f: record[key] for f, key in CORNER_KEYS.items()}) == pipe
 
 
 @pytest.mark.parametrize(

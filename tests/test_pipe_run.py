@@ -10,9 +10,10 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from pipenav.arrays import Floats
+from pipenav.arrays import Floats, Ints
 from pipenav.backends.wall_boxes import wall_boxes
 from pipenav.errors import OutOfRange, PipenavError
+from pipenav.pipes.centre_lines import CentreLines
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.route import Corner, CrossesItself, PipeRoute
 
@@ -59,17 +60,24 @@ def inside(route: PipeRoute, seed: int = 0, count: int = 40) -> Floats:
     return np.moveaxis(lines[:, :-1] + share[:, None, None] * np.diff(lines, axis=1), 1, 0)
 
 
+def leg_of(route: PipeRoute, points: Floats) -> Ints:
+    """The leg that each of the points (..., 2) or (..., 3) belongs to, counted from 0: (...)."""
+    dimensions = points.shape[-1]
+    located = CentreLines.of([route], dimensions).locate(points.reshape(1, -1, dimensions))
+    return located.leg.reshape(points.shape[:-1])
+
+
 @given(diameters, angles, turns)
 def test_a_run_of_one_is_that_pipe(diameter: float, angle: float, turn: str) -> None:
     pipe = PipeCorner.of(diameter, angle, turn)
-    route = PipeRoute.from_pipe(pipe)
+    route = PipeRoute.from_corner(pipe)
     left, right = pipe.walls if turn == "left" else pipe.walls[::-1]
     np.testing.assert_allclose(route.walls.left, left, atol=1e-12)
     np.testing.assert_allclose(route.walls.right, right, atol=1e-12)
     np.testing.assert_allclose(route.centre_line[:, :2], pipe.line(0.0), atol=1e-12)
     points = np.random.default_rng(1).uniform(-1.2, 1.2, (200, 2)) * pipe.leg
     points = points[pipe.contains(points)]
-    np.testing.assert_allclose(route.along(points), pipe.distance_along(points), atol=1e-12)
+    np.testing.assert_allclose(route.distance_along(points), pipe.distance_along(points), atol=1e-12)
     # Sorted by their middles, a pipe and a run list the same walls, with the same thick and thin boxes behind them.
     if angle > 179.9:  # where a run knows no inner side
         return
@@ -133,7 +141,7 @@ def test_turning_every_corner_the_other_way_mirrors_the_run(route: PipeRoute, se
     mirrored = route.model_copy(update={"corners": corners})
     np.testing.assert_allclose(mirrored.centre_line, route.centre_line @ MIRROR, atol=1e-9)
     points = inside(route, seed)
-    np.testing.assert_allclose(mirrored.along(points @ MIRROR), route.along(points), atol=1e-9)
+    np.testing.assert_allclose(mirrored.distance_along(points @ MIRROR), route.distance_along(points), atol=1e-9)
 
 
 @given(routes(), st.integers(0, 4))
@@ -155,20 +163,20 @@ def test_along_rises_along_lines_that_keep_the_inside_and_is_the_distance_on_the
 ) -> None:
     distances = np.sort(np.random.default_rng(seed).uniform(route.distances[0], route.distances[-1], 300))
     on_line = np.stack([np.interp(distances, route.distances, line) for line in route.centre_line.T], axis=1)
-    np.testing.assert_allclose(route.along(on_line), distances, atol=1e-9)
+    np.testing.assert_allclose(route.distance_along(on_line), distances, atol=1e-9)
     line = route.legs.lines(0.9 * route.radius, np.array([seed]))[0]
     share = np.linspace(0, len(line) - 1, 400)
     walked = np.stack([np.interp(share, np.arange(len(line)), x) for x in line.T], axis=1)
-    assert (np.diff(route.along(walked)) >= -1e-9).all()
+    assert (np.diff(route.distance_along(walked)) >= -1e-9).all()
 
 
 @given(routes())
 def test_along_goes_on_past_the_open_ends(route: PipeRoute) -> None:
     before = route.centre_line[0] - 0.1 * route.frames.rotation[0][:, 0]
     after = route.centre_line[-1] + 0.1 * route.frames.rotation[-1][:, 0]
-    assume(route.leg_of(np.stack([before, after])).tolist() == [0, len(route.corners)])  # no other leg is nearer
+    assume(leg_of(route, np.stack([before, after])).tolist() == [0, len(route.corners)])  # no other leg is nearer
     assert not route.contains(np.stack([before, after])).any()
-    assert route.along(np.stack([before, after])) == pytest.approx(
+    assert route.distance_along(np.stack([before, after])) == pytest.approx(
         [route.distances[0] - 0.1, route.distances[-1] + 0.1]
     )
 
@@ -176,9 +184,9 @@ def test_along_goes_on_past_the_open_ends(route: PipeRoute) -> None:
 def test_a_point_in_a_mitre_counts_to_the_leg_before() -> None:
     route = PipeRoute.of(100, [(90, "left", 0)])
     mitre = np.array([[0.02, -0.02], [0.0, 0.0], [-0.02, 0.02]])
-    assert route.leg_of(mitre).tolist() == [0, 0, 0]
-    assert route.along(mitre) == pytest.approx([0.0, 0.0, -0.02])
-    assert route.along(mitre + np.array([0.0, 1e-9])) == pytest.approx([0.0, 0.0, 0.02], abs=1e-8)
+    assert leg_of(route, mitre).tolist() == [0, 0, 0]
+    assert route.distance_along(mitre) == pytest.approx([0.0, 0.0, -0.02])
+    assert route.distance_along(mitre + np.array([0.0, 1e-9])) == pytest.approx([0.0, 0.0, 0.02], abs=1e-8)
 
 
 @given(routes(), st.integers(0, 9))
@@ -186,7 +194,7 @@ def test_points_of_a_leg_are_inside_and_belong_to_it(route: PipeRoute, seed: int
     points = inside(route, seed)
     assert route.contains(points).all()
     leg = np.broadcast_to(np.arange(len(points))[:, None], points.shape[:2])
-    np.testing.assert_array_equal(route.leg_of(points), leg)
+    np.testing.assert_array_equal(leg_of(route, points), leg)
     local = route.to_leg(points, leg)
     origin, rotation = route.frames
     np.testing.assert_allclose((rotation[leg] @ local[..., None])[..., 0] + origin[leg], points, atol=1e-9)
@@ -195,7 +203,7 @@ def test_points_of_a_leg_are_inside_and_belong_to_it(route: PipeRoute, seed: int
 def test_points_in_a_bore_belong_to_it_even_where_another_legs_open_end_points_at_them() -> None:
     route = PipeRoute.of(108, [(110, "left", 0), (110, "left", 0), (30, "left", 0)], [137, 92, 317, 224])
     points = np.array([[-0.0874, 0.0539], [-0.06, 0.05]])
-    assert route.leg_of(points).tolist() == [0, 0] and route.contains(points).all()
+    assert leg_of(route, points).tolist() == [0, 0] and route.contains(points).all()
 
 
 @given(routes(), st.integers(0, 9))
@@ -256,7 +264,7 @@ def test_legs_that_are_no_neighbours_never_share_a_point(route: PipeRoute, share
     line = route.legs.lines(share * route.radius, np.array([around]))[0]
     samples = line[:-1, None] + np.linspace(0, 1, 50)[1:-1, None] * np.diff(line, axis=0)[:, None]
     np.testing.assert_array_equal(
-        route.leg_of(samples), np.broadcast_to(np.arange(len(samples))[:, None], (len(samples), 48))
+        leg_of(route, samples), np.broadcast_to(np.arange(len(samples))[:, None], (len(samples), 48))
     )
 
 
@@ -331,7 +339,7 @@ def test_messages_name_what_is_allowed(arguments: tuple[object, ...], message: s
 
 def test_bends_are_no_corners_of_a_run() -> None:
     with pytest.raises(PipenavError, match="has a bend radius: the corners of a run are mitres"):
-        PipeRoute.from_pipe(PipeCorner.of(100, 90, "left", 150))
+        PipeRoute.from_corner(PipeCorner.of(100, 90, "left", 150))
 
 
 def test_the_model_itself_refuses_what_is_out_of_range() -> None:

@@ -117,19 +117,19 @@ def test_every_number_of_a_file_reaches_the_run(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("text", ["d=90,angle=60,turn=right", "thesis-train"])
 def test_corners_are_runs_of_one(text: str) -> None:
-    assert parse_routes([text]) == [PipeRoute.from_pipe(pipe) for pipe in parse_pipes([text])]
+    assert parse_routes([text]) == [PipeRoute.from_corner(pipe) for pipe in parse_pipes([text])]
 
 
 def test_a_file_of_pipes_is_a_set_of_runs_of_one(tmp_path: Path) -> None:
     text = written(tmp_path, 'description = "x"\ndiameters_mm = [80]\nangles_deg = [60]')
-    assert parse_routes([text]) == [PipeRoute.from_pipe(PipeCorner.of(80, 60))]
+    assert parse_routes([text]) == [PipeRoute.from_corner(PipeCorner.of(80, 60))]
 
 
 def test_runs_keep_their_order_and_come_once() -> None:
     routes = parse_routes(["runs-rolled:2", "d=90,angle=60", "runs-rolled"])
     assert (
         len(routes) == 25
-        and routes[1] == PipeRoute.from_pipe(PipeCorner.of(90, 60))
+        and routes[1] == PipeRoute.from_corner(PipeCorner.of(90, 60))
         and routes[2] == parse_routes(["runs-rolled"])[0]
     )
 
