@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 from pipenav.arrays import Floats
 from pipenav.backends.messages import Reading
+from pipenav.backends.registry import SimulatorSettings
 from pipenav.disturbances.disturbance import Disturbance, load_disturbance
-from pipenav.evaluation.passage import Passages
+from pipenav.evaluation.passage import EpisodePlan, Passages
 from pipenav.locating.locator import LocateConfig, MapLocator
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import load_robot
@@ -68,7 +69,7 @@ def test_a_wall_that_was_last_seen_farther_away_stops_the_advance_when_it_must_b
 @pytest.mark.parametrize("disturbance", ["real-world", "half"])
 def test_targets_are_located_without_a_touch(name: str, disturbance: str) -> None:
     given = Disturbance(dropouts=(0.5, 0.5)) if disturbance == "half" else load_disturbance(disturbance)
-    options = {"timestep": 0.005, "threads": 1}
-    part = Passages(load_robot(name), ReachConfig(), PIPES, 4, 0, options=options, disturbance=given).locate()
+    simulator = SimulatorSettings("mujoco", {"timestep": 0.005, "threads": 1})
+    part = Passages(EpisodePlan(load_robot(name), ReachConfig(), PIPES, 4, 0, simulator, given)).locate()
     assert part.passed.all()
     assert part.results.force.max() == 0.0
