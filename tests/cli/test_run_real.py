@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from command import run
+from helpers.command import run
 from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
 

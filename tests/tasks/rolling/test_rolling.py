@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command import run as command
+from helpers.command import run as command
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command import run
+from helpers.command import run
 from PIL import Image
 
 from pipenav.motions.trajectory import read_trajectory

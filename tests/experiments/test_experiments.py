@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from command import run
+from helpers.command import run
 
 from pipenav.evaluation.config import EvaluationConfig
 from pipenav.evaluation.results import Evaluation, PipeRecord

@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
+from helpers.checkout import ROOT
 
 from pipenav.cli import main
 from pipenav.disturbances.disturbance import UNDISTURBED, Disturbance, disturbance_names, load_disturbance
@@ -14,7 +15,7 @@ from pipenav.errors import PipenavError
 from pipenav.learning.config import load_config, preset_names, validate_config
 from pipenav.tasks.reach.config import ReachConfig
 
-DOCUMENT = Path(__file__).resolve().parents[1] / "docs" / "disturbances.md"
+DOCUMENT = ROOT / "docs" / "disturbances.md"
 
 
 @pytest.mark.parametrize("name", disturbance_names())

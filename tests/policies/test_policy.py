@@ -18,6 +18,7 @@ import gymnasium
 import numpy as np
 import pytest
 import safetensors.numpy
+from helpers.checkout import ROOT
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -38,7 +39,6 @@ from pipenav.tasks.registry import task_of
 ROBOT = load_robot("basic")
 TASK = ReachConfig(observation="relative")
 SIZE, JOINTS = len(task_of(TASK).observation_scale(ROBOT)), len(ROBOT.joints)
-ROOT = Path(__file__).parent.parent
 
 Members = dict[str, bytes]
 

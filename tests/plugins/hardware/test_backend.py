@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from emulated import PATIENCE, ROBOT, driver, switch_on, tick
+from helpers.emulated import PATIENCE, ROBOT, driver, switch_on, tick
 from pipenav_hardware import packets
 from pipenav_hardware.backend import HardwareBackend, HardwareOptions
 from pipenav_hardware.emulator import judge

@@ -6,7 +6,7 @@ import subprocess
 import sys
 
 import pytest
-from command import run
+from helpers.command import run
 
 import pipenav
 from pipenav import cli

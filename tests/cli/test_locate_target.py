@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command import run
+from helpers.command import run
 from PIL import Image
 
 from pipenav.evaluation.locate_stage import inside_second_leg

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from emulated import ROBOT, driver
+from helpers.emulated import ROBOT, driver
 from pipenav_hardware.backend import HardwareBackend
 from pipenav_hardware.check import findings
 from pipenav_hardware.emulator import judge

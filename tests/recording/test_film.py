@@ -10,6 +10,7 @@ from pathlib import Path
 import imageio_ffmpeg
 import numpy as np
 import pytest
+from helpers.checkout import ROOT
 from PIL import Image
 
 from pipenav.errors import FileProblem, PipenavError
@@ -154,4 +155,4 @@ def test_drawing_needs_no_display(tmp_path: Path) -> None:
         "assert not {'matplotlib.pyplot', 'OpenGL', 'glfw'} & set(sys.modules)\n"
     )
     picture = str(tmp_path / "a.png")
-    subprocess.run([sys.executable, "-c", program, picture], check=True, cwd=Path(__file__).parent.parent)
+    subprocess.run([sys.executable, "-c", program, picture], check=True, cwd=ROOT)

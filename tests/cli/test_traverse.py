@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 
 import pytest
-from command import run
+from helpers.command import run
 
 from pipenav.errors import PipenavError
 from pipenav.evaluation.results import read_evaluation

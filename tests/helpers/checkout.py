@@ -1,0 +1,7 @@
+"""Places in the checkout that tests look into."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
