@@ -1,12 +1,16 @@
-"""Makes the package `helpers` importable for all tests."""
+"""Fixtures of several tests, and the package `helpers` made importable."""
 
 from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
+
+if TYPE_CHECKING:
+    from pipenav.experiments.runner import ExperimentPlan
+    from pipenav.motions.trajectory import Trajectory
 
 sys.path.append(str(Path(__file__).parent))
 pytest.register_assert_rewrite("helpers")
@@ -30,3 +34,22 @@ def policy_file(ppo: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("policy") / "best.zip"
     save_policy(path, ppo, some_header())
     return path
+
+
+@pytest.fixture(scope="session")
+def front() -> Trajectory:
+    """The recording of a front half that passes a right turn."""
+    from pipenav.pipes import PipeCorner
+    from pipenav.policies import open_controller
+    from pipenav.recording.record import RecordingSettings, record_task
+
+    simulator = RecordingSettings("mujoco", {"timestep": 0.005, "threads": 1})
+    return record_task(open_controller("arm"), "arm", PipeCorner.of(100, 75, "right"), 0, 0, simulator)
+
+
+@pytest.fixture(scope="session")
+def thesis_plan(tmp_path_factory: pytest.TempPathFactory) -> ExperimentPlan:
+    """A folder of results that holds the thesis's own figures."""
+    from helpers.thesis_results import write_thesis_results
+
+    return write_thesis_results(tmp_path_factory.mktemp("thesis"))

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from pipenav.errors import ConfigError, FileProblem
 from pipenav.evaluation.config import EvaluationConfig
 from pipenav.evaluation.results import DiameterRecord, Evaluation, PipeRecord, read_evaluation, wilson
-from pipenav.evaluation.thesis import ANGLES_DEG, is_thesis_set, thesis_best, thesis_rows
+from pipenav.evaluation.thesis import ANGLES_DEG, thesis_best
 
 PIPE_KEYS = {
     "diameter_mm",
@@ -190,14 +190,3 @@ def test_the_thesis_is_quoted_for_its_own_angles_only() -> None:
 def test_a_diameter_without_attempts_has_no_rate() -> None:
     row = DiameterRecord.of([pipe(located=0, reach_attempts=0, reach_successes=0)])
     assert (row.reach_success, row.located_share) == (None, 0.0)
-
-
-def test_thesis_tables() -> None:
-    assert len(thesis_rows()) == 18
-    assert thesis_best("torque") == {120: 100, 110: 99, 100: 98, 90: 89}
-    assert thesis_best("position") == {120: 99, 110: 98, 100: 98, 90: 92}
-    assert thesis_best("position", "high-fidelity") == {120: 98, 110: 95, 100: 98, 90: 78}
-    assert thesis_best("position", "high-fidelity", "rear") == dict.fromkeys((120.0, 110.0, 100.0, 90.0), 100)
-    assert thesis_best("torque", "real-setup") == {}
-    assert is_thesis_set(ANGLES_DEG)
-    assert len(ANGLES_DEG) == 15

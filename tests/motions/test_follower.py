@@ -14,7 +14,6 @@ from pipenav.robots.robot import load_robot
 
 ROBOT = load_robot("basic")
 PERIOD = 0.1
-ONE = np.arange(1)
 REACH = ROBOT.speed_limits * PERIOD
 
 

@@ -9,8 +9,6 @@ from pathlib import Path
 import pytest
 from pipenav_hardware.ports import holder_of, port_problem
 
-pytestmark = pytest.mark.flaky(reruns=2)  # real time over a serial line: a busy machine may miss a deadline
-
 
 def test_a_port_that_is_not_there(tmp_path: Path) -> None:
     message = str(port_problem(str(tmp_path / "ttyUSB0"), FileNotFoundError()))

@@ -11,6 +11,8 @@ from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.wall_distance import clearance
 from pipenav.robots.robot import load_robot, robot_names
 
+ROBOT = load_robot("basic")
+
 
 @pytest.mark.parametrize("name", robot_names())
 @pytest.mark.parametrize(("diameter", "angle", "bend"), [(110, 60, 0), (120, 100, 0), (130, 90, 120)])
@@ -43,3 +45,41 @@ def test_clearance_is_the_distance_of_the_shapes(name: str, diameter: float, ang
 
 def _meet(model: mujoco.MjModel, link: int, wall: int) -> bool:
     return bool(model.geom_contype[link] & model.geom_conaffinity[wall]) and model.geom_bodyid[link] > 0
+
+
+def test_clearance_of_a_straight_arm_is_what_the_walls_leave() -> None:
+    pipe = PipeCorner.of(100, 90)
+    base = -pipe.inner_edge - ROBOT.length - 0.1
+    poses = np.zeros((3, 4))
+    poses[1, 0] = 0.1 + pipe.inner_edge + 0.03  # the tip's end face 20 mm off the outer wall
+    poses[2, 1] = 0.5  # into the wall
+    found = clearance(ROBOT, pipe, poses, base)
+    np.testing.assert_allclose(found[:2], [0.04, 0.02], atol=1e-9)
+    assert found[2] < 0
+
+
+def test_clearance_agrees_with_a_dense_outline() -> None:
+    """Wherever all points of the links' outlines lie inside the pipe, there is clearance, and the other way round."""
+    rng = np.random.default_rng(0)
+    pipe = PipeCorner.of(80, 70)
+    base = -pipe.inner_edge - ROBOT.length
+    q = rng.uniform([0.0, -0.3, -0.3, -0.3], [0.2, 0.3, 1.2, 1.5], (400, 4))
+    found = clearance(ROBOT, pipe, q, base)
+    inside = np.array([_outline_inside(pipe, pose, base) for pose in q])
+    sure = np.abs(found) > 0.002
+    np.testing.assert_array_equal(found[sure] > 0, inside[sure])
+    assert 10 < inside[sure].sum() < sure.sum() - 10
+
+
+def _outline_inside(pipe: PipeCorner, q: np.ndarray, base: float) -> bool:
+    from pipenav.robots import kinematics
+
+    chain = kinematics.forward(ROBOT, q[None])
+    t = np.linspace(0.0, 1.0, 200)
+    for start, heading, link in zip(chain.joints[0], chain.headings[0], ROBOT.links, strict=True):
+        along, across = (np.array([np.cos(a), np.sin(a)]) for a in (heading, heading + np.pi / 2))
+        sides = [start + link.length * t[:, None] * along + w * link.width / 2 * across for w in (-1, 1)]
+        ends = [start + x * along + link.width * (t[:, None] - 0.5) * across for x in (0.0, link.length)]
+        if not pipe.contains(np.concatenate(sides + ends) + np.array([base, 0.0])).all():
+            return False
+    return True

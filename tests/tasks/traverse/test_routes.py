@@ -7,6 +7,7 @@ from contextlib import closing, contextmanager
 
 import numpy as np
 import pytest
+from helpers.traversing import started
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -18,7 +19,6 @@ from pipenav.disturbances.disturbance import load_disturbance
 from pipenav.disturbances.disturbed_backend import disturbed
 from pipenav.errors import PipenavError
 from pipenav.evaluation.episode_runner import random_start
-from pipenav.pipes.centre_lines import CentreLines
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.pipe import Pipe
 from pipenav.pipes.route import CrossesItself, PipeRoute
@@ -31,7 +31,7 @@ from pipenav.tasks.registry import task_of
 from pipenav.tasks.traverse import observation
 from pipenav.tasks.traverse.batch import TraverseBatch
 from pipenav.tasks.traverse.config import TraverseConfig
-from pipenav.tasks.traverse.episode import TraverseEpisodes, parse_planar, sample, with_room
+from pipenav.tasks.traverse.episode import parse_planar, sample, with_room
 
 ROBOT = load_robot("pirate")
 CONFIG = TraverseConfig(kind="traverse", set_points="held", start_press=0.1)
@@ -47,49 +47,10 @@ def mirrored(route: PipeRoute) -> PipeRoute:
 
 
 @contextmanager
-def batch(pipes: Sequence[Pipe], seed: int = 0, config: TraverseConfig = CONFIG) -> Iterator[TraverseBatch]:
+def on_mujoco(pipes: Sequence[Pipe], seed: int = 0, config: TraverseConfig = CONFIG) -> Iterator[TraverseBatch]:
     start = sample(ROBOT, config, pipes, np.random.default_rng(seed))
-    with batch_from(start, config) as made:
+    with started(start, config) as made:
         yield made
-
-
-@contextmanager
-def batch_from(start: TraverseEpisodes, config: TraverseConfig = CONFIG) -> Iterator[TraverseBatch]:
-    n, slots = len(start.pipes), max(len(pipe.segments) for pipe in start.pipes)
-    simulator = open_simulator("mujoco", ROBOT, n, {"threads": 1}, slots)
-    with closing(TraverseBatch(ROBOT, config, simulator, n, lambda _: start)) as made:
-        made.reset()
-        yield made
-
-
-@given(seeds)
-def test_the_way_is_the_centre_line_of_runs_and_corners_alike(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    pipes = [LEVEL[0], CORNERS[0], LEVEL[7], PipeRoute.of(100, [(180, "left", 0), (90, "left", 180)])]
-    line = [np.array([[-1.0, 0], [0, 0], [1, 1]]) if isinstance(p, PipeCorner) else p.centre_line[:, :2] for p in pipes]
-    points = np.stack([points[rng.integers(len(points), size=8)] for points in line])
-    points += rng.normal(0.0, 0.3, points.shape)
-    distances = CentreLines.of(pipes).distance(points)
-    for one, pipe, own in zip(distances, pipes, points, strict=True):
-        assert one == pytest.approx(pipe.distance_along(own))
-
-
-def test_centre_lines_make_room_for_more_corners() -> None:
-    lines = CentreLines.of([CORNERS[0], CORNERS[1]]).put(np.array([1]), CentreLines.of([LEVEL[0]]))
-    points = np.random.default_rng(0).normal(size=(2, 50, 2))
-    assert lines.distance(points)[0] == pytest.approx(CORNERS[0].distance_along(points[0]))
-    assert lines.distance(points)[1] == pytest.approx(LEVEL[0].distance_along(points[1]))
-    assert list(lines.corners) == [1, 5]
-
-
-@given(st.sampled_from(LEVEL))
-def test_corners_end_one_after_the_other_and_turn_to_the_side_that_the_run_turns_to(route: PipeRoute) -> None:
-    lines = CentreLines.of([route])
-    assert np.all(np.diff(lines.end[0, :-1]) > 0)
-    direction = np.diff(route.centre_line[:, :2], axis=0)
-    cross = direction[:-1, 0] * direction[1:, 1] - direction[:-1, 1] * direction[1:, 0]
-    assert route.turn_signs == pytest.approx(np.sign(cross))
-    assert lines.turn_sign[0, :-1] == pytest.approx(np.sign(cross))
 
 
 def test_a_run_of_one_gives_the_episode_of_the_corner() -> None:
@@ -99,7 +60,7 @@ def test_a_run_of_one_gives_the_episode_of_the_corner() -> None:
         for a, b in zip(one[1:], other[1:], strict=True):
             assert a == pytest.approx(b)
     rng = np.random.default_rng(1)
-    with batch(CORNERS) as corner, batch(routes) as route:
+    with on_mujoco(CORNERS) as corner, on_mujoco(routes) as route:
         for _ in range(12):
             action = rng.uniform(-1.0, 1.0, (2, 12))
             a, b = corner.step(action), route.step(action)
@@ -240,12 +201,12 @@ def test_a_run_is_passed_with_the_tail_past_the_last_corner_and_has_time_for_eve
 
 
 def test_robots_in_runs_and_in_corners_are_stepped_together() -> None:
-    with batch([LEVEL[0], CORNERS[0]]) as indices:
+    with on_mujoco([LEVEL[0], CORNERS[0]]) as indices:
         both = [indices.step(np.full((2, 12), 0.3)) for _ in range(3)]
     for i, pipe in enumerate((LEVEL[0], CORNERS[0])):
         start = sample(ROBOT, CONFIG, [LEVEL[0], CORNERS[0]], np.random.default_rng(0)).part(slice(i, i + 1))
         assert start.pipes[0].name == pipe.name
-        with batch_from(start) as alone:
+        with started(start, CONFIG) as alone:
             for result in both:
                 one = alone.step(np.full((1, 12), 0.3))
                 assert one.observation[0] == pytest.approx(result.observation[i], abs=1e-6)

@@ -1,0 +1,21 @@
+"""Which trainings and evaluations an experiment still needs."""
+
+from __future__ import annotations
+
+from pipenav.experiments.definition import load_agents, load_experiment
+from pipenav.experiments.runner import (
+    ExperimentPlan,
+    evaluation_jobs,
+    resolved_agent,
+    training_jobs,
+)
+
+
+def test_the_best_agent_is_taken_over(thesis_plan: ExperimentPlan) -> None:
+    (row,) = load_experiment("d").rows
+    assert resolved_agent(thesis_plan, row) == "position-history-c3-1_5"
+
+
+def test_what_is_there_is_not_done_again(thesis_plan: ExperimentPlan) -> None:
+    assert evaluation_jobs(thesis_plan, 1, ("reach", "reach-rear", "locate", "passage")) == []
+    assert len(training_jobs(thesis_plan, 1)) == 2 * len(load_agents())

@@ -1,0 +1,69 @@
+"""Routes drawn at random, and points in them."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+from hypothesis import assume
+from hypothesis import strategies as st
+
+from pipenav.arrays import Floats, Ints
+from pipenav.pipes.centre_lines import CentreLines
+from pipenav.pipes.route import CrossesItself, PipeRoute
+
+diameters = st.floats(40, 300)
+
+
+angles = st.one_of(st.floats(30, 180), st.sampled_from([30.0, 55.0, 90.0, 180.0]))
+
+
+turns = st.sampled_from(["left", "right"])
+
+
+rolls = st.one_of(st.sampled_from([0.0, 90.0, 180.0, 270.0]), st.floats(-360, 360))
+
+
+flat_rolls = st.sampled_from([0.0, 0.0, 180.0, -180.0, 360.0])
+
+
+extras = st.one_of(st.integers(0, 100), st.integers(300, 2500))
+
+
+@st.composite
+def routes(
+    draw: st.DrawFn,
+    rolls: st.SearchStrategy[float] = rolls,
+    extras: st.SearchStrategy[int] = extras,
+    most: int = 5,
+) -> PipeRoute:
+    """Runs whose straights are as long as their mitres need, and some more [mm]."""
+    diameter = draw(st.floats(40, 150))
+    corners = draw(st.lists(st.tuples(angles, turns, rolls), min_size=1, max_size=most))
+    reach = [0.0, *((diameter / 2 + 3) / math.tan(math.radians(angle) / 2) for angle, _, _ in corners), 0.0]
+    needed = [math.ceil(a + b + 0.1 * diameter) for a, b in pairwise(reach)]
+    straights = [least + draw(extras) for least in needed]
+    try:
+        return PipeRoute.of(diameter, corners, straights)
+    except CrossesItself:
+        assume(False)
+        raise
+
+
+planar_routes = routes(flat_rolls)
+
+
+def inside(route: PipeRoute, seed: int = 0, count: int = 40) -> Floats:
+    """Points in the bore of every leg, between its mitres, (legs, count, 3)."""
+    rng = np.random.default_rng(seed)
+    around, (off, share) = rng.uniform(0, 2 * math.pi, count), rng.uniform(0.001, 0.999, (2, count))
+    lines = route.legs.lines(off * route.radius, around)
+    return np.moveaxis(lines[:, :-1] + share[:, None, None] * np.diff(lines, axis=1), 1, 0)
+
+
+def leg_of(route: PipeRoute, points: Floats) -> Ints:
+    """The leg that each of the points (..., 2) or (..., 3) belongs to, counted from 0: (...)."""
+    dimensions = points.shape[-1]
+    located = CentreLines.of([route], dimensions).locate(points.reshape(1, -1, dimensions))
+    return located.leg.reshape(points.shape[:-1])

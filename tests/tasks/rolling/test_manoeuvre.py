@@ -1,0 +1,44 @@
+"""The manoeuvre that rolls a robot between corners in several planes."""
+
+from __future__ import annotations
+
+import math
+from contextlib import closing
+
+import numpy as np
+import pytest
+from helpers.rolling import ROBOT, clamped
+
+from pipenav.backends.registry import open_space
+from pipenav.pipes.route import PipeRoute
+from pipenav.tasks.rolling.clamp import nearest, room
+from pipenav.tasks.rolling.manoeuvre import Roll, RollPhase
+from pipenav.tasks.traverse.episode import GRAVITY
+
+
+@pytest.mark.parametrize(
+    ("diameter", "gravity", "plane", "third"),
+    [(70, GRAVITY, 90, 1.0), (90, GRAVITY, 0, -1.0), (120, GRAVITY, 90, -1.0), (120, 0.0, 0, 1.0)],
+)
+def test_a_roll_turns_the_plane_by_what_was_asked_and_the_robot_stays_where_it_is(
+    diameter: int, gravity: float, plane: float, third: float
+) -> None:
+    route, turn, start = PipeRoute.of(diameter, [(90, "left", 0)], [1500, 600]), math.radians(90), math.radians(plane)
+    q = np.concatenate([[0.0, third * room(ROBOT, route.radius - 1e-4), 0.0], clamped(route.radius - 1e-4, third)])
+    with closing(open_space("mujoco", ROBOT, 1, {}, gravity)) as backend:
+        backend.reset(np.arange(1), [route], q[None], np.array([-1.0]), np.array([start]))
+        first, place = backend.read().row(0), backend.truth().points[0, :, 0].mean()
+        roll, deepest = Roll(ROBOT, route.radius, turn, first.body.q, first.down), 0.0
+        while roll.phase is not RollPhase.DONE:
+            now = backend.read().row(0)
+            assert now.body.wheel_speeds is not None
+            set_points, joint = roll.act(now.body.q, float(now.roll), now.body.wheel_speeds, now.down)
+            backend.step(set_points[None], np.array([joint]))
+            deepest = max(deepest, float(backend.truth().penetration[0]))
+        truth, after = backend.truth(), backend.read().row(0)
+    turned = np.arctan2(-truth.normals[0, :, 1], truth.normals[0, :, 2]) - start
+    assert np.abs(np.remainder(turned - turn + math.pi, 2 * math.pi) - math.pi).max() < math.radians(12)
+    assert abs(after.roll) < 0.05 and nearest(after.body.q) in (1.0, -1.0)
+    np.testing.assert_allclose(np.abs(after.body.q), np.abs(clamped(route.radius, 1.0)), atol=0.4)
+    assert deepest < 1e-3
+    assert abs(truth.points[0, :, 0].mean() - place) < 0.12

@@ -1,0 +1,85 @@
+"""How traverses end, and what they are rewarded with."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers.traversing import CONFIG, ROBOT
+
+from pipenav.backends.messages import Reading, Truth
+from pipenav.tasks.outcome import Outcome
+from pipenav.tasks.traverse.config import TraverseReward
+from pipenav.tasks.traverse.outcome import Facts, OutcomeTracker, reward
+
+
+class Course:
+    """One robot that is led along a straight way by hand, to be judged."""
+
+    def __init__(self, **config: object) -> None:
+        self.config = CONFIG.model_copy(update={"patience": 3, **config})
+        self._judge, self._steps = OutcomeTracker(ROBOT, self.config, 1), np.zeros(1, int)
+        self._start = np.linspace(-1.0, -0.4, 8)[None]
+        self._judge.start(np.arange(1), self._start)
+
+    def step(self, moved: float, depth: float = 0.0, spin: float = 0.0, q: float = 0.0, fold: bool = False) -> Outcome:
+        along = self._start + moved
+        if fold:
+            along[:, -1] = along[:, 0]
+        reading = Reading(np.full((1, 6), q), np.zeros((1, 6)), np.ones((1, 10)), np.zeros(1), np.full((1, 6), spin))
+        zero = np.zeros(1)
+        truth = Truth(np.zeros((1, 3)), zero, np.array([depth]), zero, np.zeros((1, 7, 2)))
+        self._steps += 1
+        self.facts, outcome = self._judge.step(
+            self._steps, np.array([self.config.max_steps]), along, np.array([0.1]), reading, truth
+        )
+        return Outcome(outcome[0])
+
+
+def test_the_tail_beyond_the_corner_ends_an_episode_well() -> None:
+    course = Course()
+    assert course.step(1.1) is Outcome.RUNNING
+    assert course.step(1.1 + course.config.through + 1e-6) is Outcome.REACHED
+    assert course.facts.passed.all()
+    assert course.facts.progress == pytest.approx(course.config.through + 1e-6)
+
+
+def test_an_overlap_fails_even_the_last_step() -> None:
+    assert Course().step(1.2, depth=0.0021) is Outcome.PENETRATION
+
+
+def test_sliding_back_by_its_length_fails() -> None:
+    course = Course()
+    course.step(0.3)
+    assert course.step(0.3 - 0.99 * ROBOT.length) is Outcome.RUNNING
+    assert course.step(0.3 - 1.01 * ROBOT.length) is Outcome.SLID_BACK
+    assert course.facts.failed.all()
+
+
+@pytest.mark.parametrize(
+    ("moves", "reason"),
+    [({}, Outcome.JAM), ({"spin": 40.0}, Outcome.SLIP), ({"q": 2.19}, Outcome.LIMIT), ({"fold": True}, Outcome.FOLD)],
+)
+def test_being_stuck_has_a_reason_and_is_a_failure(moves: dict[str, float], reason: Outcome) -> None:
+    course = Course()
+    for i in range(4):
+        outcome = course.step(0.001 * i, **moves)  # type: ignore[arg-type]
+        assert outcome is (Outcome.RUNNING if i < 2 else reason)
+        assert course.facts.failed.all() == (i >= 2)
+
+
+def test_time_runs_out_on_one_that_still_comes_on() -> None:
+    course = Course(max_steps=5)
+    assert [course.step(0.01 * i) for i in range(1, 6)] == [Outcome.RUNNING] * 4 + [Outcome.TIMEOUT]
+    assert not course.facts.failed.any()  # it might have gone on
+
+
+def test_the_reward_is_the_sum_of_its_terms_and_a_failure_is_one_number() -> None:
+    config = TraverseReward(progress=2.0, passed=3.0, step=-0.5, force=-0.1, penetration=-1.0, failed=-7.0)
+    facts = Facts(
+        np.array([0.1, 0.1]),
+        np.array([5.0, 5.0]),
+        np.array([1e-3, 0.0]),
+        np.array([True, False]),
+        np.array([False, True]),
+    )
+    assert reward(config, facts) == pytest.approx([0.2 + 3.0 - 0.5 - 0.5 - 1.0, -7.0])
