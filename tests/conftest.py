@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
 if TYPE_CHECKING:
+    from pipenav_hardware.emulator.client import Emulator
+
     from pipenav.experiments.runner import ExperimentPlan
     from pipenav.motions.trajectory import Trajectory
 
@@ -53,3 +56,13 @@ def thesis_plan(tmp_path_factory: pytest.TempPathFactory) -> ExperimentPlan:
     from helpers.thesis_results import write_thesis_results
 
     return write_thesis_results(tmp_path_factory.mktemp("thesis"))
+
+
+@pytest.fixture
+def emulator() -> Iterator[Emulator]:
+    """An emulated arm on a bench, in a process of its own."""
+    from helpers.emulated import ROBOT
+    from pipenav_hardware.emulator.client import Emulator
+
+    with Emulator(ROBOT, boot_time=0.0) as started:
+        yield started

@@ -9,7 +9,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.command import run
+from helpers.waiting import wait_until
 from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
 
@@ -31,7 +31,7 @@ from pipenav.policies.policy import load_policy, resolve_policy
 from pipenav.robots.robot import load_robot
 from pipenav.storage import shipped
 
-pytestmark = pytest.mark.flaky(reruns=2)  # real time over a serial line: a busy machine may miss a deadline
+pytestmark = pytest.mark.realtime
 
 GOALS = "fffffe18831e04"
 """How a packet of four goals begins."""
@@ -134,14 +134,10 @@ def test_a_dry_run_sends_nothing_that_moves(tmp_path: Path, capsys: pytest.Captu
     assert len(ticks) == 8 and ticks[-1]["packet"]
 
 
-def after_ticks(folder: Path, count: int) -> bool:
-    """Wait until a run has recorded so many ticks; False if it never does."""
-    log, deadline = folder / "telemetry.jsonl", time.monotonic() + 60
-    while time.monotonic() < deadline:
-        if log.exists() and len(log.read_text().splitlines()) > count:
-            return True
-        time.sleep(0.02)
-    return False
+def wait_for_ticks(folder: Path, count: int) -> None:
+    """Wait until a run has recorded so many ticks."""
+    log = folder / "telemetry.jsonl"
+    wait_until(lambda: log.exists() and len(log.read_text().splitlines()) > count, f"{count} ticks are recorded")
 
 
 @pytest.mark.parametrize(
@@ -154,8 +150,7 @@ def test_an_emergency_stop_ends_with_torque_off(
     folder = tmp_path / "run"
 
     def press() -> None:
-        if not after_ticks(folder, 4):
-            return
+        wait_for_ticks(folder, 4)
         if stop == "file":
             (folder / "STOP").touch()
         else:
@@ -176,14 +171,12 @@ def test_a_killed_run_leaves_its_ticks_and_no_torque(tmp_path: Path) -> None:
     folder = tmp_path / "run"
     command = [sys.executable, "-m", "pipenav", *EMULATED, "--out", str(folder)]
     driver = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    assert after_ticks(folder, 7)
+    wait_for_ticks(folder, 7)
     driver.kill()
     driver.wait()
     ticks = read_telemetry(folder / "telemetry.jsonl").ticks
-    until = time.monotonic() + 10
-    while any(on for on, _ in judge.torque(folder / "bus.jsonl", (1, 2, 3, 4)).values()):
-        assert time.monotonic() < until, "the watchdog lets go of the arm"
-        time.sleep(0.1)
+    switched = (folder / "bus.jsonl", (1, 2, 3, 4))
+    wait_until(lambda: not any(on for on, _ in judge.torque(*switched).values()), "the watchdog lets go of the arm")
     goals = [
         h for h in judge.instructions(folder / "bus.jsonl") if h.packet.encode().hex().startswith("fffffe18831e04")
     ]

@@ -8,20 +8,28 @@ from typing import Any
 
 import numpy as np
 from pipenav_hardware.backend import HardwareBackend
+from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
+from pipenav_hardware.emulator.faults import ONCE
 
+from helpers.waiting import wait_until
+from pipenav.arrays import Floats
 from pipenav.backends.messages import Command
 from pipenav.backends.registry import open_backend
 from pipenav.robots.robot import load_robot
 
 ROBOT = load_robot("basic")
 PATIENCE = 4.0
-"""Tests run on busy machines: their clocks' limits are wider, except where a limit is what is tested."""
+"""Factor on the driver's time limits: tests run on busy machines, where an idle one keeps the true limits."""
+
+CLOSE = 0.01
+"""How near to its target a joint must come to have reached it [rad or m]."""
 
 
 @contextmanager
 def driver(emulator: Emulator, **options: Any) -> Iterator[HardwareBackend]:
-    settings = {"arm": str(emulator.arm_path), "patience": PATIENCE} | options
+    """The driver of an emulated arm, with wide time limits."""
+    settings = {"arm": str(emulator.arm_path), "patience": PATIENCE, "allow_slow_bus": True} | options
     machine = open_backend("hardware", ROBOT, 1, settings)
     assert isinstance(machine, HardwareBackend)
     try:
@@ -30,13 +38,15 @@ def driver(emulator: Emulator, **options: Any) -> Iterator[HardwareBackend]:
         machine.close()
 
 
-def switch_on(machine: HardwareBackend) -> np.ndarray:
+def switch_on(machine: HardwareBackend) -> Floats:
+    """Switch torque on where the arm is, and say where that is."""
     start = machine.read().q
     machine.reset(np.array([0]), [], start, np.zeros(1))
     return start
 
 
-def tick(machine: HardwareBackend, target: np.ndarray, count: int = 1) -> None:
+def tick(machine: HardwareBackend, target: Floats, count: int = 1) -> None:
+    """Drive the arm towards a target for some ticks."""
     for _ in range(count):
         machine.read()
         if machine.complete:
@@ -44,3 +54,24 @@ def tick(machine: HardwareBackend, target: np.ndarray, count: int = 1) -> None:
         else:
             machine.hold()
         machine.wait()
+
+
+def reach(machine: HardwareBackend, target: Floats, within: int = 60) -> None:
+    """Drive the arm until it has reached a target, in at most so many ticks."""
+    for _ in range(within):
+        tick(machine, target)
+        if machine.complete and np.abs(machine.read().q - target).max() < CLOSE:
+            return
+    raise AssertionError(f"the arm is not at its target after {within} ticks")
+
+
+def strike(emulator: Emulator, **order: Any) -> None:
+    """Order a fault and wait until it has struck."""
+
+    def struck() -> int:
+        return sum(record.get("event") == "fault" for record in judge.records(emulator.log_path))
+
+    before = struck()
+    emulator.order(**order)
+    if order["fault"] in ONCE:
+        wait_until(lambda: struck() > before, f"{order} strikes")

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from helpers.waiting import GENEROUS, wait_until
 
 from pipenav.learning.train import train
 from pipenav.learning.training_folder import PROGRESS_COLUMNS, TrainingFolder
@@ -59,21 +60,15 @@ def start(tmp_path: Path) -> Iterator[Callable[..., subprocess.Popen[str]]]:
         process.communicate()
 
 
-def wait_for(found: Callable[[], bool], seconds: float = 60.0) -> None:
-    end = time.monotonic() + seconds
-    while not found():
-        assert time.monotonic() < end, "it takes too long"
-        time.sleep(0.02)
-
-
 def test_stop_signals_save_and_leave_by_130(start: Callable[..., subprocess.Popen[str]], tmp_path: Path) -> None:
     runs = {number: start(number.name, 10_000_000) for number in (signal.SIGINT, signal.SIGTERM)}
     for number in runs:
-        wait_for(lambda number=number: any((tmp_path / number.name).glob("events.*")))  # type: ignore[misc]
+        events = (tmp_path / number.name).glob
+        wait_until(lambda events=events: any(events("events.*")), f"{number.name}'s training has begun")  # type: ignore[misc]
     for number, process in runs.items():
         process.send_signal(number)
     for number, process in runs.items():
-        said, _ = process.communicate(timeout=60)
+        said, _ = process.communicate(timeout=GENEROUS)
         folder = TrainingFolder(tmp_path / number.name)
         assert process.returncode == 130, said
         assert f"pipenav train --resume {folder.path}" in said.replace("\n", "")
@@ -111,7 +106,7 @@ def test_kill_leaves_whole_files(tmp_path: Path) -> None:
         for folder in folders:
             child = int(parent.stdout.readline())
             try:
-                wait_for(folder.resume.exists)
+                wait_until(folder.resume.exists, f"{folder.path.name} is saved")
                 time.sleep(moments.uniform(0.0, 1.0))
             finally:
                 os.kill(child, signal.SIGKILL)

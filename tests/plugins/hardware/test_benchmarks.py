@@ -8,7 +8,10 @@ import sys
 import pytest
 from helpers.checkout import ROOT
 
-pytestmark = pytest.mark.flaky(reruns=2)  # real time over a serial line: a busy machine may miss a deadline
+pytestmark = [
+    pytest.mark.realtime,
+    pytest.mark.flaky(reruns=2),  # they measure times, and another program that is busy makes these long
+]
 
 BENCHMARKS = ROOT / "benchmarks"
 

@@ -8,14 +8,21 @@ import time
 from collections.abc import Iterator
 
 import pytest
+from helpers.waiting import GENEROUS
 from pipenav_hardware.packets import TORQUE_OFF_ALL
+from pipenav_hardware.supervisor import BURSTS, PACKETS_PER_BURST
 from pipenav_hardware.watchdog import SILENCE, Watchdog
 
 from pipenav.backends.safety import Stopped
 
-pytestmark = pytest.mark.flaky(reruns=2)  # real time: a busy machine may let the driver look dead
+pytestmark = pytest.mark.realtime
 
-LONG = 2 * SILENCE
+PATIENCE = 4.0
+"""Factor on the supervisor's time limit: a busy machine may keep the driver of these tests silent for a while."""
+
+LONG = 2 * SILENCE * PATIENCE
+ALL = len(BURSTS) * PACKETS_PER_BURST * len(TORQUE_OFF_ALL)
+"""Bytes that the supervisor sends to switch torque off."""
 
 
 class Bus:
@@ -29,9 +36,10 @@ class Bus:
         return not select.select([self.heard], [], [], seconds)[0]
 
     def packets(self) -> bytes:
-        """What is sent until it is quiet again."""
+        """What is sent to switch torque off."""
         sent = b""
-        while not self.silent(0.5 if sent else 5.0):
+        while len(sent) < ALL:
+            assert not self.silent(GENEROUS), "nothing more is sent"
             sent += os.read(self.heard, 4096)
         return sent
 
@@ -46,14 +54,14 @@ def bus() -> Iterator[Bus]:
 
 @pytest.fixture
 def watchdog(bus: Bus) -> Iterator[Watchdog]:
-    made = Watchdog(bus.port)
+    made = Watchdog(bus.port, PATIENCE)
     yield made
     made.close()
     made.close()
 
 
 def only_torque_off(sent: bytes) -> bool:
-    return sent == TORQUE_OFF_ALL * (len(sent) // len(TORQUE_OFF_ALL)) and len(sent) >= 3 * len(TORQUE_OFF_ALL)
+    return sent == TORQUE_OFF_ALL * (ALL // len(TORQUE_OFF_ALL))
 
 
 def test_a_driver_that_lives_is_left_alone(bus: Bus, watchdog: Watchdog) -> None:

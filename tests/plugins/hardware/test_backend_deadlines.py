@@ -1,0 +1,70 @@
+"""Ticks that are late: counted, or the end of the run."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+from helpers.emulated import PATIENCE, driver, switch_on, tick
+from pipenav_hardware.emulator import judge
+from pipenav_hardware.emulator.client import Emulator
+from pipenav_hardware.servos import Servos
+
+from pipenav.backends.backend import CONTROL_PERIOD
+from pipenav.backends.messages import Command
+from pipenav.backends.safety import DEADLINE, LAST_DEADLINE, Stopped
+
+pytestmark = pytest.mark.realtime
+
+
+LATE, MUCH_TOO_LATE = (share * CONTROL_PERIOD * PATIENCE for share in (1.05 * DEADLINE, 2.0 * LAST_DEADLINE))
+"""Delays that make a tick late, and so late that the arm stops at once [s]."""
+
+
+def test_a_slow_decision_stops_before_its_command_is_sent(emulator: Emulator) -> None:
+    with driver(emulator) as machine:
+        target = switch_on(machine) + 0.02
+        machine.read()
+        before = len(list(judge.goals(emulator.log_path)))
+        time.sleep(MUCH_TOO_LATE)
+        with pytest.raises(Stopped) as stopped:
+            machine.send(Command("position", target))
+        assert stopped.value.cause == "deadline"
+        assert len(list(judge.goals(emulator.log_path))) == before
+
+
+@pytest.fixture
+def slow_sending(monkeypatch: pytest.MonkeyPatch) -> None:
+    tell = Servos.tell
+
+    def slowly(servos: Servos, goals: dict[int, tuple[int, int]]) -> bytes:
+        time.sleep(LATE)
+        return tell(servos, goals)
+
+    monkeypatch.setattr(Servos, "tell", slowly)
+
+
+@pytest.mark.usefixtures("slow_sending")
+def test_a_tick_whose_goals_go_out_late_is_late(emulator: Emulator) -> None:
+    with driver(emulator) as machine:
+        target = switch_on(machine) + 0.02
+        machine.read()
+        machine.send(Command("position", target))
+        assert machine.raw()["late"] == 1
+        with pytest.raises(Stopped, match="a tick took") as stopped:
+            machine.wait()
+            tick(machine, target)
+        assert stopped.value.cause == "deadline"
+        assert machine.raw()["late"] == 2
+
+
+def test_recording_a_tick_belongs_to_it(emulator: Emulator) -> None:
+    with driver(emulator) as machine:
+        target = switch_on(machine) + 0.02
+        machine.read()
+        machine.send(Command("position", target))
+        assert machine.raw()["late"] == 0
+        time.sleep(MUCH_TOO_LATE)
+        with pytest.raises(Stopped, match="a tick took"):
+            machine.wait()
+        assert machine.raw()["late"] == 1
