@@ -1,4 +1,4 @@
-"""What a wheel carries: the data is found from an installed copy too, not only from a checkout."""
+"""The wheel carries the data: it is found from an installed copy too, not only from a checkout."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a person sees at the command line: help, errors of one line, exit codes, tables."""
+"""The command line as a person sees it: help, errors of one line, exit codes, tables."""
 
 from __future__ import annotations
 
@@ -132,7 +132,7 @@ def test_backends(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
     assert "unknown backend 'ghst': did you mean 'ghost'?" in capsys.readouterr().err
 
 
-def test_a_bare_checkout_is_told_to_install(
+def test_a_bare_checkout_gets_the_advice_to_install(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(registry, "find_backends", dict)

@@ -22,7 +22,7 @@ WIDE = {"COLUMNS": "200", "TERM": "dumb", "NO_COLOR": "1"}
 
 @pytest.fixture(autouse=True)
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Without the slow part, the drawing."""
+    """Leave out the slow part, the drawing."""
     monkeypatch.setattr("pipenav.drawing.corner.draw_pipe", lambda _, path: path.write_bytes(b"png"))
     monkeypatch.setattr("pipenav.drawing.route.draw_route", lambda _, name, path: path.write_bytes(name.encode()))
 
@@ -101,7 +101,7 @@ straight_mm = 700
 """
 
 
-def test_makes_the_run_of_a_file_in_a_folder_of_its_name(tmp_path: Path) -> None:
+def test_makes_the_route_of_a_file_in_a_folder_of_its_name(tmp_path: Path) -> None:
     file = tmp_path / "my-run.toml"
     file.write_text(RUN)
     result = run("--run", file, "--out", tmp_path)
@@ -114,7 +114,7 @@ def test_makes_the_run_of_a_file_in_a_folder_of_its_name(tmp_path: Path) -> None
         assert text in result.output
 
 
-def test_makes_a_run_of_a_shipped_set(tmp_path: Path) -> None:
+def test_makes_a_route_of_a_shipped_set(tmp_path: Path) -> None:
     result = run("--run", "runs-level:7", "--out", tmp_path)
     assert result.exit_code == 0 and "in one plane" in result.output
     assert read_route_folder(tmp_path / "runs-level-7") == parse_routes(["runs-level"])[6]
@@ -129,14 +129,14 @@ def test_makes_a_run_of_a_shipped_set(tmp_path: Path) -> None:
         ((), "--d and --angle missing"),
     ],
 )
-def test_a_run_and_a_corner_are_not_mixed(tmp_path: Path, arguments: tuple[object, ...], message: str) -> None:
+def test_a_route_and_a_corner_are_not_mixed(tmp_path: Path, arguments: tuple[object, ...], message: str) -> None:
     result = run(*arguments, "--out", tmp_path)
     assert result.exit_code == 2
     assert message in " ".join(result.output.replace("│", " ").split())
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_run_that_is_not_possible_is_left_to_the_caller_and_nothing_is_made(tmp_path: Path) -> None:
+def test_a_route_that_is_not_possible_is_left_to_the_caller_and_nothing_is_made(tmp_path: Path) -> None:
     file = tmp_path / "my-run.toml"
     file.write_text(RUN.replace("500", "50"))
     result = run("--run", file, "--out", tmp_path)

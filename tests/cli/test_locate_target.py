@@ -30,7 +30,7 @@ def fact(said: str, name: str) -> str:
     return str(line).strip()
 
 
-def test_one_pipe_is_told_recorded_and_drawn(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_one_pipe_is_reported_recorded_and_drawn(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pipe = ("--d", "95", "--angle", "65", "--turn", "right", "--robot", "high-fidelity")
     assert run("locate-target", *pipe, "--out", "found", *FAST) == 0
     said = capsys.readouterr().out

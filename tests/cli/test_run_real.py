@@ -47,7 +47,7 @@ def plain_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture(scope="module")
 def passage(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of one run with the thesis's scanner faults."""
+    """The folder of one mission with the thesis's scanner faults."""
     folder = tmp_path_factory.mktemp("runs") / "real-1"
     command = [sys.executable, "-m", "pipenav", *EMULATED, "--angle", "90", "--turn", "right", "--faults", "thesis"]
     ended = subprocess.run([*command, "--out", str(folder)], capture_output=True, text=True)
@@ -61,7 +61,7 @@ def recording(passage: Path) -> Recording:
     return read_telemetry(passage / "telemetry.jsonl")
 
 
-def test_an_emulated_run_goes_around_the_corner_and_back(passage: Path, recording: Recording) -> None:
+def test_an_emulated_mission_goes_around_the_corner_and_back(passage: Path, recording: Recording) -> None:
     assert recording.end is not None and recording.end["end"] == "passed"
     stages = [tick["stage"] for tick in recording.ticks if tick["stage"] != "hold"]
     assert list(dict.fromkeys(stages)) == ["locate", "reach", "back", "passed"]
@@ -135,7 +135,7 @@ def test_a_dry_run_sends_nothing_that_moves(tmp_path: Path, capsys: pytest.Captu
 
 
 def wait_for_ticks(folder: Path, count: int) -> None:
-    """Wait until a run has recorded so many ticks."""
+    """Wait until a mission has recorded so many ticks."""
     log = folder / "telemetry.jsonl"
     wait_until(lambda: log.exists() and len(log.read_text().splitlines()) > count, f"{count} ticks are recorded")
 
@@ -167,7 +167,7 @@ def test_an_emergency_stop_ends_with_torque_off(
     assert run("replay", str(folder / "telemetry.jsonl")) == 0
 
 
-def test_a_killed_run_leaves_its_ticks_and_no_torque(tmp_path: Path) -> None:
+def test_a_killed_mission_leaves_its_ticks_and_no_torque(tmp_path: Path) -> None:
     folder = tmp_path / "run"
     command = [sys.executable, "-m", "pipenav", *EMULATED, "--out", str(folder)]
     driver = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -187,7 +187,7 @@ def test_a_killed_run_leaves_its_ticks_and_no_torque(tmp_path: Path) -> None:
 
 @pytest.fixture
 def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """In a folder where nothing lies."""
+    """Work in a folder where nothing lies."""
     monkeypatch.chdir(tmp_path)
 
 
@@ -240,7 +240,7 @@ def test_a_policy_that_commands_torques_is_refused(monkeypatch: pytest.MonkeyPat
         policy_for("arm", None)
 
 
-def test_a_run_of_its_own_folder(passage: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_mission_in_the_folder_of_another_is_refused(passage: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(*EMULATED, "--out", str(passage)) == 1
     assert "holds a run already" in capsys.readouterr().err
 
@@ -276,7 +276,7 @@ def test_calibrate_as_typed(
     assert run("hw-check", "--arm", str(tmp_path / "arm.toml")) == 0
 
 
-def test_pictures_and_motions_of_a_run_in_an_unknown_pipe(recording: Recording, tmp_path: Path) -> None:
+def test_pictures_and_motions_of_a_mission_in_an_unknown_pipe(recording: Recording, tmp_path: Path) -> None:
     class MissionPlan:
         policy, folder, target = load_policy(resolve_policy("arm")), tmp_path, None
 

@@ -1,4 +1,4 @@
-"""What a run shows in a terminal, and the keys that it listens to."""
+"""The terminal of a mission: what it shows, and the keys that it listens to."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ ROBOT = load_robot("real-setup")
 
 @pytest.fixture
 def keyboard(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
-    """What is written to this descriptor is typed."""
+    """A descriptor to which typed keys are written."""
     master, slave = os.openpty()
     with os.fdopen(slave, "r") as typed:
         monkeypatch.setattr(sys, "stdin", typed)

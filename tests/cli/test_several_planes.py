@@ -31,8 +31,8 @@ def several_planes(folder: Path) -> str:
     return str(folder / "several.toml")
 
 
-def test_runs_in_several_planes_are_counted_beside_those_in_one(tmp_path: Path) -> None:
-    """By random actions, which pass nowhere."""
+def test_routes_in_several_planes_are_counted_beside_those_in_one(tmp_path: Path) -> None:
+    """Random actions pass nowhere."""
     args = ("--pipes", several_planes(tmp_path), "--pipes", "d=90,angle=90", "--episodes", "1", "--robot", "pirate")
     assert run("eval", "--policy", "baseline:random", *args, "--out", str(tmp_path / "found")) == 0
     rolled, corner = read_evaluation(tmp_path / "found").pipes
@@ -41,7 +41,7 @@ def test_runs_in_several_planes_are_counted_beside_those_in_one(tmp_path: Path) 
         assert record.traverse_attempts == sum(record.failures.values()) == 1
 
 
-def test_a_picture_of_a_run_in_several_planes(tmp_path: Path) -> None:
+def test_a_picture_of_a_route_in_several_planes(tmp_path: Path) -> None:
     picture = tmp_path / "strip.png"
     args = ("view", "--policy", "baseline:random", "--robot", "pirate", "--pipes", several_planes(tmp_path))
     assert run(*args, "--out", str(picture)) == 0

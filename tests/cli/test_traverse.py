@@ -31,7 +31,7 @@ RUN = [(90, "left"), (75, "right")]
 
 @pytest.fixture(scope="module")
 def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The run folder of a short training."""
+    """The folder of a short training."""
     folder = tmp_path_factory.mktemp("whole") / "run"
     settings = [part for key, value in TINY.items() for part in ("--set", f"{key}={value}")]
     args = ("train", "--preset", "pirate", "--steps", "128", "--pipes", "d=90,angle=90", "--out", str(folder))
@@ -50,7 +50,7 @@ def test_training_writes_a_policy_that_says_what_it_is_for(trained: Path) -> Non
     assert table["task"]["kind"] == "traverse"
 
 
-def test_a_run_goes_on_where_it_stopped(trained: Path) -> None:
+def test_a_training_goes_on_where_it_stopped(trained: Path) -> None:
     assert run("train", "--resume", str(trained), "--steps", "192") == 0
 
 
@@ -80,7 +80,7 @@ def test_a_view_is_the_evaluations_episode_and_can_be_read_again(trained: Path, 
     assert run("mirror-rear", "--trajectory", str(table), "--out", str(tmp_path / "rear.csv")) == 1
 
 
-def test_an_evaluation_names_runs_beside_corners(trained: Path, tmp_path: Path) -> None:
+def test_an_evaluation_names_routes_beside_corners(trained: Path, tmp_path: Path) -> None:
     mine = tmp_path / "mine.toml"
     corners = "".join(f'[[corners]]\nangle_deg = {angle}\nturn = "{turn}"\n' for angle, turn in RUN)
     mine.write_text(f"schema = 1\ndiameter_mm = 100\n{corners}", encoding="utf-8")
@@ -100,7 +100,7 @@ def test_an_evaluation_names_runs_beside_corners(trained: Path, tmp_path: Path) 
     assert {row["angle_deg"] for row in rows[:2]} == {""}
 
 
-def test_a_view_of_a_run_can_be_read_again_and_has_no_rear_half(trained: Path, tmp_path: Path) -> None:
+def test_a_view_of_a_route_can_be_read_again_and_has_no_rear_half(trained: Path, tmp_path: Path) -> None:
     table, picture = tmp_path / "run.csv", tmp_path / "run.png"
     args = ("--pipes", "runs-level:3", "--out", str(table), "--out", str(picture))
     assert run("view", "--policy", str(trained / "best.zip"), *args) == 0

@@ -1,4 +1,4 @@
-"""The ways out of a guarded arm."""
+"""How a guarded arm is left: in order, by an error, by a signal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The stages of a run on an arm, on a simulated arm that nothing disturbs, and without any arm."""
+"""The stages of a mission on a simulated arm that nothing disturbs, and without any arm."""
 
 from __future__ import annotations
 
@@ -29,8 +29,10 @@ def reading(q: Any, ranges: float = 0.2) -> Reading:
 def simulate(
     pipe: PipeCorner, seed: int, policy: Policy = POLICY, lag: float = 0.0, **settings: Any
 ) -> tuple[Mission, list[Decision]]:
-    """A run on a simulated arm whose goals are limited as a real arm's, and whose joints are read up to `lag` periods
-    before their motion ends."""
+    """A mission on a simulated arm whose set-points are limited as a real arm's.
+
+    Its joints are read up to `lag` periods before their motion ends.
+    """
     robot, rng = policy.header.robot, np.random.default_rng(seed)
     start = episode.sample(robot, policy.header.task, [pipe], rng)
     backend = open_simulator("mujoco", robot, 1, {"threads": 1}, len(pipe.segments))
@@ -131,7 +133,7 @@ def test_an_arm_that_catches_is_freed_forwards_and_one_that_stays_caught_is_give
     assert np.diff(goals).max() > 0, "it goes forwards again"
 
 
-def test_a_run_backs_out_only_once_and_only_if_it_may() -> None:
+def test_a_mission_backs_out_only_once_and_only_if_it_may() -> None:
     run = Mission(POLICY, 1.0, PERIOD, None, LocateConfig(), False)
     run.decide(reading(np.zeros(4)))
     assert not run.back_out("stall")

@@ -1,4 +1,4 @@
-"""The log of a run: what was written is read, bit for bit, and what is damaged is refused."""
+"""The log of a mission: what was written is read, bit for bit, and what is damaged is refused."""
 
 from __future__ import annotations
 

@@ -85,7 +85,7 @@ def test_an_unknown_name_is_refused() -> None:
         load_disturbance("nowhere.toml")
 
 
-def test_a_training_run_takes_ranges_and_refuses_wrong_ones() -> None:
+def test_a_training_takes_ranges_and_refuses_wrong_ones() -> None:
     config = load_config("arm", settings=["randomise.latency=[0, 2]"])
     assert config.randomise == Disturbance(latency=(0, 2))
     assert validate_config(config.model_dump(mode="json"), "") == config

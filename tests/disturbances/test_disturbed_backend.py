@@ -1,4 +1,4 @@
-"""A disturbed backend: late commands, bad readings and uneven robots, the same whenever an episode is run."""
+"""A disturbed simulator: late commands, bad readings and uneven robots, the same whenever an episode is repeated."""
 
 from __future__ import annotations
 
@@ -154,7 +154,7 @@ class Varied(KinematicBackend):
         self.indices, self.variation = indices, variation
 
 
-def test_a_simulator_is_told_what_was_drawn_for_the_robots_that_begin() -> None:
+def test_a_simulator_gets_what_was_drawn_for_the_robots_that_begin() -> None:
     n = 30
     inner = Varied(ROBOT, n, KinematicOptions())
     wanted = Disturbance(friction=(0.5, 1.5), mass=(0.8, 1.3), strength=(0.7, 0.9), gain=(1.1, 1.4))

@@ -1,4 +1,4 @@
-"""Drawings of runs say every dimension, and show the pipe from where it can be seen."""
+"""Drawings of routes say every dimension, and show the pipe from where it can be seen."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def test_a_picture_in_space_says_every_length_twice_and_its_schedule_every_corne
 
 
 @pytest.mark.parametrize("roll", [0, 90])
-def test_a_long_run_keeps_its_lengths_to_the_schedule(roll: int) -> None:
+def test_a_long_route_keeps_its_lengths_to_the_schedule(roll: int) -> None:
     count = LABELLED + 2
     route = PipeRoute.of(
         60, [(135, "left", 0), (135, "right", roll)] * (count // 2), [601 + i for i in range(count + 1)]

@@ -1,4 +1,4 @@
-"""Evaluation: the same episodes whatever runs beside them, and all of them counted."""
+"""Evaluations: the same episodes whatever else is evaluated, and all of them counted."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_another_seed_gives_other_episodes(results: EpisodeResults) -> None:
 
 
 @pytest.mark.parametrize("robots", [1, 5])
-def test_results_do_not_depend_on_how_many_robots_run_together(
+def test_results_do_not_depend_on_how_many_robots_are_stepped_together(
     robots: int, results: EpisodeResults, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(episode_runner, "MAX_ROBOTS", robots)
@@ -90,7 +90,7 @@ def test_every_episode_has_ended_in_one_way(results: EpisodeResults) -> None:
     assert (results.penetration >= 0).all()
 
 
-def test_progress_is_told_until_the_end() -> None:
+def test_progress_is_reported_until_the_end() -> None:
     told: list[tuple[str, int, int, int]] = []
     config = EvaluationConfig(policy="baseline:centreline", pipes=(NAMES[0],), episodes=EPISODES)
     CheckedEvaluation(config).run(lambda *all_four: told.append(all_four))
@@ -108,7 +108,7 @@ def test_the_shipped_policy_passes_the_working_range() -> None:
 
 
 @pytest.mark.parametrize("name", ["pirate", "pirate-gravity"])
-def test_the_whole_robots_shipped_policies_pass_corners_and_runs(name: str) -> None:
+def test_the_whole_robots_shipped_policies_pass_corners_and_routes(name: str) -> None:
     sample = [*parse_pipes(["working-range"])[::16], *parse_routes(["runs-level:3", "runs-level:14"])]
     found = run_task(open_controller(name), sample, 2, seed=11)
     assert (found.outcome == Outcome.REACHED).mean() >= 0.9

@@ -26,7 +26,7 @@ def test_pictures_pool_turns_or_separate_them() -> None:
     assert sum(text.get_text() == "70" for text in panels[0].texts) == 15
 
 
-def test_runs_stand_apart_from_corners_by_their_number() -> None:
+def test_routes_stand_apart_from_corners_by_their_number() -> None:
     assert [text.get_text() for text in success_figure(RUNS).axes[0].get_xticklabels()] == ["1", "2", "3"]
     assert [text.get_text() for text in success_figure(MIXED).axes[0].get_xticklabels()] == ["60"]
     panels = [axes for axes in map_figure(MIXED).axes if axes.texts and axes.images]

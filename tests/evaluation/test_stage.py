@@ -1,4 +1,4 @@
-"""Stages: what the evaluation runs is what the batch would do by itself."""
+"""Stages of an evaluation do what the batch would do by itself."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The experiments' tables, and the findings that are judged by them."""
+"""The experiments' tables, and the findings that rest on them."""
 
 from __future__ import annotations
 

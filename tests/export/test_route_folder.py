@@ -1,4 +1,4 @@
-"""A run folder says the same in every one of its formats."""
+"""A route folder says the same in every one of its formats."""
 
 from __future__ import annotations
 
@@ -153,7 +153,7 @@ def test_writing_again_replaces_the_folder_and_keeps_what_others_put_there(tmp_p
     assert {path.name for path in folder.iterdir()} == {*FILES, "notes.txt"} - {"boards.stl"}
 
 
-def test_what_is_not_a_run_folder_stays(tmp_path: Path) -> None:
+def test_what_is_not_a_route_folder_stays(tmp_path: Path) -> None:
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "pipe.json").write_text("{}")
     with pytest.raises(PipenavError, match="mine exists and is not a run folder: move it away"):
@@ -174,7 +174,7 @@ def test_what_is_not_a_run_folder_stays(tmp_path: Path) -> None:
         ({"diameter_m": 0.5}, OutOfRange, "diameter 500 mm is out of range"),
     ],
 )
-def test_bad_run_files_are_refused_in_one_sentence(
+def test_bad_route_files_are_refused_in_one_sentence(
     tmp_path: Path, change: dict[str, object], error: type[PipenavError], message: str
 ) -> None:
     file = tmp_path / "run.json"

@@ -38,7 +38,7 @@ def routes(
     extras: st.SearchStrategy[int] = extras,
     most: int = 5,
 ) -> PipeRoute:
-    """Runs whose straights are as long as their mitres need, and some more [mm]."""
+    """Routes whose straights are as long as their mitres need, and some more [mm]."""
     diameter = draw(st.floats(40, 150))
     corners = draw(st.lists(st.tuples(angles, turns, rolls), min_size=1, max_size=most))
     reach = [0.0, *((diameter / 2 + 3) / math.tan(math.radians(angle) / 2) for angle, _, _ in corners), 0.0]

@@ -17,7 +17,7 @@ def clamped(radius: float, third: float) -> np.ndarray:
 
 
 def reading(bends: np.ndarray, ranges: np.ndarray | None = None, down: np.ndarray | None = None) -> SpaceReading:
-    """Of one robot that stands still."""
+    """The reading of one robot that stands still."""
     seen = np.full(ROBOT.laser.beams, 0.5) if ranges is None else ranges
     body = Reading(bends, np.zeros(6), seen, np.zeros(()), np.zeros(6), np.zeros(12))
     return SpaceReading(body, np.zeros(()), np.zeros((2, 3)) if down is None else down, np.zeros((2, 3)))

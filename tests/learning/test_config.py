@@ -1,4 +1,4 @@
-"""What decides a training run: presets, files, settings, options, in this order."""
+"""The configuration of a training: presets, files, settings, options, in this order."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ PROGRESS = "steps,seconds,steps_per_s,success,clearance_m,reward,episode_steps,s
         "800,1.0,800,,0.01,-1,,0.5,\n1600,2.0,800,0.5,0.02,-1,40,0.5,0.75\n2400,3.0,nonsense,inf,,,,,\n32",
     ],
 )
-def test_training_plots_tolerate_what_a_run_leaves(rows: str, tmp_path: Path) -> None:
+def test_training_plots_tolerate_what_a_training_leaves(rows: str, tmp_path: Path) -> None:
     (tmp_path / "progress.csv").write_text(PROGRESS + rows, encoding="utf-8")
     write_training_plot(tmp_path / "training.png", tmp_path / "progress.csv")
     assert (tmp_path / "training.png").read_bytes().startswith(PNG)

@@ -67,7 +67,7 @@ def plain_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> TrainingFolder:
-    """A finished tiny run, not to be changed."""
+    """A finished tiny training, not to be changed."""
     folder, _ = trained(tmp_path_factory.mktemp("runs") / "tiny", tiny())
     return folder
 
@@ -91,7 +91,7 @@ def test_a_training_learns_to_pass_one_corner(tmp_path: Path) -> None:
     assert header.task == config.task
 
 
-def test_a_run_folder_is_complete(run: TrainingFolder) -> None:
+def test_a_training_folder_is_complete(run: TrainingFolder) -> None:
     names = {path.name for path in run.path.iterdir()}
     events = {name for name in names if name.startswith("events.")}
     assert events
@@ -111,7 +111,7 @@ def test_the_same_seed_gives_the_same_weights(run: TrainingFolder, tmp_path: Pat
     assert weights(other.last) != weights(run.last)
 
 
-def test_a_resumed_run_goes_on_where_it_was(copied: TrainingFolder) -> None:
+def test_a_resumed_training_goes_on_where_it_was(copied: TrainingFolder) -> None:
     before = progress(copied)
     folder, config = TrainingFolder.open(copied.path)
     outcome = train(config.model_copy(update={"steps": 3072}), folder, resumed=True)
@@ -126,7 +126,7 @@ def test_a_resumed_run_goes_on_where_it_was(copied: TrainingFolder) -> None:
 
 
 def test_resume_restores_weights_and_keeps_the_best(copied: TrainingFolder) -> None:
-    """A resumed run that is stopped at once has learned nothing and lost nothing."""
+    """A resumed training that is stopped at once has learned nothing and lost nothing."""
     before, best = weights(copied.last), copied.best.read_bytes()
     folder, config = TrainingFolder.open(copied.path)
     longer = config.model_copy(update={"steps": 4096})
@@ -137,7 +137,9 @@ def test_resume_restores_weights_and_keeps_the_best(copied: TrainingFolder) -> N
     assert copied.best.read_bytes() == best
 
 
-def test_a_run_that_starts_from_another_has_its_weights_and_its_own_count(run: TrainingFolder, tmp_path: Path) -> None:
+def test_a_training_that_starts_from_another_has_its_weights_and_its_own_count(
+    run: TrainingFolder, tmp_path: Path
+) -> None:
     folder, outcome = trained(tmp_path / "new", tiny(seed=1), should_stop=lambda: True, start=run.path)
     assert outcome.steps <= 16
     assert weights(folder.last) == weights(run.last)
@@ -158,7 +160,9 @@ def test_a_run_that_starts_from_another_has_its_weights_and_its_own_count(run: T
         ("resume.safetensors", None, "holds no run"),
     ],
 )
-def test_a_spoilt_run_is_refused(copied: TrainingFolder, name: str, content: bytes | None, message: str) -> None:
+def test_a_spoilt_training_folder_is_refused(
+    copied: TrainingFolder, name: str, content: bytes | None, message: str
+) -> None:
     path = copied.path / name
     path.unlink()
     if content is not None:
@@ -229,13 +233,13 @@ def refused(capsys: pytest.CaptureFixture[str], *args: str) -> str:
     return shown.err
 
 
-def test_an_existing_run_is_not_overwritten(run: TrainingFolder, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_existing_training_is_not_overwritten(run: TrainingFolder, capsys: pytest.CaptureFixture[str]) -> None:
     before = {path: path.stat().st_mtime_ns for path in run.path.iterdir()}
     assert f"--resume {run.path}" in refused(capsys, "--out", str(run.path))
     assert {path: path.stat().st_mtime_ns for path in run.path.iterdir()} == before
 
 
-def test_what_a_killed_start_left_is_no_run(tmp_path: Path) -> None:
+def test_what_a_killed_start_left_is_no_training(tmp_path: Path) -> None:
     for _ in range(2):
         TrainingFolder.create(tmp_path / "run", tiny(), "pipenav train")
     with pytest.raises(PipenavError, match="holds no run"):

@@ -30,7 +30,7 @@ def scan(map: CornerMap, lidar: Laser, pipe: PipeCorner, before: float, robot: i
 
 
 def approach(lidar: Laser, pipe: PipeCorner, first: float = 0.15, last: float = 0.01) -> CornerEstimate:
-    """What is known after scans every 20 mm."""
+    """The map after scans every 20 mm."""
     map = CornerMap(lidar, 1, TOLERANCE)
     for before in np.arange(first, last, -0.02):
         scan(map, lidar, pipe, before)

@@ -31,7 +31,7 @@ def reading(slide: float, ranges: Floats) -> Reading:
 
 
 def advances(scans: list[Floats]) -> list[float]:
-    """What a slide that follows at once moves by after each scan [m]."""
+    """Motion of a slide that follows at once, after each scan [m]."""
     locator, slide, moved = MapLocator(ROBOT, LocateConfig(), 1), 0.0, []
     locator.start(ONE, reading(0.0, scans[0]), np.ones(1))
     for ranges in scans:

@@ -55,7 +55,7 @@ def test_a_mirrored_motion_is_the_image_in_the_mirrored_pipe(motion: Motion) -> 
 
 
 @given(motions())
-def test_the_hand_over_is_between_two_places_of_the_same_pipe(motion: Motion) -> None:
+def test_the_hand_over_is_between_two_points_of_the_same_pipe(motion: Motion) -> None:
     jump, pipe = hand_over(ROBOT, motion), motion.pipe
     middle = motion.base + motion.q[-1, 0]  # the first link's rear end, on the first leg's axis
     assert jump.along == pytest.approx(2 * -middle, abs=1e-9)

@@ -19,7 +19,7 @@ CORNERS = [PipeCorner.of(90, 75, "right", leg_mm=1600), PipeCorner.of(110, 110, 
 
 
 @given(routes(), st.integers(0, 9))
-def test_along_rises_along_lines_that_keep_the_inside_and_is_the_distance_on_the_centre_line(
+def test_the_distance_rises_along_lines_that_keep_the_inside_and_is_exact_on_the_centre_line(
     route: PipeRoute, seed: int
 ) -> None:
     distances = np.sort(np.random.default_rng(seed).uniform(route.distances[0], route.distances[-1], 300))
@@ -32,7 +32,7 @@ def test_along_rises_along_lines_that_keep_the_inside_and_is_the_distance_on_the
 
 
 @given(routes())
-def test_along_goes_on_past_the_open_ends(route: PipeRoute) -> None:
+def test_the_distance_goes_on_past_the_open_ends(route: PipeRoute) -> None:
     before = route.centre_line[0] - 0.1 * route.frames.rotation[0][:, 0]
     after = route.centre_line[-1] + 0.1 * route.frames.rotation[-1][:, 0]
     assume(leg_of(route, np.stack([before, after])).tolist() == [0, len(route.corners)])  # no other leg is nearer
@@ -78,7 +78,7 @@ def test_legs_that_are_no_neighbours_never_share_a_point(route: PipeRoute, share
 
 
 @given(seeds)
-def test_the_way_is_the_pipes_centre_line(seed: int) -> None:
+def test_distances_of_corners_are_those_of_their_own_centre_lines(seed: int) -> None:
     points = np.random.default_rng(seed).uniform(-1.0, 1.0, (len(PIPES), 6, 2))
     distances = CentreLines.of(PIPES).distance(points)
     for one, pipe, own in zip(distances, PIPES, points, strict=True):
@@ -86,7 +86,7 @@ def test_the_way_is_the_pipes_centre_line(seed: int) -> None:
 
 
 @given(seeds)
-def test_the_way_is_the_centre_line_of_runs_and_corners_alike(seed: int) -> None:
+def test_distances_of_routes_and_corners_together_are_those_of_their_own_centre_lines(seed: int) -> None:
     rng = np.random.default_rng(seed)
     pipes = [LEVEL[0], CORNERS[0], LEVEL[7], PipeRoute.of(100, [(180, "left", 0), (90, "left", 180)])]
     line = [np.array([[-1.0, 0], [0, 0], [1, 1]]) if isinstance(p, PipeCorner) else p.centre_line[:, :2] for p in pipes]
@@ -106,7 +106,7 @@ def test_centre_lines_make_room_for_more_corners() -> None:
 
 
 @given(st.sampled_from(LEVEL))
-def test_corners_end_one_after_the_other_and_turn_to_the_side_that_the_run_turns_to(route: PipeRoute) -> None:
+def test_corners_end_one_after_the_other_and_turn_to_the_side_that_the_route_turns_to(route: PipeRoute) -> None:
     lines = CentreLines.of([route])
     assert np.all(np.diff(lines.end[0, :-1]) > 0)
     direction = np.diff(route.centre_line[:, :2], axis=0)

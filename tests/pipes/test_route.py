@@ -1,4 +1,4 @@
-"""The laws of runs of pipe, in the plane and in space."""
+"""The laws of routes, in the plane and in space."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_every_corner_bends_in_its_own_plane_by_its_angle(route: PipeRoute) -> N
 
 @given(routes(), routes(most=3))
 @settings(max_examples=40)
-def test_frames_of_a_chained_run_are_those_of_its_parts_composed(first: PipeRoute, second: PipeRoute) -> None:
+def test_frames_of_a_chained_route_are_those_of_its_parts_composed(first: PipeRoute, second: PipeRoute) -> None:
     corners, straights = first.corners + second.corners, first.straights[:-1] + second.straights
     try:
         chained = PipeRoute(diameter=0.04, corners=corners, straights=straights)
@@ -61,7 +61,7 @@ def test_frames_of_a_chained_run_are_those_of_its_parts_composed(first: PipeRout
 
 
 @given(routes(), st.integers(0, 9))
-def test_turning_every_corner_the_other_way_mirrors_the_run(route: PipeRoute, seed: int) -> None:
+def test_turning_every_corner_to_the_other_side_mirrors_the_route(route: PipeRoute, seed: int) -> None:
     other = {"left": "right", "right": "left"}
     corners = tuple(Corner(angle=c.angle, turn=other[c.turn], roll=-c.roll) for c in route.corners)
     mirrored = route.model_copy(update={"corners": corners})
@@ -97,7 +97,7 @@ def test_a_roll_by_180_deg_makes_the_other_turn(route: PipeRoute, which: int) ->
         (OVER_ITSELF, [1000, 130, 400, 400, 800, 1000], None),
     ],
 )
-def test_runs_that_cross_themselves_are_refused(
+def test_routes_that_cross_themselves_are_refused(
     corners: list[tuple[float, str, float]], straights: list[float], crossing: str | None
 ) -> None:
     if crossing is None:
@@ -107,7 +107,7 @@ def test_runs_that_cross_themselves_are_refused(
         PipeRoute.of(100, corners, straights)
 
 
-def test_runs_of_the_same_numbers_are_equal_and_arrays_are_read_only() -> None:
+def test_routes_of_the_same_numbers_are_equal_and_arrays_are_read_only() -> None:
     corners = [(90, "left", 0), (75, "right", 0)]
     route = PipeRoute.of(100, corners)
     assert route == PipeRoute.of(100, corners) and hash(route) == hash(PipeRoute.of(100, corners))
@@ -117,7 +117,7 @@ def test_runs_of_the_same_numbers_are_equal_and_arrays_are_read_only() -> None:
             array[0] = 0.0
 
 
-def test_names_and_labels_tell_runs_apart() -> None:
+def test_names_and_labels_distinguish_routes() -> None:
     route = PipeRoute.of(100, [(90, "left", 0), (62.5, "right", 90)])
     assert route.name == "run-d100-L90-R62.5roll90"
     assert route.label == "100 mm, 90 deg left, 62.5 deg right rolled 90 deg"
@@ -152,7 +152,7 @@ def test_messages_name_what_is_allowed(arguments: tuple[object, ...], message: s
     assert message in str(caught.value)
 
 
-def test_bends_are_no_corners_of_a_run() -> None:
+def test_bends_are_no_corners_of_a_route() -> None:
     with pytest.raises(PipenavError, match="has a bend radius: the corners of a run are mitres"):
         PipeRoute.from_corner(PipeCorner.of(100, 90, "left", 150))
 

@@ -1,4 +1,4 @@
-"""Runs and sets of runs from TOML, shipped ones and a user's own."""
+"""Routes and sets of routes from TOML, shipped ones and a user's own."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def written(folder: Path, text: str) -> str:
 
 
 @pytest.mark.parametrize("name", ["runs-level", "runs-rolled"])
-def test_a_shipped_set_covers_the_working_range_in_runs_of_five_corners(name: str) -> None:
+def test_a_shipped_set_covers_the_working_range_in_routes_of_five_corners(name: str) -> None:
     routes = parse_routes([name])
     corners = [corner for route in routes for corner in route.corners]
     assert len(set(routes)) == 24 and {len(route.corners) for route in routes} == {5}
@@ -56,7 +56,7 @@ def test_a_shipped_set_covers_the_working_range_in_runs_of_five_corners(name: st
     assert 0.4 < sum(corner.turn == "left" for corner in corners) / len(corners) < 0.6
 
 
-def test_the_runs_for_training_are_planar_and_shorter_than_those_of_the_evaluations() -> None:
+def test_the_routes_for_training_are_planar_and_shorter_than_those_of_the_evaluations() -> None:
     sizes = {"runs-narrow-train": 200, "runs-train": 400, "runs-wide-train": 200}
     assert route_set_names() == sorted(["runs-level", "runs-rolled", *sizes])
     for name, size in sizes.items():
@@ -66,7 +66,7 @@ def test_the_runs_for_training_are_planar_and_shorter_than_those_of_the_evaluati
         assert not set(routes) & set(parse_routes(["runs-level"]))
 
 
-def test_the_rolled_runs_leave_room_for_the_whole_robot_between_two_corners() -> None:
+def test_the_rolled_routes_leave_room_for_the_whole_robot_between_two_corners() -> None:
     straights = {
         name: {x for route in parse_routes([name]) for x in route.straights[1:-1]} for name in route_set_names()
     }
@@ -74,7 +74,7 @@ def test_the_rolled_runs_leave_room_for_the_whole_robot_between_two_corners() ->
     assert min(straights["runs-rolled"]) == 0.9 and max(straights["runs-rolled"]) == 1.3
 
 
-def test_the_level_runs_stay_in_the_plane_and_the_rolled_ones_leave_it_by_quarter_turns() -> None:
+def test_the_level_routes_stay_in_the_plane_and_the_rolled_ones_leave_it_by_quarter_turns() -> None:
     assert all(route.planar for route in parse_routes(["runs-level"]))
     assert all({corner.turn for corner in route.corners} >= {"left"} for route in parse_routes(["runs-level"])[:3])
     rolled = parse_routes(["runs-rolled"])
@@ -92,40 +92,40 @@ def test_sets_are_drawn_alike_every_time_and_otherwise_with_another_seed(tmp_pat
     assert {route.straights for route in first} == {(0.7, 0.5, 0.7)}
 
 
-def test_the_first_run_of_a_shipped_set_never_changes() -> None:
-    """What was measured in a set must stay comparable."""
+def test_the_first_route_of_a_shipped_set_never_changes() -> None:
+    """Measurements in a shipped set must stay comparable."""
     assert parse_routes(["runs-level:1"])[0].name == "run-d70-R65-L70-R100-R55-L110"
     assert parse_routes(["runs-rolled:24"])[0].name == "run-d120-L95-R110roll270-L95roll270-R110roll90-L75roll270"
 
 
-def test_a_run_by_its_number() -> None:
+def test_a_route_by_its_number() -> None:
     routes = parse_routes(["runs-level"])
     assert parse_routes(["runs-level:1", "runs-level:24"]) == [routes[0], routes[-1]]
 
 
-def test_a_file_of_one_run(tmp_path: Path) -> None:
+def test_a_file_of_one_route(tmp_path: Path) -> None:
     route = PipeRoute.of(100, [(90, "left", 0), (75, "right", 90)], [None, 500, None])
     assert parse_routes([written(tmp_path, ONE)]) == [route] == [read_route(tmp_path / "mine.toml")]
     assert route.straights == (0.6, 0.5, 0.6)
 
 
-def test_every_number_of_a_file_reaches_the_run(tmp_path: Path) -> None:
+def test_every_number_of_a_file_reaches_the_route(tmp_path: Path) -> None:
     text = ONE.replace("diameter_mm", "wall_mm = 5\nfirst_straight_mm = 900\ndescription = 'x'\ndiameter_mm")
     expected = PipeRoute.of(100, [(90, "left", 0), (75, "right", 90)], [900, 500, 750], 5)
     assert parse_routes([written(tmp_path, text + "straight_mm = 750")]) == [expected]
 
 
 @pytest.mark.parametrize("text", ["d=90,angle=60,turn=right", "thesis-train"])
-def test_corners_are_runs_of_one(text: str) -> None:
+def test_corners_are_routes_of_one_corner(text: str) -> None:
     assert parse_routes([text]) == [PipeRoute.from_corner(pipe) for pipe in parse_pipes([text])]
 
 
-def test_a_file_of_pipes_is_a_set_of_runs_of_one(tmp_path: Path) -> None:
+def test_a_file_of_pipes_is_a_set_of_routes_of_one_corner(tmp_path: Path) -> None:
     text = written(tmp_path, 'description = "x"\ndiameters_mm = [80]\nangles_deg = [60]')
     assert parse_routes([text]) == [PipeRoute.from_corner(PipeCorner.of(80, 60))]
 
 
-def test_runs_keep_their_order_and_come_once() -> None:
+def test_routes_keep_their_order_and_come_once() -> None:
     routes = parse_routes(["runs-rolled:2", "d=90,angle=60", "runs-rolled"])
     assert (
         len(routes) == 25
@@ -134,7 +134,7 @@ def test_runs_keep_their_order_and_come_once() -> None:
     )
 
 
-def test_names_of_sets_are_told_apart() -> None:
+def test_names_of_sets_are_distinct() -> None:
     assert not set(route_set_names()) & set(pipe_set_names())
 
 
@@ -149,7 +149,7 @@ def test_names_of_sets_are_told_apart() -> None:
         ("d=90,angle=60,bend_radius=100", "has a bend radius: the corners of a run are mitres"),
     ],
 )
-def test_what_is_no_run_is_named(text: str, message: str) -> None:
+def test_what_is_no_route_is_named(text: str, message: str) -> None:
     with pytest.raises(PipenavError) as caught:
         parse_routes([text])
     assert message in str(caught.value)
@@ -187,7 +187,7 @@ def test_a_wrong_file_is_explained(tmp_path: Path, text: str, message: str) -> N
     assert message in str(caught.value) and "\n" not in str(caught.value)
 
 
-def test_a_set_is_no_run(tmp_path: Path) -> None:
+def test_a_set_is_no_route(tmp_path: Path) -> None:
     with pytest.raises(PipenavError, match="is not one run: that is a file with a"):
         read_route(Path(written(tmp_path, SET)))
 
@@ -196,7 +196,7 @@ def test_quarter_rolls_of_a_file_are_exact(tmp_path: Path) -> None:
     assert read_route(Path(written(tmp_path, ONE))).corners[1].roll == math.pi / 2
 
 
-def test_one_run_has_a_name(tmp_path: Path) -> None:
+def test_one_route_has_a_name(tmp_path: Path) -> None:
     assert parse_route(written(tmp_path, ONE)) == ("mine", read_route(tmp_path / "mine.toml"))
     assert parse_route("runs-level:3") == ("runs-level-3", parse_routes(["runs-level"])[2])
 
@@ -210,7 +210,7 @@ def test_one_run_has_a_name(tmp_path: Path) -> None:
         ("runs-level:25", "write a number from 1 to 24"),
     ],
 )
-def test_what_is_not_one_run_is_named(text: str, message: str) -> None:
+def test_what_is_not_one_route_is_named(text: str, message: str) -> None:
     with pytest.raises(PipenavError) as caught:
         parse_route(text)
     assert message in str(caught.value)

@@ -1,4 +1,4 @@
-"""The solids of a run: watertight meshes, and prisms that bound its bore exactly and stay out of it."""
+"""The solids of a route: watertight meshes, and prisms that bound its bore exactly and stay out of it."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_boards_are_watertight_and_as_large_as_straight_ones(route: PipeRoute) -
     assert body.volume == pytest.approx(1e9 * 2 * route.wall * route.diameter * sum(route.straights), rel=1e-3)
 
 
-def test_only_planar_runs_have_boards() -> None:
+def test_only_planar_routes_have_boards() -> None:
     with pytest.raises(PipenavError, match="leaves the plane"):
         route_boards_mesh(TIGHT)
 

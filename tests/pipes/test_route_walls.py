@@ -18,7 +18,7 @@ from pipenav.pipes.route import PipeRoute
 
 
 @given(diameters, angles, turns)
-def test_a_run_of_one_is_that_pipe(diameter: float, angle: float, turn: str) -> None:
+def test_a_route_of_one_corner_is_that_corner(diameter: float, angle: float, turn: str) -> None:
     pipe = PipeCorner.of(diameter, angle, turn)
     route = PipeRoute.from_corner(pipe)
     left, right = pipe.walls if turn == "left" else pipe.walls[::-1]
@@ -50,7 +50,7 @@ def test_points_of_the_wall_are_outside(route: PipeRoute, seed: int) -> None:
 
 
 @given(planar_routes)
-def test_a_planar_runs_segments_have_free_space_on_their_left_only(route: PipeRoute) -> None:
+def test_a_planar_routes_segments_have_free_space_on_their_left_only(route: PipeRoute) -> None:
     step = route.segments[:, 1] - route.segments[:, 0]
     left = np.stack([-step[:, 1], step[:, 0]], axis=1) / np.linalg.norm(step, axis=1, keepdims=True)
     middle = route.segments.mean(axis=1)
@@ -84,7 +84,7 @@ def test_no_wall_box_reaches_into_free_space_farther_than_the_thin_ones_do(route
 
 
 @given(routes())
-def test_only_planar_runs_have_walls_in_the_plane(route: PipeRoute) -> None:
+def test_only_planar_routes_have_walls_in_the_plane(route: PipeRoute) -> None:
     rolled = any(abs(math.sin(corner.roll)) > 1e-9 for corner in route.corners)
     assert route.planar == (not rolled)
     if rolled:

@@ -149,7 +149,7 @@ def test_without_a_display_mujocos_viewer_is_refused(monkeypatch: pytest.MonkeyP
 
 
 class Handle:
-    """What MuJoCo's launcher returns, without a screen: it remembers the states that it was told to draw."""
+    """A stand-in for what MuJoCo's launcher returns, without a screen: it remembers the states that it had to draw."""
 
     def __init__(self, model: Any, data: Any, **_: Any) -> None:
         import contextlib

@@ -1,4 +1,4 @@
-"""Recorded episodes are those that an evaluation runs, and repeat bit for bit."""
+"""Recorded episodes are those of an evaluation, and repeat bit for bit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A recorded search is the one that an evaluation runs."""
+"""Recorded searches for a target are those of an evaluation."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ ARMS = [name for name in robot_names() if not load_robot(name).free]
 
 
 @given(st.integers(0, 2**32), st.sampled_from(robot_names()))
-def test_parts_keep_their_size_and_their_place_on_the_link(seed: int, name: str) -> None:
+def test_parts_keep_their_size_and_their_position_on_the_link(seed: int, name: str) -> None:
     robot = load_robot(name)
     q = np.random.default_rng(seed).uniform(-2.0, 2.0, (5, robot.coordinates))
     pose, outlines = forward(robot, q), link_outlines(robot, q)

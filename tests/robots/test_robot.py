@@ -1,4 +1,4 @@
-"""Robot descriptions: what the shipped one says, and what a wrong one is told."""
+"""Robot descriptions: what the shipped ones say, and how wrong ones are refused."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ TEXT = (robots_dir() / "basic" / "robot.toml").read_text(encoding="utf-8")
 
 
 def message(tmp_path: Path, text: str) -> str:
-    """What is said about a robot.toml of this text."""
+    """The message about a robot.toml of this text."""
     path = tmp_path / "robot.toml"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(ConfigError) as caught:
@@ -112,7 +112,7 @@ def test_a_changed_copy_works_out_its_own_arrays() -> None:
 
 
 def whole(change: dict[str, object]) -> str:
-    """What is said of the whole robot's file with a change, as pydantic gives it."""
+    """The message about the whole robot's file with a change, as pydantic gives it."""
     table = load_robot("pirate").model_dump()
     with pytest.raises(ValidationError) as caught:
         RobotSpec.model_validate(table | change)

@@ -30,7 +30,7 @@ def _subjects() -> list[object]:
 
 
 def test_our_backends_are_installed() -> None:
-    """Else the contract below would have run over next to nothing."""
+    """Without them the contract would be checked on next to nothing."""
     assert "mujoco" in find_backends(), (
         "pipenav's own backends are not installed, so the contract was not run over them: this is a bare checkout. "
         "Backends are found through the installed distribution: pip install -c constraints.txt -e '.[dev]'"

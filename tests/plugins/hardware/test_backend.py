@@ -17,7 +17,7 @@ from pipenav.errors import PipenavError
 pytestmark = pytest.mark.realtime
 
 
-def test_the_arm_goes_where_it_is_told_within_its_limits(emulator: Emulator) -> None:
+def test_the_arm_goes_to_its_target_within_its_limits(emulator: Emulator) -> None:
     with driver(emulator) as machine:
         start = switch_on(machine)
         reach(machine, start + np.array([[0.03, 0.5, -0.5, 0.3]]))
@@ -38,7 +38,7 @@ def test_the_arm_goes_where_it_is_told_within_its_limits(emulator: Emulator) -> 
 
 @pytest.mark.parametrize("auto", [False, True])
 def test_torque_comes_on_without_a_jump(emulator: Emulator, auto: bool) -> None:
-    """Whatever the start pose; also with servos that switch torque on when they get a goal."""
+    """It holds for every start pose, and for servos that switch torque on when they get a goal."""
     if auto:
         emulator.order(fault="auto_torque")
     places = [int(p) for p in np.random.default_rng(auto).integers(100, 900, 4)]

@@ -1,4 +1,4 @@
-"""Ticks that are late: counted, or the end of the run."""
+"""Late ticks are counted, and stop the arm where they are much too late or late twice."""
 
 from __future__ import annotations
 

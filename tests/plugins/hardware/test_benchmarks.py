@@ -1,4 +1,4 @@
-"""A short run of each measurement of the arm; they exit with 1 where a promise is broken."""
+"""Each measurement of the arm, cut short; it exits with 1 where a promise is broken."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a check of an arm finds, and what a calibration of one writes, on the emulator's process."""
+"""Checks of an arm and calibrations of one, on the emulator's process."""
 
 from __future__ import annotations
 

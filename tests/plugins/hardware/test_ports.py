@@ -1,4 +1,4 @@
-"""What stands in the way of a port is named, with what to do."""
+"""A port that cannot be opened is explained, with what to do."""
 
 from __future__ import annotations
 

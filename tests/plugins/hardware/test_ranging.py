@@ -71,7 +71,7 @@ def test_a_depth_image_becomes_ranges_from_right_to_left() -> None:
 
 @given(st.floats(0, 0.1), st.floats(-2e-4, 2e-4))
 def test_ticks_come_to_begin_just_after_a_scan_and_stay_there(phase: float, drift: float) -> None:
-    """Wherever they begin, and although the scanner's clock runs a little faster or slower."""
+    """It holds wherever they begin, and although the scanner's clock is a little faster or slower."""
     due, stamp = 100.0, 100.0 - phase
     for _ in range(80):
         due += 0.1 - late_for_scan(due, RangeScan((300,), stamp, 1))

@@ -193,7 +193,7 @@ def test_torque_goes_off_although_servos_are_overloaded(emulator: Emulator, bus:
     assert bus.off((1, 2, 3, 4)) == []
 
 
-def test_the_sent_packet_is_the_one_that_was_told(emulator: Emulator, bus: Bus) -> None:
+def test_the_sent_packet_is_the_one_that_is_returned(emulator: Emulator, bus: Bus) -> None:
     sent: list[bytes] = []
     bus.on_send(sent.append)
     bus.mode = Mode.DRIVE

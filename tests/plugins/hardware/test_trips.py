@@ -125,7 +125,7 @@ def test_one_silent_tick_is_forgiven_two_are_not() -> None:
 
 @given(st.lists(st.sets(st.integers(1, 4)), max_size=12))
 def test_silence_stops_exactly_when_a_servo_was_silent_just_before(ticks: list[set[int]]) -> None:
-    """Whichever servos, and however many."""
+    """It holds for all servos, one or several."""
     rules = ServoRules(ARM)
     for before, silent in pairwise([set(), *ticks]):
         answers = [servo not in silent for servo in (1, 2, 3, 4)]

@@ -36,7 +36,7 @@ class Bus:
         return not select.select([self.heard], [], [], seconds)[0]
 
     def packets(self) -> bytes:
-        """What is sent to switch torque off."""
+        """The bytes that are sent to switch torque off."""
         sent = b""
         while len(sent) < ALL:
             assert not self.silent(GENEROUS), "nothing more is sent"

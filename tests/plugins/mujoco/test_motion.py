@@ -153,7 +153,7 @@ def test_a_hinge_presses_by_the_law_of_the_lever(drive: float) -> None:
     assert backend.truth().link_forces[0, 0] == pytest.approx([0.0, -force], rel=1e-3, abs=1e-6)
 
 
-def test_the_position_controller_goes_where_it_is_told_and_stays() -> None:
+def test_the_position_controller_goes_to_its_set_points_and_stays() -> None:
     backend = MujocoBackend(ROBOT, 1, MujocoOptions(threads=1))
     backend.reset(np.arange(1), [PipeCorner.of(300, 180)], np.zeros((1, 4)), np.array([-0.3]))
     backend.step(Command("torque", np.ones((1, 4))))

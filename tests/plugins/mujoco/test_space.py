@@ -34,7 +34,7 @@ def world(n: int = 1, gravity: float = GRAVITY, **options: float) -> SpaceBacken
 def placed(
     route: PipeRoute, plane: float = 0.0, gravity: float = GRAVITY
 ) -> Iterator[tuple[SpaceBackend, Floats, float]]:
-    """A robot in its plane at the start of a run; the backend, its configuration and its base."""
+    """A robot in its plane at the start of a route: the backend, its configuration and its base."""
     task = TraverseConfig(kind="traverse", start_spread=(1.0, 1.0), start_gap=(0.4, 0.5))
     episode = sample(ROBOT, task, [route], np.random.default_rng(3))
     with closing(world(gravity=gravity)) as backend:

@@ -125,7 +125,7 @@ def test_friction_takes_its_share_of_the_push() -> None:
     backend.close()
 
 
-def test_the_position_controller_goes_where_it_is_told_and_stays() -> None:
+def test_the_position_controller_goes_to_its_set_points_and_stays() -> None:
     backend = alone(ROBOT, PipeCorner.of(300, 180), -0.3)
     backend.step(Command("torque", np.ones((1, 4))))
     goal = np.array([[0.1, 0.1, -0.2, 0.15]])

@@ -1,4 +1,4 @@
-"""The controllers that an evaluation runs."""
+"""The controller that follows the centre line."""
 
 from __future__ import annotations
 

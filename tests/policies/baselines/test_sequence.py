@@ -149,7 +149,7 @@ def test_the_line_leads_past_all_walls_to_a_pose_that_mirrors_itself(diameter: f
 
 
 @given(diameters, angles, st.floats(0.0, 1.0), st.integers(0, 2**32 - 1))
-def test_the_way_onto_the_line_begins_where_the_half_is_and_ends_where_the_line_ends(
+def test_the_path_onto_the_line_begins_where_the_half_is_and_ends_where_the_line_ends(
     diameter: float, angle: float, share: float, seed: int
 ) -> None:
     corner = plan(ROBOT, PipeCorner.of(diameter, angle))

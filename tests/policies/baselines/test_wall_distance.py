@@ -1,4 +1,4 @@
-"""Clearance by plane geometry against MuJoCo's own distances between the shapes of robots and pipes."""
+"""Wall distances by plane geometry against MuJoCo's own distances between the shapes of robots and pipes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ ROBOT = load_robot("basic")
 
 @pytest.mark.parametrize("name", robot_names())
 @pytest.mark.parametrize(("diameter", "angle", "bend"), [(110, 60, 0), (120, 100, 0), (130, 90, 120)])
-def test_clearance_is_the_distance_of_the_shapes(name: str, diameter: float, angle: float, bend: float) -> None:
+def test_the_wall_distance_is_the_distance_of_the_shapes(name: str, diameter: float, angle: float, bend: float) -> None:
     rng = np.random.default_rng(7)
     robot, pipe = load_robot(name), PipeCorner.of(diameter, angle, bend_radius_mm=bend)
     base = -pipe.inner_edge - 0.32
@@ -47,7 +47,7 @@ def _meet(model: mujoco.MjModel, link: int, wall: int) -> bool:
     return bool(model.geom_contype[link] & model.geom_conaffinity[wall]) and model.geom_bodyid[link] > 0
 
 
-def test_clearance_of_a_straight_arm_is_what_the_walls_leave() -> None:
+def test_the_wall_distance_of_a_straight_arm_is_what_the_walls_leave() -> None:
     pipe = PipeCorner.of(100, 90)
     base = -pipe.inner_edge - ROBOT.length - 0.1
     poses = np.zeros((3, 4))
@@ -58,8 +58,8 @@ def test_clearance_of_a_straight_arm_is_what_the_walls_leave() -> None:
     assert found[2] < 0
 
 
-def test_clearance_agrees_with_a_dense_outline() -> None:
-    """Wherever all points of the links' outlines lie inside the pipe, there is clearance, and the other way round."""
+def test_the_wall_distance_agrees_with_a_dense_outline() -> None:
+    """The distance is positive exactly where all points of the links' outlines lie inside the pipe."""
     rng = np.random.default_rng(0)
     pipe = PipeCorner.of(80, 70)
     base = -pipe.inner_edge - ROBOT.length

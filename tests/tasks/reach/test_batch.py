@@ -56,7 +56,7 @@ def puppet_batch(**task: object) -> tuple[ReachBatch, Puppet]:
 
 
 def put_tip_at_the_target(batch: ReachBatch, backend: Puppet) -> None:
-    """By slide and two hinges: two links to the target, the head in line with the second."""
+    """Bend two hinges and move the slide: two links to the target, the head in line with the second."""
     x, y = batch.target[0]
     theta = np.arctan2(y, x - 0.04 - 0.2)
     distance = np.hypot(y, x - 0.24)

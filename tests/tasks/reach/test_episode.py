@@ -1,4 +1,4 @@
-"""Starts, targets, the way to them, and how episodes end, over all pipes of the working range."""
+"""Starts, targets and the distance to them, over all pipes of the working range."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ sharp_pipes = st.builds(PipeCorner.of, st.floats(70, 120), st.floats(30, 179), s
 
 @settings(max_examples=40)
 @given(seeds, sharp_pipes)
-def test_the_way_is_the_shortest_path_in_the_pipe(seed: int, pipe: PipeCorner) -> None:
+def test_the_distance_to_the_target_is_the_shortest_path_in_the_pipe(seed: int, pipe: PipeCorner) -> None:
     episodes, rng = drawn(seed, [pipe]), np.random.default_rng(seed)
     target, edge = (in_pipe(a[0], episodes.base[0], 1.0) for a in (episodes.target, episodes.edge))
     before, corner, after = pipe.walls.inner
@@ -109,7 +109,7 @@ def test_the_way_is_the_shortest_path_in_the_pipe(seed: int, pipe: PipeCorner) -
 
 @settings(max_examples=40)
 @given(seeds, any_pipe, st.floats(0, 0.01), st.floats(-np.pi, np.pi))
-def test_the_way_changes_by_no_more_than_the_tip_moves(
+def test_the_distance_to_the_target_changes_by_no_more_than_the_tip_moves(
     seed: int, pipe: PipeCorner, step: float, heading: float
 ) -> None:
     episodes, rng = drawn(seed, [pipe]), np.random.default_rng(seed)
@@ -125,7 +125,7 @@ def test_the_way_changes_by_no_more_than_the_tip_moves(
 
 @settings(max_examples=40)
 @given(seeds, any_pipe)
-def test_the_way_falls_to_zero_along_the_way(seed: int, pipe: PipeCorner) -> None:
+def test_the_distance_to_the_target_falls_to_zero_along_the_path(seed: int, pipe: PipeCorner) -> None:
     episodes = drawn(seed, [pipe])
     tip = kinematics.forward(ROBOT, episodes.q).tip
     stations = [np.linspace(tip[0], episodes.edge[0], 50), np.linspace(episodes.edge[0], episodes.target[0], 50)]

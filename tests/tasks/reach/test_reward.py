@@ -13,7 +13,7 @@ from pipenav.tasks.reach.reward import StepFacts
 
 
 def facts(error: float = 0.018, nearest: float = 0.199, change: float = 0.199, failed: bool = False) -> StepFacts:
-    """One robot's step; the defaults make eq 3.8 equal ln 0.1 and eq 3.10 and 3.14 equal -1."""
+    """A step of one robot; the defaults make eq 3.8 equal ln 0.1 and eq 3.10 and 3.14 equal -1."""
     one, ranges = np.ones(1), np.full((1, 10), 0.4)
     ranges[0, 3] = nearest
     flags = np.array([failed])

@@ -1,4 +1,4 @@
-"""What a robot between corners in several planes senses: its plane, its heading, and the end of the straight."""
+"""Senses of a robot between corners in several planes: its plane, its heading, and the end of the straight."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def test_in_a_zigzag_the_rear_half_heads_along_the_pipe(diameter: float, third: 
 
 @given(st.floats(-1.0, 1.0), st.lists(st.floats(-2.0, 2.0), min_size=6, max_size=6))
 def test_the_divided_links_heading_counts_from_the_rear_half(turn: float, bends: list[float]) -> None:
-    """However the robot is bent: a bend of the third joint turns the divided link and leaves the rear half."""
+    """A bend of the third joint turns the divided link and leaves the rear half, however the robot is bent."""
     before = np.array(bends)
     after = before + np.array([0, 0, turn, 0, 0, 0])
     change = senses.from_rear_half(ROBOT, after) - senses.from_rear_half(ROBOT, before)
@@ -40,7 +40,7 @@ def test_the_divided_links_heading_counts_from_the_rear_half(turn: float, bends:
 def test_a_plane_is_known_from_the_weight_unless_the_straight_is_too_steep(
     plane: float, slope: float, swing: float
 ) -> None:
-    """By any pose of the joints: the accelerometers' link may head another way than the straight."""
+    """It holds in any pose of the joints: the accelerometers' link may head elsewhere than the straight."""
     c, s = math.cos(slope), math.sin(slope)
     axes = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])  # climbs by the slope
     bends = clamped(0.045, 1.0) + np.array([0, 0, swing, -swing, 0, 0])

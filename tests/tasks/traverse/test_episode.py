@@ -27,7 +27,7 @@ def test_starts_touch_nothing_and_leave_the_gap(seed: int) -> None:
 
 @settings(max_examples=10, deadline=None)
 @given(seeds)
-def test_at_a_full_spread_every_wheel_touches_a_wall_by_turns(seed: int) -> None:
+def test_at_a_full_spread_wheels_touch_the_left_and_the_right_wall_alternately(seed: int) -> None:
     start = episodes(CONFIG.model_copy(update={"start_spread": (1.0, 1.0)}), seed, PIPES[:1])
     wheels = waypoints(ROBOT, start.q)[0, 1:-1]
     room = PIPES[0].radius - ROBOT.width / 2

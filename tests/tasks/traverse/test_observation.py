@@ -1,4 +1,4 @@
-"""What a robot on wheels sees in a traverse, and what its actions ask for."""
+"""Observations of a robot on wheels in a traverse, and what its actions ask for."""
 
 from __future__ import annotations
 

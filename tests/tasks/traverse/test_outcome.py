@@ -13,7 +13,7 @@ from pipenav.tasks.traverse.outcome import Facts, OutcomeTracker, reward
 
 
 class Course:
-    """One robot that is led along a straight way by hand, to be judged."""
+    """A robot that is led along a straight line by hand, and the outcome of every step."""
 
     def __init__(self, **config: object) -> None:
         self.config = CONFIG.model_copy(update={"patience": 3, **config})

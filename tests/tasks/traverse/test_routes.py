@@ -1,4 +1,4 @@
-"""The traverse task in runs of corners: the way, the side that changes from corner to corner, starts and time."""
+"""The traverse task in routes: the side that changes from corner to corner, starts and time."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def on_mujoco(pipes: Sequence[Pipe], seed: int = 0, config: TraverseConfig = CON
         yield made
 
 
-def test_a_run_of_one_gives_the_episode_of_the_corner() -> None:
+def test_a_route_of_one_corner_gives_the_episode_of_the_corner() -> None:
     routes = [PipeRoute.from_corner(pipe) for pipe in CORNERS]
     for number in range(3):
         one, other = (random_start(ROBOT, CONFIG, pipes, 3, 5)(number) for pipes in (CORNERS, routes))
@@ -84,7 +84,7 @@ def test_an_action_seen_from_the_other_side_asks_for_the_same_and_twice_is_itsel
 
 
 class Ghost(Simulator):
-    """Robots that are carried through their pipes by hand, bent as they are told, touching nothing."""
+    """Robots that are carried through their pipes by hand, bent as they are asked to, touching nothing."""
 
     Options = BackendOptions
 
@@ -115,7 +115,7 @@ class Ghost(Simulator):
 
 
 def _on_the_centre_line(pipe: Pipe, at: float) -> tuple[float, float, float]:
-    """Place and direction of the way where it is `at` long."""
+    """Position and direction of the centre line at a distance `at`."""
     assert isinstance(pipe, PipeRoute)
     leg = int(np.clip(np.searchsorted(pipe.distances, at, side="right") - 1, 0, len(pipe.straights) - 1))
     x, y = pipe.legs.axes[leg][:2, 0]
@@ -124,7 +124,7 @@ def _on_the_centre_line(pipe: Pipe, at: float) -> tuple[float, float, float]:
 
 
 def carried(pipes: Sequence[Pipe], config: TraverseConfig = CONFIG, seed: int = 0) -> tuple[Ghost, TraverseBatch]:
-    """Bent at random; the second of two robots is the first one's mirror image."""
+    """Robots bent at random; the second of two is the first one's mirror image."""
     rng = np.random.default_rng(seed)
     q, ranges = rng.uniform(-0.5, 0.5, (1, 6)), rng.uniform(0.01, 0.4, (1, 10))
     both = np.concatenate([q, q * ROBOT.mirror_signs])[: len(pipes)]
@@ -139,7 +139,7 @@ def carried(pipes: Sequence[Pipe], config: TraverseConfig = CONFIG, seed: int = 
 
 @settings(max_examples=15, deadline=None)
 @given(st.sampled_from(LEVEL), seeds)
-def test_a_run_and_its_mirror_image_are_seen_and_driven_alike_through_all_corners(route: Pipe, seed: int) -> None:
+def test_a_route_and_its_mirror_image_are_seen_and_driven_alike_through_all_corners(route: Pipe, seed: int) -> None:
     assert isinstance(route, PipeRoute)
     ghost, indices = carried([route, mirrored(route)], seed=seed)
     rng = np.random.default_rng(seed)
@@ -186,7 +186,7 @@ def test_a_corner_that_was_passed_stays_passed_where_the_robot_slides_back() -> 
     assert indices.step(still).observation[0, :6] == pytest.approx(second)
 
 
-def test_a_run_is_passed_with_the_tail_past_the_last_corner_and_has_time_for_every_corner() -> None:
+def test_a_route_is_passed_with_the_tail_past_the_last_corner_and_has_time_for_every_corner() -> None:
     route = PipeRoute.of(100, [(90, "left", 0), (90, "right", 0), (70, "left", 0)], [1000, 800, 800, 1000])
     end = route.distances[-2] + route.inner_edges[-1] + CONFIG.through
     config = CONFIG.model_copy(update={"max_steps": 20})
@@ -200,7 +200,7 @@ def test_a_run_is_passed_with_the_tail_past_the_last_corner_and_has_time_for_eve
         assert found[steps - 1] is outcome
 
 
-def test_robots_in_runs_and_in_corners_are_stepped_together() -> None:
+def test_robots_in_routes_and_in_corners_are_stepped_together() -> None:
     with on_mujoco([LEVEL[0], CORNERS[0]]) as indices:
         both = [indices.step(np.full((2, 12), 0.3)) for _ in range(3)]
     for i, pipe in enumerate((LEVEL[0], CORNERS[0])):
@@ -215,7 +215,7 @@ def test_robots_in_runs_and_in_corners_are_stepped_together() -> None:
 
 @settings(max_examples=20, deadline=None)
 @given(st.sampled_from(LEVEL), seeds)
-def test_starts_in_runs_lie_free_in_the_first_straight(route: Pipe, seed: int) -> None:
+def test_starts_in_routes_lie_free_in_the_first_straight(route: Pipe, seed: int) -> None:
     start = sample(ROBOT, CONFIG, [route], np.random.default_rng(seed))
     points = waypoints(ROBOT, start.q)[0] + [start.base[0], 0.0]
     assert np.abs(points[:, 1]).max() <= route.radius - ROBOT.width / 2 + 1e-9
@@ -225,7 +225,7 @@ def test_starts_in_runs_lie_free_in_the_first_straight(route: Pipe, seed: int) -
     assert points[0, 0] >= -route.straights[0]
 
 
-def test_ends_that_are_too_short_are_made_longer_or_refused_where_the_run_would_cross_itself() -> None:
+def test_ends_that_are_too_short_are_made_longer_or_refused_where_the_route_would_cross_itself() -> None:
     corners = [(90, "left", 0), (90, "right", 0)]
     longer = with_room(ROBOT, CONFIG, PipeRoute.of(100, corners, [400, 500, 300]))
     assert isinstance(longer, PipeRoute)
@@ -235,7 +235,7 @@ def test_ends_that_are_too_short_are_made_longer_or_refused_where_the_run_would_
         with_room(ROBOT, CONFIG, spiral)
 
 
-def test_a_run_that_leaves_the_plane_is_refused() -> None:
+def test_a_route_that_leaves_the_plane_is_refused() -> None:
     with pytest.raises(PipenavError, match="leaves the plane, in which robots are trained: choose a run without rolls"):
         parse_planar(["runs-rolled"])
     assert len(parse_planar(["runs-level", "d=90,angle=90"])) == 25
@@ -243,7 +243,7 @@ def test_a_run_that_leaves_the_plane_is_refused() -> None:
     assert rolled_over.turn_signs == [-1.0]
 
 
-def test_what_goes_wrong_in_a_run_is_drawn_by_its_corners() -> None:
+def test_what_goes_wrong_in_a_route_is_drawn_by_its_corners() -> None:
     readings = []
     for route in (LEVEL[0], LEVEL[0], LEVEL[1].model_copy(update={"diameter": LEVEL[0].diameter})):
         simulator = open_simulator("mujoco", ROBOT, 1, {"threads": 1}, 12)
