@@ -17,12 +17,18 @@ def bounds(lower: float, upper: float, step: float, slack: float) -> Bounds:
     return Bounds(np.array([lower]), np.array([upper]), np.array([step]), np.array([slack]))
 
 
-@given(hostile, counts, counts, counts, counts, st.integers(1, 60), st.integers(0, 5))
-def test_a_limited_goal_keeps_every_limit(
-    goal: float, present: int, last: int, one: int, other: int, step: int, slack: int
-) -> None:
-    lower, upper = sorted((one, other))
-    result = limited(np.array([goal]), np.array([present]), np.array([last]), bounds(lower, upper, step, slack))
+some_bounds = st.builds(
+    lambda limits, step, slack: bounds(*sorted(limits), step, slack),
+    st.tuples(counts, counts),
+    st.integers(1, 60),
+    st.integers(0, 5),
+)
+
+
+@given(hostile, counts, counts, some_bounds)
+def test_a_limited_goal_keeps_every_limit(goal: float, present: int, last: int, allowed: Bounds) -> None:
+    lower, upper, step, slack = (values[0] for values in allowed)
+    result = limited(np.array([goal]), np.array([present]), np.array([last]), allowed)
     if result.empty[0]:
         nearest = np.clip([last - step, last + step], lower, upper)
         assert lower > last + step or upper < last - step or (np.abs(nearest - present) > step + slack).all()

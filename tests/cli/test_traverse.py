@@ -71,9 +71,9 @@ def test_a_view_is_the_evaluations_episode_and_can_be_read_again(trained: Path, 
     table, picture = tmp_path / "way.csv", tmp_path / "way.png"
     args = ("--pipes", "d=90,angle=60", "--out", str(table), "--out", str(picture))
     assert run("view", "--policy", str(trained / "best.zip"), *args) == 0
-    way = read_trajectory(table)
-    assert way.q.shape[1] == load_robot("pirate").coordinates
-    assert way.header.outcome == Outcome.TIMEOUT.label
+    recording = read_trajectory(table)
+    assert recording.q.shape[1] == load_robot("pirate").coordinates
+    assert recording.header.outcome == Outcome.TIMEOUT.label
     assert picture.read_bytes().startswith(b"\x89PNG")
     assert run("view", "--trajectory", str(table), "--out", str(tmp_path / "again.png")) == 0
     assert (tmp_path / "again.png").stat().st_size == pytest.approx(picture.stat().st_size, rel=0.1)
@@ -104,9 +104,9 @@ def test_a_view_of_a_route_can_be_read_again_and_has_no_rear_half(trained: Path,
     table, picture = tmp_path / "run.csv", tmp_path / "run.png"
     args = ("--pipes", "runs-level:3", "--out", str(table), "--out", str(picture))
     assert run("view", "--policy", str(trained / "best.zip"), *args) == 0
-    way = read_trajectory(table)
-    assert way.header.pipe == parse_routes(["runs-level:3"])[0]
-    assert len(way.q) == 1 + 5 * TINY["task.max_steps"]  # type: ignore[operator]  # twelve steps for each corner
+    recording = read_trajectory(table)
+    assert recording.header.pipe == parse_routes(["runs-level:3"])[0]
+    assert len(recording.q) == 1 + 5 * TINY["task.max_steps"]  # type: ignore[operator]  # twelve steps for each corner
     assert run("view", "--trajectory", str(table), "--out", str(tmp_path / "again.png")) == 0
     assert (tmp_path / "again.png").stat().st_size == pytest.approx(picture.stat().st_size, rel=0.1)
     assert run("mirror-rear", "--trajectory", str(table), "--out", str(tmp_path / "rear.csv")) == 1

@@ -35,10 +35,10 @@ def test_every_difference_is_within_its_tolerance(robot: str) -> None:
 def test_there_is_something_to_compare(robot: str) -> None:
     agreement = agreement_of(robot)
     joints = len(load_robot(robot).joints)
-    for sides in agreement:
-        for turn_sign in sides:
-            assert np.isfinite(turn_sign).any()
-            assert np.nanmax(turn_sign) > 0
+    for comparison in agreement:
+        for recorded in comparison:
+            assert np.isfinite(recorded).any()
+            assert np.nanmax(recorded) > 0
     for moved in (agreement.driven, agreement.stepped):
         own = moved.reference[np.arange(joints), :, np.arange(joints)]  # (joints, steps)
         assert np.all(own.max(axis=1) > 0.01)

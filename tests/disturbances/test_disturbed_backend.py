@@ -59,11 +59,11 @@ def run(backend: Backend, n: int, commands: list[Command], rows: Ints | None = N
     """Readings of n robots from the contract's starts on, or from some rows of more starts."""
     start = starts(Bench(KinematicBackend, n=6))
     rows = np.arange(n) if rows is None else rows
-    told = [backend.reset(np.arange(n), [start.pipes[i] for i in rows], start.q[rows], start.base[rows])]
+    readings = [backend.reset(np.arange(n), [start.pipes[i] for i in rows], start.q[rows], start.base[rows])]
     for command in commands:
         backend.step(command)
-        told.append(backend.read())
-    return told
+        readings.append(backend.read())
+    return readings
 
 
 @settings(deadline=None, max_examples=15)

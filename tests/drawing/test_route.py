@@ -53,10 +53,10 @@ def test_the_dials_point_to_where_the_pipe_bends() -> None:
     """Left of a robot that looks ahead is left in the dial, up is up."""
     schedule = route_figure(ROLLED, "mine").axes[1]
     arrows = [note for note in schedule.texts if note.get_text() == "" and note.arrow_patch is not None]
-    ways = np.array([np.subtract(note.xy, note.xyann) for note in arrows])
-    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    directions = np.array([np.subtract(note.xy, note.xyann) for note in arrows])
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     # To the left; rolled by 90 deg a right turn goes down; rolled by 180 deg more, a left one goes down too.
-    np.testing.assert_allclose(ways, [[-1, 0], [0, -1], [0, -1]], atol=1e-9)
+    np.testing.assert_allclose(directions, [[-1, 0], [0, -1], [0, -1]], atol=1e-9)
     first, second = ROLLED.centre_line[2] - ROLLED.centre_line[1], ROLLED.frames.rotation[2][:, 0]
     assert first[1] > 0 and second[2] < 0
 

@@ -91,11 +91,11 @@ def test_every_episode_has_ended_in_one_way(results: EpisodeResults) -> None:
 
 
 def test_progress_is_reported_until_the_end() -> None:
-    told: list[tuple[str, int, int, int]] = []
+    reports: list[tuple[str, int, int, int]] = []
     config = EvaluationConfig(policy="baseline:centreline", pipes=(NAMES[0],), episodes=EPISODES)
-    CheckedEvaluation(config).run(lambda *all_four: told.append(all_four))
-    assert told == sorted(told)
-    assert told[-1] == ("reach", EPISODES, EPISODES, EPISODES)
+    CheckedEvaluation(config).run(lambda *all_four: reports.append(all_four))
+    assert reports == sorted(reports)
+    assert reports[-1] == ("reach", EPISODES, EPISODES, EPISODES)
 
 
 def test_the_shipped_policy_passes_the_working_range() -> None:

@@ -65,8 +65,8 @@ def test_the_front_goes_for_the_target_that_was_found(
     front: StageResult, controller: Controller, located: StageResult
 ) -> None:
     assert front.passed.all()
-    sides = np.array([pipe.turn_sign for pipe in parse_pipes(NAMES) for _ in range(EPISODES)])
-    tips = kinematics.forward(controller.robot, front.results.q).tip * np.stack([np.ones(JOBS), sides], axis=1)
+    turn_signs = np.array([pipe.turn_sign for pipe in parse_pipes(NAMES) for _ in range(EPISODES)])
+    tips = kinematics.forward(controller.robot, front.results.q).tip * np.stack([np.ones(JOBS), turn_signs], axis=1)
     off = np.linalg.norm(tips - located.targets, axis=1)
     assert (off <= controller.task.reach_tolerance).all()
 

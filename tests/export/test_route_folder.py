@@ -64,9 +64,9 @@ def rays(route: PipeRoute, count: int) -> tuple[Floats, Floats, Floats]:
     along = length * rng.uniform(0.48, 0.52, count)
     axes = route.legs.axes[leg]
     origins = route.legs.start[leg] + along[:, None] * axes[:, :, 0]
-    ways = np.cos(around)[:, None] * axes[:, :, 1] + np.sin(around)[:, None] * axes[:, :, 2]
+    directions = np.cos(around)[:, None] * axes[:, :, 1] + np.sin(around)[:, None] * axes[:, :, 2]
     turn_sign = 2 * math.pi / FACETS
-    return origins, ways, route.radius / np.cos((around + turn_sign / 2) % turn_sign - turn_sign / 2)
+    return origins, directions, route.radius / np.cos((around + turn_sign / 2) % turn_sign - turn_sign / 2)
 
 
 def test_mujoco_sees_the_walls_where_the_prisms_are(made: tuple[PipeRoute, Path]) -> None:
@@ -75,8 +75,8 @@ def test_mujoco_sees_the_walls_where_the_prisms_are(made: tuple[PipeRoute, Path]
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     assert model.nv == 0 and model.ngeom == FACETS * len(route.straights)
-    for origin, way, expected in zip(*rays(route, 200), strict=True):
-        seen = mujoco.mj_ray(model, data, origin, way, None, 1, -1, np.zeros(1, np.int32), None)
+    for origin, direction, expected in zip(*rays(route, 200), strict=True):
+        seen = mujoco.mj_ray(model, data, origin, direction, None, 1, -1, np.zeros(1, np.int32), None)
         assert seen == pytest.approx(expected, abs=1e-5)
 
 
@@ -101,12 +101,12 @@ def test_bullet_sees_the_walls_where_the_prisms_are(made: tuple[PipeRoute, Path]
     """Bullet puts a millimetre around convex hulls."""
     bullet = pytest.importorskip("pybullet")
     route, folder = made
-    origins, ways, expected = rays(route, 200)
+    origins, directions, expected = rays(route, 200)
     client = bullet.connect(bullet.DIRECT)
     try:
         body = bullet.loadURDF(str(folder / "pipe.urdf"), physicsClientId=client)
         assert bullet.getDynamicsInfo(body, -1, physicsClientId=client)[0] == 0  # without mass: it stays
-        hits = bullet.rayTestBatch(origins, origins + 2 * expected[:, None] * ways, physicsClientId=client)
+        hits = bullet.rayTestBatch(origins, origins + 2 * expected[:, None] * directions, physicsClientId=client)
     finally:
         bullet.disconnect(client)
     seen = np.array([hit[2] for hit in hits]) * 2 * expected

@@ -119,7 +119,7 @@ def test_bullet_sees_the_same_walls(made: tuple[PipeCorner, Path]) -> None:
     pipe, folder = made
     sent = rays(pipe, 300)
     expected = np.array([distance_to_segments(*ray, pipe.segments) for ray in sent])
-    ends = np.array([origin + 1.5 * far * way for (origin, way), far in zip(sent, expected, strict=True)])
+    ends = np.array([origin + 1.5 * far * direction for (origin, direction), far in zip(sent, expected, strict=True)])
     client = bullet.connect(bullet.DIRECT)
     try:
         body = bullet.loadURDF(str(folder / "pipe.urdf"), physicsClientId=client)
@@ -131,9 +131,9 @@ def test_bullet_sees_the_same_walls(made: tuple[PipeCorner, Path]) -> None:
     seen = np.array([hit[2] for hit in hits]) * 1.5 * expected
     joints = pipe.segments.reshape(-1, 2)
     clear = 0
-    for (origin, way), far, distance in zip(sent, expected, seen, strict=True):
-        assert distance_to_point(origin + distance * way, pipe.segments) < 1.6e-3
-        path = np.array([[origin, origin + far * way]])
+    for (origin, direction), far, distance in zip(sent, expected, seen, strict=True):
+        assert distance_to_point(origin + distance * direction, pipe.segments) < 1.6e-3
+        path = np.array([[origin, origin + far * direction]])
         if not pipe.bend_radius and min(distance_to_point(joint, path) for joint in joints) > 5e-3:
             assert distance == pytest.approx(far, abs=TENTH_OF_A_MM)
             clear += 1

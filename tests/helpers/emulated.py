@@ -30,37 +30,37 @@ CLOSE = 0.01
 def driver(emulator: Emulator, **options: Any) -> Iterator[HardwareBackend]:
     """The driver of an emulated arm, with wide time limits."""
     settings = {"arm": str(emulator.arm_path), "patience": PATIENCE, "allow_slow_bus": True} | options
-    machine = open_backend("hardware", ROBOT, 1, settings)
-    assert isinstance(machine, HardwareBackend)
+    arm = open_backend("hardware", ROBOT, 1, settings)
+    assert isinstance(arm, HardwareBackend)
     try:
-        yield machine
+        yield arm
     finally:
-        machine.close()
+        arm.close()
 
 
-def switch_on(machine: HardwareBackend) -> Floats:
+def switch_on(arm: HardwareBackend) -> Floats:
     """Switch torque on where the arm is, and say where that is."""
-    start = machine.read().q
-    machine.reset(np.array([0]), [], start, np.zeros(1))
+    start = arm.read().q
+    arm.reset(np.array([0]), [], start, np.zeros(1))
     return start
 
 
-def tick(machine: HardwareBackend, target: Floats, count: int = 1) -> None:
+def tick(arm: HardwareBackend, target: Floats, count: int = 1) -> None:
     """Drive the arm towards a target for some ticks."""
     for _ in range(count):
-        machine.read()
-        if machine.complete:
-            machine.send(Command("position", target))
+        arm.read()
+        if arm.complete:
+            arm.send(Command("position", target))
         else:
-            machine.hold()
-        machine.wait()
+            arm.hold()
+        arm.wait()
 
 
-def reach(machine: HardwareBackend, target: Floats, within: int = 60) -> None:
+def reach(arm: HardwareBackend, target: Floats, within: int = 60) -> None:
     """Drive the arm until it has reached a target, in at most so many ticks."""
     for _ in range(within):
-        tick(machine, target)
-        if machine.complete and np.abs(machine.read().q - target).max() < CLOSE:
+        tick(arm, target)
+        if arm.complete and np.abs(arm.read().q - target).max() < CLOSE:
             return
     raise AssertionError(f"the arm is not at its target after {within} ticks")
 

@@ -93,7 +93,7 @@ for out in sys.argv[1].split(":"):
     print(child, flush=True)
     sys.stdin.readline()
 """
-"""Starts one training after the other, each when it is told that the one before has been killed."""
+"""Starts one training after the other, each after a line that says that the one before has been killed."""
 
 
 def test_kill_leaves_whole_files(tmp_path: Path) -> None:

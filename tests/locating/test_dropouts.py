@@ -58,11 +58,11 @@ def test_a_beam_that_has_only_read_the_minimum_is_taken_at_its_word() -> None:
 @given(first=st.floats(0.06, 0.2))
 def test_a_wall_that_was_last_seen_farther_away_stops_the_advance_when_it_must_be_near(first: float) -> None:
     seen, silent = np.full(LASER.beams, first), np.full(LASER.beams, LASER.range_min)
-    way = sum(advances([seen, *[silent] * 20]))
+    covered = sum(advances([seen, *[silent] * 20]))
     config = LocateConfig()
     # Whole steps until no more than delta is left, then v0 / 8 + v0 / 64 ...
-    assert way < max(first - config.delta, 0.0) + config.v0 * (1 + 1 / (config.slowdown - 1))
-    assert way < first
+    assert covered < max(first - config.delta, 0.0) + config.v0 * (1 + 1 / (config.slowdown - 1))
+    assert covered < first
 
 
 @pytest.mark.parametrize("name", ["basic", "high-fidelity", "real-setup"])

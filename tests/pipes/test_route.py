@@ -76,7 +76,7 @@ def test_a_roll_by_180_deg_makes_the_other_turn(route: PipeRoute, which: int) ->
     corners = [corner.model_dump() for corner in route.corners]
     corners[i]["turn"] = {"left": "right", "right": "left"}[corners[i]["turn"]]
     corners[i]["roll"] += math.pi
-    if i + 1 < len(corners):  # whose plane is told from the one that was rolled
+    if i + 1 < len(corners):  # whose plane counts from the one that was rolled
         corners[i + 1]["roll"] -= math.pi
     same = route.model_copy(update={"corners": tuple(Corner(**corner) for corner in corners)})
     np.testing.assert_allclose(same.centre_line, route.centre_line, atol=1e-9)

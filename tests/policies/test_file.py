@@ -71,11 +71,11 @@ def test_a_truncated_file_is_refused(policy_file: Path, tmp_path: Path) -> None:
 @given(data=st.data())
 def test_flipped_bytes_never_crash(policy_file: Path, tmp_path: Path, data: st.DataObject) -> None:
     content = bytearray(policy_file.read_bytes())
-    # Half of the places in the last kilobytes, where our members and the zip's directory lie.
+    # Half of the positions in the last kilobytes, where our members and the zip's directory lie.
     anywhere = st.integers(0, len(content) - 1)
     late = st.integers(max(0, len(content) - 14_000), len(content) - 1)
-    for place in data.draw(st.lists(anywhere | late, min_size=1, max_size=8)):
-        content[place] = data.draw(st.integers(0, 255))
+    for position in data.draw(st.lists(anywhere | late, min_size=1, max_size=8)):
+        content[position] = data.draw(st.integers(0, 255))
     path = tmp_path / "flipped.zip"
     path.write_bytes(bytes(content))
     try:
@@ -90,9 +90,9 @@ def test_flipped_bytes_inside_our_members_never_crash(policy_file: Path, tmp_pat
     members = members_of(policy_file)
     name = data.draw(st.sampled_from(["pipenav.json", "policy.safetensors"]))
     content = bytearray(members[name])
-    places = st.integers(0, len(content) - 1) | st.integers(0, min(700, len(content) - 1))
-    for place in data.draw(st.lists(places, min_size=1, max_size=4)):
-        content[place] = data.draw(st.integers(0, 255))
+    positions = st.integers(0, len(content) - 1) | st.integers(0, min(700, len(content) - 1))
+    for position in data.draw(st.lists(positions, min_size=1, max_size=4)):
+        content[position] = data.draw(st.integers(0, 255))
     path = zipped(tmp_path / "flipped.zip", members | {name: bytes(content)})  # with checksums that fit
     try:
         load_policy(path).act(random_observations(2))

@@ -66,13 +66,13 @@ def test_everything_that_moves_is_in_the_picture(pipe: PipeCorner) -> None:
 
 
 def test_a_strip_is_one_picture_with_a_row_for_each_motion(tmp_path: Path) -> None:
-    told: list[tuple[int, int]] = []
+    reports: list[tuple[int, int]] = []
     write_film(tmp_path / "one.png", TWO[:1])
-    write_film(tmp_path / "two.png", TWO, lambda done, total: told.append((done, total)))
+    write_film(tmp_path / "two.png", TWO, lambda done, total: reports.append((done, total)))
     one, two = (Image.open(tmp_path / name).size for name in ("one.png", "two.png"))
     assert one[0] == two[0]
     assert two[1] > 1.5 * one[1]
-    assert told == [(i, 7) for i in range(1, 8)]
+    assert reports == [(i, 7) for i in range(1, 8)]
 
 
 def test_a_strip_of_a_long_motion_has_its_first_and_last_frame(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -46,7 +46,7 @@ def test_the_basic_robot_is_the_thesiss() -> None:
 
 
 def test_an_actuator_is_a_torque_speed_line() -> None:
-    # effort = limit * drive - damping * speed: nothing is left at full drive and the no-load speed.
+    # effort = limit * duty - damping * speed: nothing is left at full duty and the no-load speed.
     for actuator in load_robot("basic").joint_actuators:
         assert actuator.effort_limit - actuator.damping * actuator.speed_limit == pytest.approx(0.0)
         assert actuator.controller_gain * actuator.full_drive_error == pytest.approx(actuator.stall_effort)

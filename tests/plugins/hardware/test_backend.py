@@ -18,11 +18,11 @@ pytestmark = pytest.mark.realtime
 
 
 def test_the_arm_goes_to_its_target_within_its_limits(emulator: Emulator) -> None:
-    with driver(emulator) as machine:
-        start = switch_on(machine)
-        reach(machine, start + np.array([[0.03, 0.5, -0.5, 0.3]]))
-        steps = machine._codec.bounds.step
-        assert machine.off() == []
+    with driver(emulator) as arm:
+        start = switch_on(arm)
+        reach(arm, start + np.array([[0.03, 0.5, -0.5, 0.3]]))
+        steps = arm._codec.bounds.step
+        assert arm.off() == []
     limits = {servo.id: servo.count_limits for servo in emulator.arm.servos}
     goals = list(judge.goals(emulator.log_path))
     assert len(goals) > 4 * 3, "it takes several steps"
@@ -43,46 +43,46 @@ def test_torque_comes_on_without_a_jump(emulator: Emulator, auto: bool) -> None:
         emulator.order(fault="auto_torque")
     places = [int(p) for p in np.random.default_rng(auto).integers(100, 900, 4)]
     emulator.order(place=places)
-    with driver(emulator) as machine:
-        switch_on(machine)
+    with driver(emulator) as arm:
+        switch_on(arm)
         for goal in judge.goals(emulator.log_path):
             assert abs(goal.goal - places[goal.servo - 1]) <= 1
         read_back = [h.packet for h in judge.instructions(emulator.log_path) if h.packet.code == packets.READ]
         assert all(packets.Packet(i, packets.READ, bytes([30, 2])) in read_back for i in (1, 2, 3, 4))
-        position = machine.read().q
-        tick(machine, position, 3)
-        assert machine.read().q == pytest.approx(position, abs=0.006)
+        position = arm.read().q
+        tick(arm, position, 3)
+        assert arm.read().q == pytest.approx(position, abs=0.006)
 
 
 def test_no_start_outside_the_limits(emulator: Emulator) -> None:
     emulator.order(place=[500, 500, 500, 985])
-    with driver(emulator) as machine, pytest.raises(PipenavError, match="joint theta3 is outside its limits"):
-        switch_on(machine)
+    with driver(emulator) as arm, pytest.raises(PipenavError, match="joint theta3 is outside its limits"):
+        switch_on(arm)
     assert not list(judge.goals(emulator.log_path))
     assert judge.torque(emulator.log_path, (4,))[4] == (False, 0.0)
 
 
 def test_a_dry_run_only_asks(emulator: Emulator) -> None:
-    with driver(emulator, listen_only=True) as machine:
-        start = switch_on(machine)
+    with driver(emulator, listen_only=True) as arm:
+        start = switch_on(arm)
         for _ in range(5):
-            machine.read()
-            sent = machine.send(Command("position", start + 0.1))
-            machine.wait()
+            arm.read()
+            sent = arm.send(Command("position", start + 0.1))
+            arm.wait()
         assert sent.packet.startswith("fffffe18831e04"), "what would be sent is known"
-        machine.cut()
-        machine.off()
+        arm.cut()
+        arm.off()
     assert judge.only_asked(emulator.log_path)
     assert len(judge.instructions(emulator.log_path)) > 20
 
 
 def test_not_a_number_sends_nothing(emulator: Emulator) -> None:
-    with driver(emulator) as machine:
-        start = switch_on(machine)
-        machine.read()
+    with driver(emulator) as arm:
+        start = switch_on(arm)
+        arm.read()
         before = len(list(judge.goals(emulator.log_path)))
         with pytest.raises(Stopped, match="not a finite number"):
-            machine.send(Command("position", start * np.nan))
+            arm.send(Command("position", start * np.nan))
         assert len(list(judge.goals(emulator.log_path))) == before
 
 
@@ -100,22 +100,22 @@ def test_other_limits_than_the_servos_are_refused(emulator: Emulator) -> None:
 def test_a_slow_adapter_is_named(latency: float, outcome: str) -> None:
     with Emulator(ROBOT, boot_time=0.0, adapter_latency=latency) as emulator:
         if outcome == "warning":
-            with driver(emulator) as machine:
-                machine.read()
-                assert any("latency_timer" in warning for warning in machine.warnings)
+            with driver(emulator) as arm:
+                arm.read()
+                assert any("latency_timer" in warning for warning in arm.warnings)
         else:
             with pytest.raises(PipenavError, match="too slow"), driver(emulator, allow_slow_bus=False):
                 pass
-            with driver(emulator) as machine:
-                assert machine.latency > latency
-                tick(machine, switch_on(machine), 3)
+            with driver(emulator) as arm:
+                assert arm.latency > latency
+                tick(arm, switch_on(arm), 3)
 
 
 def test_the_arm_must_be_where_a_reset_says(emulator: Emulator) -> None:
-    with driver(emulator) as machine:
-        start = machine.read().q
+    with driver(emulator) as arm:
+        start = arm.read().q
         with pytest.raises(PipenavError, match=r"joint theta2 is 0\.500 from its start position"):
-            machine.reset(np.array([0]), [], start + np.array([[0, 0, 0.5, 0]]), np.zeros(1))
+            arm.reset(np.array([0]), [], start + np.array([[0, 0, 0.5, 0]]), np.zeros(1))
     assert judge.only_asked(emulator.log_path)
 
 

@@ -22,13 +22,13 @@ LATE, MUCH_TOO_LATE = (share * CONTROL_PERIOD * PATIENCE for share in (1.05 * DE
 
 
 def test_a_slow_decision_stops_before_its_command_is_sent(emulator: Emulator) -> None:
-    with driver(emulator) as machine:
-        target = switch_on(machine) + 0.02
-        machine.read()
+    with driver(emulator) as arm:
+        target = switch_on(arm) + 0.02
+        arm.read()
         before = len(list(judge.goals(emulator.log_path)))
         time.sleep(MUCH_TOO_LATE)
         with pytest.raises(Stopped) as stopped:
-            machine.send(Command("position", target))
+            arm.send(Command("position", target))
         assert stopped.value.cause == "deadline"
         assert len(list(judge.goals(emulator.log_path))) == before
 
@@ -46,25 +46,25 @@ def slow_sending(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("slow_sending")
 def test_a_tick_whose_goals_go_out_late_is_late(emulator: Emulator) -> None:
-    with driver(emulator) as machine:
-        target = switch_on(machine) + 0.02
-        machine.read()
-        machine.send(Command("position", target))
-        assert machine.raw()["late"] == 1
+    with driver(emulator) as arm:
+        target = switch_on(arm) + 0.02
+        arm.read()
+        arm.send(Command("position", target))
+        assert arm.raw()["late"] == 1
         with pytest.raises(Stopped, match="a tick took") as stopped:
-            machine.wait()
-            tick(machine, target)
+            arm.wait()
+            tick(arm, target)
         assert stopped.value.cause == "deadline"
-        assert machine.raw()["late"] == 2
+        assert arm.raw()["late"] == 2
 
 
 def test_recording_a_tick_belongs_to_it(emulator: Emulator) -> None:
-    with driver(emulator) as machine:
-        target = switch_on(machine) + 0.02
-        machine.read()
-        machine.send(Command("position", target))
-        assert machine.raw()["late"] == 0
+    with driver(emulator) as arm:
+        target = switch_on(arm) + 0.02
+        arm.read()
+        arm.send(Command("position", target))
+        assert arm.raw()["late"] == 0
         time.sleep(MUCH_TOO_LATE)
         with pytest.raises(Stopped, match="a tick took"):
-            machine.wait()
-        assert machine.raw()["late"] == 1
+            arm.wait()
+        assert arm.raw()["late"] == 1

@@ -47,15 +47,15 @@ pytestmark = pytest.mark.realtime
 def test_what_goes_wrong_stops_the_arm_for_its_own_reason(
     emulator: Emulator, order: dict[str, Any], cause: str
 ) -> None:
-    with driver(emulator) as machine:
-        start = switch_on(machine)
+    with driver(emulator) as arm:
+        start = switch_on(arm)
         target = start + np.array([[0.05, 2.0, 1.0, 0.5]])
-        tick(machine, target, 2)
+        tick(arm, target, 2)
         strike(emulator, **order)
         with pytest.raises(Stopped) as stopped:
-            tick(machine, target, 40)
+            tick(arm, target, 40)
         assert stopped.value.cause == cause
-        machine.off()
+        arm.off()
     reachable = [] if cause == "bus-lost" else [servo for servo in (1, 2, 3, 4) if servo != order.get("servo")]
     assert not any(on for on, _ in judge.torque(emulator.log_path, reachable).values())
 
@@ -80,79 +80,79 @@ def test_what_goes_wrong_stops_the_arm_for_its_own_reason(
     ids=lambda value: "-".join(map(str, value.values())),
 )
 def test_what_can_be_borne_is_borne(emulator: Emulator, order: dict[str, Any]) -> None:
-    with driver(emulator) as machine:
-        target = switch_on(machine) + np.array([[0.02, 0.2, -0.2, 0.2]])
+    with driver(emulator) as arm:
+        target = switch_on(arm) + np.array([[0.02, 0.2, -0.2, 0.2]])
         emulator.order(**order)
-        tick(machine, target, 8)
+        tick(arm, target, 8)
         emulator.order(clear=True)
-        reach(machine, target)
+        reach(arm, target)
 
 
 def test_a_lost_answer_does_not_spoil_the_start(emulator: Emulator) -> None:
-    with driver(emulator) as machine:
+    with driver(emulator) as arm:
         emulator.order(fault="drop", servo=2, count=2)  # the question and its repetition
-        target = switch_on(machine) + 0.02
+        target = switch_on(arm) + 0.02
         emulator.order(fault="drop", servo=2, count=2)
-        machine.read()
-        assert not machine.complete, "the first tick is one like any other"
-        machine.hold()
-        machine.wait()
-        tick(machine, target)
-    with driver(emulator) as machine:
+        arm.read()
+        assert not arm.complete, "the first tick is one like any other"
+        arm.hold()
+        arm.wait()
+        tick(arm, target)
+    with driver(emulator) as arm:
         emulator.order(fault="drop", servo=2)
         with pytest.raises(PipenavError, match=r"servo 2 \(theta1\) did not answer for 2 ticks"):
-            machine.read()
+            arm.read()
 
 
 def test_a_missing_answer_holds_the_arm_for_that_tick(emulator: Emulator) -> None:
-    with driver(emulator) as machine:
-        target = switch_on(machine) + 0.02
-        tick(machine, target, 2)
+    with driver(emulator) as arm:
+        target = switch_on(arm) + 0.02
+        tick(arm, target, 2)
         before = len(list(judge.goals(emulator.log_path)))
         emulator.order(fault="drop", servo=2, count=2)  # the question and its repetition
-        machine.read()
-        assert not machine.complete
-        machine.hold()
-        machine.wait()
+        arm.read()
+        assert not arm.complete
+        arm.hold()
+        arm.wait()
         assert len(list(judge.goals(emulator.log_path))) == before
-        machine.read()
-        assert machine.complete
+        arm.read()
+        assert arm.complete
 
 
 def test_a_trip_is_final(emulator: Emulator) -> None:
     """No goal is taken after it, and nobody writes the torque limit that an overloaded servo has set to nothing."""
-    with driver(emulator) as machine:
-        target = switch_on(machine) + 0.02
-        tick(machine, target, 2)
+    with driver(emulator) as arm:
+        target = switch_on(arm) + 0.02
+        tick(arm, target, 2)
         emulator.order(fault="overload", servo=2)
         with pytest.raises(Stopped):
-            tick(machine, target, 5)
-        machine.off()
+            tick(arm, target, 5)
+        arm.off()
         emulator.order(clear=True)
         told = len(judge.instructions(emulator.log_path))
-        machine.read()
+        arm.read()
         with pytest.raises(PipenavError, match="only listens now"):
-            machine.send(Command("position", target))
+            arm.send(Command("position", target))
         after = [heard.packet for heard in judge.instructions(emulator.log_path)[told:]]
         assert after and all(packet.code == packets.READ for packet in after)
 
 
 @pytest.mark.parametrize("order", [{"fault": "unplug", "device": "scanner"}, {"fault": "dead", "servo": 3}])
 def test_an_arm_that_would_fall_is_held_until_someone_has_it(emulator: Emulator, order: dict[str, Any]) -> None:
-    with driver(emulator) as machine:
-        target = switch_on(machine) + 0.02
+    with driver(emulator) as arm:
+        target = switch_on(arm) + 0.02
         emulator.order(**order)
         with pytest.raises(Stopped):
-            tick(machine, target, 10)
+            tick(arm, target, 10)
         held = []
 
         def released() -> bool:
             held.extend(on for on, _ in judge.torque(emulator.log_path, (1, 2, 4)).values())
             return len(held) >= 3 * 8 * PATIENCE  # beyond the supervisor's patience
 
-        hold_until(machine, released)
+        hold_until(arm, released)
         assert all(held)
-        machine.off()
+        arm.off()
     assert not any(on for on, _ in judge.torque(emulator.log_path, (1, 2, 4)).values())
 
 

@@ -77,8 +77,8 @@ def test_a_calibration_finds_how_the_arm_is_mounted(tmp_path: Path) -> None:
         path = tmp_path / "arm.toml"
         path.write_text(made.text())
         assert len(written) == 4
-        with driver(emulator, arm=str(path)) as machine:
-            assert [s.sign for s in machine.arm.servos] == [1, -1, 1, 1]
-            assert machine.arm.servos[0].unit == pytest.approx(0.075, rel=0.05)
-            assert machine.read().q == pytest.approx(np.zeros((1, 4)), abs=0.01)
+        with driver(emulator, arm=str(path)) as arm:
+            assert [s.sign for s in arm.arm.servos] == [1, -1, 1, 1]
+            assert arm.arm.servos[0].unit == pytest.approx(0.075, rel=0.05)
+            assert arm.read().q == pytest.approx(np.zeros((1, 4)), abs=0.01)
         assert not any(on for on, _ in judge.torque(emulator.log_path, (1, 2, 3, 4)).values())

@@ -82,8 +82,8 @@ def test_mocap_walls_give_the_trajectories_of_static_ones(bends: tuple[float, ..
     for _ in range(25):
         values = duties(rng, n)
         now.backend.step(Command("torque", values))
-        for model, state, drive in zip(models, states, values, strict=True):
-            state.ctrl[:] = drive
+        for model, state, duty in zip(models, states, values, strict=True):
+            state.ctrl[:] = duty
             mujoco.mj_step(model, state, SUBSTEPS)
         touched += int((now.backend.truth().contact_share > 0).sum())
     reading, truth = now.backend.read(), now.backend.truth()
@@ -185,11 +185,11 @@ def overlap(q: Floats, pipe: PipeCorner, base: float) -> float:
         centre, half = joint + [base, 0.0] + x * link.length / 2, np.array([link.length, link.width]) / 2
         corners = np.array([centre + i * half[0] * x + j * half[1] * y for i in (-1, 1) for j in (-1, 1)])
         behind = ((start - corners[:, None]) * free).sum(axis=2).max(axis=0)  # (segments,)
-        wedge = list(behind[2:])  # how far the link would have to move along each way out of the inner wall
+        wedge = list(behind[2:])  # how far the link would have to move along each direction out of the inner wall
         for axis, reach in ((x, half[0]), (y, half[1])):
-            for way in (axis, -axis):
-                if (before - edge) @ way >= 0 and (after - edge) @ way >= 0:
-                    wedge.append(reach - (edge - centre) @ way)
+            for direction in (axis, -axis):
+                if (before - edge) @ direction >= 0 and (after - edge) @ direction >= 0:
+                    wedge.append(reach - (edge - centre) @ direction)
         deepest = max(deepest, behind[:2].max(), min(wedge))
     return float(deepest)
 
@@ -256,11 +256,11 @@ def test_a_wall_pushes_back_on_the_link_that_leans_on_it() -> None:
     lever = ROBOT.model_copy(update={"links": (link,), "friction": 0.0})
     backend = MujocoBackend(lever, 2, OPTIONS)
     backend.reset(np.arange(2), [PipeCorner.of(100, 120)] * 2, np.zeros((2, 1)), np.full(2, -0.4))
-    sides, drive = np.array([1.0, -1.0]), 0.4  # the first robot leans on the wall to its left, the second to its right
+    sides, duty = np.array([1.0, -1.0]), 0.4  # the first robot leans on the wall to its left, the second to its right
     for _ in range(10):
-        backend.step(Command("torque", drive * sides[:, None]))
+        backend.step(Command("torque", duty * sides[:, None]))
     forces, angle = backend.truth().link_forces[:, 0], np.abs(backend.read().q[:, 0])
     # At rest the motor's moment is that of the push on the tip's corner, which points away from the wall.
     arm = link.length * np.cos(angle) - link.width / 2 * np.sin(angle)
-    assert forces[:, 1] == pytest.approx(-sides * drive * lever.effort_limits[0] / arm, rel=1e-3)
+    assert forces[:, 1] == pytest.approx(-sides * duty * lever.effort_limits[0] / arm, rel=1e-3)
     assert forces[:, 0] == pytest.approx(0.0, abs=1e-6)

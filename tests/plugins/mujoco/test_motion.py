@@ -108,7 +108,7 @@ def alone(robot: RobotSpec, pipe: PipeCorner, base: float) -> MujocoBackend:
 
 @pytest.mark.parametrize("link", [0, 1])
 def test_a_joint_nears_its_no_load_speed_and_never_exceeds_it(link: int) -> None:
-    # J dv/dt = limit * drive - damping * v: v = v_max (1 - exp(-t damping / J)).
+    # J dv/dt = limit * duty - damping * v: v = v_max (1 - exp(-t damping / J)).
     robot = single(link)
     actuator, body = robot.joint_actuators[0], robot.links[0]
     inertia = body.mass
@@ -136,19 +136,19 @@ def test_a_slide_presses_with_its_stall_effort() -> None:
     )
 
 
-@pytest.mark.parametrize("drive", [-1.0, -0.5, 0.3, 1.0])
-def test_a_hinge_presses_by_the_law_of_the_lever(drive: float) -> None:
+@pytest.mark.parametrize("duty", [-1.0, -0.5, 0.3, 1.0])
+def test_a_hinge_presses_by_the_law_of_the_lever(duty: float) -> None:
     # The link turns until its front corner meets the straight wall; without friction the wall pushes across the
-    # pipe only, so force * (the corner's distance along the pipe) = drive * stall torque.
+    # pipe only, so force * (the corner's distance along the pipe) = duty * stall torque.
     robot, pipe = single(1), PipeCorner.of(100, 180)
     backend = alone(robot, pipe, -0.3)
     for _ in range(25):
-        backend.step(Command("torque", np.full((1, 1), drive)))
+        backend.step(Command("torque", np.full((1, 1), duty)))
     q, body = abs(backend.read().q[0, 0]), robot.links[0]
     lever = body.length * np.cos(q) - body.width / 2 * np.sin(q)
     height = body.length * np.sin(q) + body.width / 2 * np.cos(q)
     assert height == pytest.approx(pipe.radius, abs=1e-4)
-    force = drive * robot.effort_limits[0] / lever
+    force = duty * robot.effort_limits[0] / lever
     assert backend.truth().contact_force[0] == pytest.approx(abs(force), rel=1e-3)
     assert backend.truth().link_forces[0, 0] == pytest.approx([0.0, -force], rel=1e-3, abs=1e-6)
 
@@ -157,8 +157,8 @@ def test_the_position_controller_goes_to_its_set_points_and_stays() -> None:
     backend = MujocoBackend(ROBOT, 1, MujocoOptions(threads=1))
     backend.reset(np.arange(1), [PipeCorner.of(300, 180)], np.zeros((1, 4)), np.array([-0.3]))
     backend.step(Command("torque", np.ones((1, 4))))
-    goal = np.array([[0.1, 0.1, -0.2, 0.15]])
+    set_points = np.array([[0.1, 0.1, -0.2, 0.15]])
     for _ in range(30):
-        backend.step(Command("position", goal))
-    assert backend.read().q == pytest.approx(goal, abs=1e-6)
+        backend.step(Command("position", set_points))
+    assert backend.read().q == pytest.approx(set_points, abs=1e-6)
     assert backend.read().qd == pytest.approx(0.0, abs=1e-6)

@@ -81,18 +81,18 @@ def test_a_clamped_robot_drives_and_stays_in_its_plane_and_out_of_the_wall(diame
     route = PipeRoute.of(diameter, [(90, "left", 0)], [1500, 900])
     with placed(route, plane) as (backend, *_):
         q = backend.read().body.q[0]
-        drive = RollForward(ROBOT, route.radius, q, q)
+        rolling = RollForward(ROBOT, route.radius, q, q)
         start, deepest = backend.truth().points[0, :, 0].mean(), 0.0
         for _ in range(30):
             body = backend.read().body
             assert body.wheel_speeds is not None
-            backend.step(drive.act(body.q[0], body.wheel_speeds[0])[None], np.zeros(1))
+            backend.step(rolling.act(body.q[0], body.wheel_speeds[0])[None], np.zeros(1))
             deepest = max(deepest, backend.truth().penetration[0])
         truth = backend.truth()
         gone = truth.points[0, :, 0].mean() - start
         assert gone > 0.1
-        assert drive.clamped and drive.gone == pytest.approx(gone, abs=0.02)
-        zigzag = drive.third * steepness(ROBOT, route.radius) * ZIGZAG
+        assert rolling.clamped and rolling.gone == pytest.approx(gone, abs=0.02)
+        zigzag = rolling.third * steepness(ROBOT, route.radius) * ZIGZAG
         np.testing.assert_allclose(backend.read().body.q[0], zigzag, atol=0.1)
         assert deepest < 1e-3
         upright = about_x(plane) @ np.array([0, 0, 1])

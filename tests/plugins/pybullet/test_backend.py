@@ -56,7 +56,7 @@ def single(link: int, friction: float = 0.0) -> RobotSpec:
 
 
 def test_a_slide_nears_its_no_load_speed_and_never_exceeds_it() -> None:
-    # (m + rotor) dv/dt = limit * drive - damping * v: v = v_max (1 - exp(-t damping / (m + rotor))).
+    # (m + rotor) dv/dt = limit * duty - damping * v: v = v_max (1 - exp(-t damping / (m + rotor))).
     robot = single(0)
     actuator = robot.joint_actuators[0]
     rate = actuator.damping / (robot.links[0].mass + actuator.armature)
@@ -79,17 +79,17 @@ def test_a_slide_presses_with_its_stall_effort() -> None:
     backend.close()
 
 
-@pytest.mark.parametrize("drive", [-1.0, 0.3])
-def test_a_hinge_presses_by_the_law_of_the_lever(drive: float) -> None:
+@pytest.mark.parametrize("duty", [-1.0, 0.3])
+def test_a_hinge_presses_by_the_law_of_the_lever(duty: float) -> None:
     robot, pipe = single(1), PipeCorner.of(100, 180)
     backend = alone(robot, pipe, -0.3)
     for _ in range(25):
-        backend.step(Command("torque", np.full((1, 1), drive)))
+        backend.step(Command("torque", np.full((1, 1), duty)))
     q, body = abs(backend.read().q[0, 0]), robot.links[0]
     lever = body.length * np.cos(q) - body.width / 2 * np.sin(q)
     height = body.length * np.sin(q) + body.width / 2 * np.cos(q)
     assert height == pytest.approx(pipe.radius, abs=1e-4)
-    assert backend.truth().contact_force[0] == pytest.approx(abs(drive) * robot.effort_limits[0] / lever, rel=1e-3)
+    assert backend.truth().contact_force[0] == pytest.approx(abs(duty) * robot.effort_limits[0] / lever, rel=1e-3)
     backend.close()
 
 
@@ -128,10 +128,10 @@ def test_friction_takes_its_share_of_the_push() -> None:
 def test_the_position_controller_goes_to_its_set_points_and_stays() -> None:
     backend = alone(ROBOT, PipeCorner.of(300, 180), -0.3)
     backend.step(Command("torque", np.ones((1, 4))))
-    goal = np.array([[0.1, 0.1, -0.2, 0.15]])
+    set_points = np.array([[0.1, 0.1, -0.2, 0.15]])
     for _ in range(30):
-        backend.step(Command("position", goal))
-    assert backend.read().q == pytest.approx(goal, abs=1e-6)
+        backend.step(Command("position", set_points))
+    assert backend.read().q == pytest.approx(set_points, abs=1e-6)
     assert backend.read().qd == pytest.approx(0.0, abs=1e-5)
     backend.close()
 

@@ -155,10 +155,10 @@ def test_the_path_onto_the_line_begins_where_the_half_is_and_ends_where_the_line
     corner = plan(ROBOT, PipeCorner.of(diameter, angle))
     bends = np.random.default_rng(seed).uniform(-1.0, 1.0, 4)
     along = float(corner.line.along[0] * (1 - share) + corner.line.along[-2] * share)
-    way = corner.onto_line(along, bends, float(corner.tip[len(corner.tip) // 2]))
-    assert way.at(along) == pytest.approx(bends)
-    assert way.at(0.0) == pytest.approx(corner.line.bends[-1])
-    assert np.all(np.diff(way.along) > 0)
+    path = corner.onto_line(along, bends, float(corner.tip[len(corner.tip) // 2]))
+    assert path.at(along) == pytest.approx(bends)
+    assert path.at(0.0) == pytest.approx(corner.line.bends[-1])
+    assert np.all(np.diff(path.along) > 0)
 
 
 def test_what_cannot_be_driven_is_refused() -> None:

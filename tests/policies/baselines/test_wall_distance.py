@@ -23,7 +23,7 @@ def test_the_wall_distance_is_the_distance_of_the_shapes(name: str, diameter: fl
     model = static_spec(robot, pipe, 0.0025, Contact(0.005, (0.95, 0.99, 0.001)), base).compile()
     data = mujoco.MjData(model)
     wheels = {wheel.name for wheel in robot.wheels}
-    places = [i for i in range(model.njnt) if model.joint(i).name not in wheels]
+    addresses = [i for i in range(model.njnt) if model.joint(i).name not in wheels]
     pairs = [(a, b) for a in range(model.ngeom) for b in range(model.ngeom) if _meet(model, a, b)]
     errors = []
     for _ in range(500):
@@ -31,7 +31,7 @@ def test_the_wall_distance_is_the_distance_of_the_shapes(name: str, diameter: fl
         q[0] = rng.uniform(0.0, 0.1)
         if robot.free:
             q[:3], q[3:] = [-0.23, 0.0, 0.0] + 0.1 * q[:3], 0.5 * (q[3:] - 0.1)
-        data.qpos[places] = q
+        data.qpos[addresses] = q
         mujoco.mj_kinematics(model, data)
         distance = min(mujoco.mj_geomDistance(model, data, a, b, 1.0, None) for a, b in pairs)
         if distance > 1e-3:

@@ -131,9 +131,9 @@ def test_the_distance_to_the_target_falls_to_zero_along_the_path(seed: int, pipe
     stations = [np.linspace(tip[0], episodes.edge[0], 50), np.linspace(episodes.edge[0], episodes.target[0], 50)]
     path = np.concatenate(stations)
     path[:, 1] -= 1e-9  # on the free side of the edge
-    ways = distance_to_target(path, np.tile(episodes.target, (100, 1)), np.tile(episodes.edge, (100, 1)))
-    assert np.all(np.diff(ways) <= 1e-8)
-    assert ways[-1] == pytest.approx(0.0, abs=1e-8)
+    distances = distance_to_target(path, np.tile(episodes.target, (100, 1)), np.tile(episodes.edge, (100, 1)))
+    assert np.all(np.diff(distances) <= 1e-8)
+    assert distances[-1] == pytest.approx(0.0, abs=1e-8)
 
 
 @pytest.mark.parametrize("joint", range(4))

@@ -27,7 +27,7 @@ def test_a_roll_turns_the_plane_by_what_was_asked_and_the_robot_stays_where_it_i
     q = np.concatenate([[0.0, third * room(ROBOT, route.radius - 1e-4), 0.0], clamped(route.radius - 1e-4, third)])
     with closing(open_space("mujoco", ROBOT, 1, {}, gravity)) as backend:
         backend.reset(np.arange(1), [route], q[None], np.array([-1.0]), np.array([start]))
-        first, place = backend.read().row(0), backend.truth().points[0, :, 0].mean()
+        first, before = backend.read().row(0), backend.truth().points[0, :, 0].mean()
         roll, deepest = Roll(ROBOT, route.radius, turn, first.body.q, first.down), 0.0
         while roll.phase is not RollPhase.DONE:
             now = backend.read().row(0)
@@ -41,4 +41,4 @@ def test_a_roll_turns_the_plane_by_what_was_asked_and_the_robot_stays_where_it_i
     assert abs(after.roll) < 0.05 and nearest(after.body.q) in (1.0, -1.0)
     np.testing.assert_allclose(np.abs(after.body.q), np.abs(clamped(route.radius, 1.0)), atol=0.4)
     assert deepest < 1e-3
-    assert abs(truth.points[0, :, 0].mean() - place) < 0.12
+    assert abs(truth.points[0, :, 0].mean() - before) < 0.12

@@ -44,8 +44,8 @@ def test_a_plane_is_known_from_the_weight_unless_the_straight_is_too_steep(
     c, s = math.cos(slope), math.sin(slope)
     axes = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])  # climbs by the slope
     bends = clamped(0.045, 1.0) + np.array([0, 0, swing, -swing, 0, 0])
-    way = senses.ways(ROBOT, bends)
-    heading = senses.angle_between(way[1:-1].sum(axis=0), way[3])
+    axes_of_links = senses.ways(ROBOT, bends)
+    heading = senses.angle_between(axes_of_links[1:-1].sum(axis=0), axes_of_links[3])
     turn = np.array([[math.cos(heading), -math.sin(heading), 0], [math.sin(heading), math.cos(heading), 0], [0, 0, 1]])
     link = axes @ about_x(plane) @ turn
     seen = senses.plane_of(ROBOT, reading(bends, down=np.array([[0, 0, -1.0] @ link] * 2)), axes)

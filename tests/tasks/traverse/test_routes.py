@@ -119,8 +119,8 @@ def _on_the_centre_line(pipe: Pipe, at: float) -> tuple[float, float, float]:
     assert isinstance(pipe, PipeRoute)
     leg = int(np.clip(np.searchsorted(pipe.distances, at, side="right") - 1, 0, len(pipe.straights) - 1))
     x, y = pipe.legs.axes[leg][:2, 0]
-    place = pipe.centre_line[leg, :2] + (at - pipe.distances[leg]) * np.array([x, y])
-    return (*place, float(np.arctan2(y, x)))
+    position = pipe.centre_line[leg, :2] + (at - pipe.distances[leg]) * np.array([x, y])
+    return (*position, float(np.arctan2(y, x)))
 
 
 def carried(pipes: Sequence[Pipe], config: TraverseConfig = CONFIG, seed: int = 0) -> tuple[Ghost, TraverseBatch]:
@@ -157,15 +157,15 @@ def test_a_route_and_its_mirror_image_are_seen_and_driven_alike_through_all_corn
 def test_the_side_is_that_of_the_first_corner_that_the_middle_has_not_passed(route: Pipe) -> None:
     assert isinstance(route, PipeRoute)
     ghost, indices = carried([route])
-    sides, scale = route.turn_signs, task_of(CONFIG).observation_scale(ROBOT)
+    turn_signs, scale = route.turn_signs, task_of(CONFIG).observation_scale(ROBOT)
     ends = route.distances[1:-1] + route.inner_edges
-    around, before, corner = np.array([0.0, *sides, 0.0]), sides[0], 0
+    around, before, corner = np.array([0.0, *turn_signs, 0.0]), turn_signs[0], 0
     for at in np.linspace(-1.0, route.distances[-1], 60):
         ghost.tail[:] = at
         action = np.random.default_rng(0).uniform(-1.0, 1.0, (1, 12))
         seen = indices.step(action).observation * scale
-        corner = max(corner, min(int((indices.along.mean() >= ends).sum()), len(sides) - 1))
-        turn_sign = sides[corner]
+        corner = max(corner, min(int((indices.along.mean() >= ends).sum()), len(turn_signs) - 1))
+        turn_sign = turn_signs[corner]
         assert seen[0, :6] == pytest.approx(ghost.q[0] * (ROBOT.mirror_signs if turn_sign < 0 else 1.0))
         # What was done last keeps its meaning: the same bends of the same joints.
         assert seen[0, -14:-8] * turn_sign == pytest.approx(action[0, :6] * before)
