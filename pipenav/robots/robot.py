@@ -12,6 +12,7 @@ from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from pipenav.arrays import Flags, Floats, Table
 from pipenav.errors import ConfigError, FileProblem, UnknownName
+from pipenav.robots.joint_types import resolve_types
 from pipenav.robots.parts import Actuator, Joint, Laser, Link, Roll, Wheel, constant
 from pipenav.storage import shipped
 
@@ -172,7 +173,7 @@ def load_robot(name: str) -> RobotSpec:
         raise UnknownName("robot", name, robot_names())
     try:
         text = path.read_text(encoding="utf-8")
-        return RobotSpec.model_validate(tomllib.loads(text))
+        return RobotSpec.model_validate(resolve_types(tomllib.loads(text), str(path)))
     except OSError as error:
         raise FileProblem(path, "read", error) from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
