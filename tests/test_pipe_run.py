@@ -14,7 +14,9 @@ from pipenav.arrays import Floats
 from pipenav.backends.wall_boxes import wall_boxes
 from pipenav.errors import OutOfRange, PipenavError
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.route import Corner, CrossesItself, PipeRoute
+from pipenav.pipes.route import PipeRoute
+from pipenav.pipes.route_checks import CrossesItself
+from pipenav.pipes.route_corner import Corner
 
 diameters = st.floats(40, 300)
 angles = st.one_of(st.floats(30, 180), st.sampled_from([30.0, 55.0, 90.0, 180.0]))

@@ -141,7 +141,7 @@ def test_drawing_is_a_png_of_readable_size(made: tuple[PipeRoute, Path]) -> None
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Writing without the slow part, the drawing."""
-    monkeypatch.setattr("pipenav.drawing.route.draw_run", lambda _, name, path: path.write_bytes(name.encode()))
+    monkeypatch.setattr("pipenav.drawing.route.draw_route", lambda _, name, path: path.write_bytes(name.encode()))
 
 
 @pytest.mark.usefixtures("quick")

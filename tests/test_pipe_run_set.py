@@ -10,7 +10,7 @@ import pytest
 
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.corner_sets import parse_pipes, pipe_set_names
+from pipenav.pipes.corner_sets import corner_set_names, parse_corners
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_sets import parse_route, parse_routes, read_route, route_set_names
 from pipenav.units import m_to_mm, rad_to_deg
@@ -117,7 +117,7 @@ def test_every_number_of_a_file_reaches_the_run(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("text", ["d=90,angle=60,turn=right", "thesis-train"])
 def test_corners_are_runs_of_one(text: str) -> None:
-    assert parse_routes([text]) == [PipeRoute.from_pipe(pipe) for pipe in parse_pipes([text])]
+    assert parse_routes([text]) == [PipeRoute.from_pipe(pipe) for pipe in parse_corners([text])]
 
 
 def test_a_file_of_pipes_is_a_set_of_runs_of_one(tmp_path: Path) -> None:
@@ -135,7 +135,7 @@ def test_runs_keep_their_order_and_come_once() -> None:
 
 
 def test_names_of_sets_are_told_apart() -> None:
-    assert not set(route_set_names()) & set(pipe_set_names())
+    assert not set(route_set_names()) & set(corner_set_names())
 
 
 @pytest.mark.parametrize(

@@ -28,7 +28,7 @@ TALLEST_IN = 10.0
 DPI = 160
 
 
-class Drafting:
+class Drawing:
     """Dimensions and texts on axes in millimetres; `unit` is about a hundredth of the drawing's width.
 
     Args:

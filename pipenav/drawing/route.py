@@ -23,14 +23,15 @@ from pipenav.drawing.dimensions import (
     ROBOT,
     TALLEST_IN,
     WIDTH_IN,
-    Drafting,
+    Drawing,
     frame_axes,
     number,
     save_figure,
     write_title,
 )
 from pipenav.drawing.projection import View, draw_tube
-from pipenav.pipes.route import Corner, PipeRoute
+from pipenav.pipes.route import PipeRoute
+from pipenav.pipes.route_corner import Corner
 from pipenav.units import m_to_mm, rad_to_deg
 
 if TYPE_CHECKING:
@@ -116,7 +117,7 @@ def _in_space(route: PipeRoute, axes: Axes) -> float:
     return tall
 
 
-class _Sketch(Drafting):
+class _Sketch(Drawing):
     """Dimensions along the centre line as it lies in the picture, (corners + 2, 2) [mm]."""
 
     def __init__(self, route: PipeRoute, axes: Axes, line: Floats) -> None:

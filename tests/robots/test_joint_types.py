@@ -62,7 +62,7 @@ def test_every_key_is_documented(model: str) -> None:
 
 
 @pytest.mark.parametrize("name", SPECS)
-def test_a_file_of_schema_1_says_the_same(tmp_path: Path, name: str) -> None:
+def test_a_file_of_schema_1_says_the_same(name: str) -> None:
     text = (shipped.robots_dir() / name / "robot.toml").read_text(encoding="utf-8")
     table = resolve_types(tomllib.loads(text), name)
     assert table["schema_version"] == 1
