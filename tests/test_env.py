@@ -160,11 +160,8 @@ def test_both_turns_render() -> None:
 
 
 def sb3_env(n: int = 4, seed: int = 0, **task: Any) -> TaskVecEnv:
-    robot, config, pipes = (
-        load_robot("basic"),
-        ReachConfig.model_validate(task or SHORT),
-        parse_corners(["thesis-train"]),
-    )
+    robot, config = load_robot("basic"), ReachConfig.model_validate(task or SHORT)
+    pipes = parse_corners(["thesis-train"])
     source = random_episodes(robot, config, [pipes], np.random.default_rng(seed))
     return TaskVecEnv(ReachBatch(robot, config, open_simulator("mujoco", robot, n, FAST), n, source))
 
