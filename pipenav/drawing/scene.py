@@ -39,7 +39,7 @@ KEY_FORCE = 10.0
 
 
 class Scene(NamedTuple):
-    """One robot at one time.
+    """A robot in its pipe at one time.
 
     Attributes:
         pipe: pipe around the robot.

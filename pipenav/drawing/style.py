@@ -1,4 +1,4 @@
-"""One style for every picture: colours, axes, headings, PNG."""
+"""Style of every picture: colours, axes, headings, PNG."""
 
 from __future__ import annotations
 

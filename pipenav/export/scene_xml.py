@@ -13,7 +13,7 @@ AT_ORIGIN = (0.0, 0.0, 0.0, 0.0)
 
 
 class Shape(NamedTuple):
-    """One part of the wall.
+    """A part of the wall.
 
     Attributes:
         name: name of the part, unlike those of the others.

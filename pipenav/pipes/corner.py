@@ -38,12 +38,12 @@ class Lines(NamedTuple):
 
 
 class PipeCorner(Pipe):
-    """One corner. All lengths in metres, angles in radians; `PipeCorner.of` takes millimetres and degrees.
+    """A single corner. All lengths in metres, angles in radians; `PipeCorner.of` takes millimetres and degrees.
 
     Attributes:
         diameter: inner diameter of both legs [m].
         angle: interior angle between the legs [rad]; pi is a straight pipe.
-        turn: the side that the pipe turns to, seen by the robot.
+        turn: side that the pipe turns to, seen by the robot.
         bend_radius: radius of the centre line's bend [m]; 0 is a mitre.
         leg: length of each leg along its centre line, from the corner [m].
         wall: wall thickness [m].

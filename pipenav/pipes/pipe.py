@@ -1,4 +1,4 @@
-"""What a robot travels through: the one interface of every kind of pipe."""
+"""The interface of every kind of pipe that a robot travels through."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class LegFrames(NamedTuple):
 
 
 class WallSide(NamedTuple):
-    """One wall of a pipe in the plane, as polylines from the first open end to the last, (k, 2) [m] each.
+    """A wall of a pipe in the plane, as polylines from the first open end to the last, (k, 2) [m] each.
 
     Attributes:
         face: the surface that the robot can touch.

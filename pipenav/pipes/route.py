@@ -38,7 +38,7 @@ FLAT = 1e-9
 
 
 class Frames(NamedTuple):
-    """One frame per leg, twisted with the corners: x along the leg, y to the left in the plane of the corner before it.
+    """Frames of the legs, twisted with the corners: x along the leg, y to the left in the plane of the corner before it.
 
     Attributes:
         origin: points where the legs begin on the centre line, (legs, 3) [m]: the open end, then every corner.
@@ -57,7 +57,7 @@ class Sides(NamedTuple):
 
 
 class PipeRoute(Pipe):
-    """Corners in a row. All lengths in metres, angles in radians; `PipeRoute.of` takes millimetres and degrees.
+    """A row of corners. All lengths in metres, angles in radians; `PipeRoute.of` takes millimetres and degrees.
 
     Two routes are equal where their numbers are: a left turn and a right one rolled by pi differ.
 

@@ -1,4 +1,4 @@
-"""One corner of a route, and where its inside is."""
+"""A corner of a route, and the direction of its inside."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pipenav.units import rad_to_deg
 
 
 class Corner(Table):
-    """One corner of a route.
+    """A corner of a route.
 
     Attributes:
         angle: interior angle between its legs [rad]; pi joins two legs in line.

@@ -1,4 +1,4 @@
-"""Routes from TOML: one route, corner by corner, or a set of routes drawn by a rule. Formats: docs/pipe-run.md."""
+"""Routes from TOML: one route, corner by corner, or a set of routes drawn by a rule. Formats: docs/formats/route-folder.md."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ MAX_DRAWS = 1000
 
 
 class CornerEntry(BaseModel):
-    """One corner of a route as TOML, with the straight that follows it."""
+    """A corner of a route as TOML, with the straight that follows it."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -146,7 +146,7 @@ def parse_routes(given: Sequence[str]) -> list[PipeRoute]:
 
 
 def parse_route(text: str) -> NamedRoute:
-    """One route, named like its TOML file, or `runs-level-3` for the third route of that shipped set.
+    """A single route, named like its TOML file, or `runs-level-3` for the third route of that shipped set.
 
     Raises:
         PipenavError: something that is neither, or a route that is not possible.

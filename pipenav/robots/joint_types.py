@@ -26,10 +26,10 @@ RESOLVED_SCHEMA = 1
 
 
 class _Kind(NamedTuple):
-    """One kind of type.
+    """A kind of type: joint, wheel or link.
 
     Attributes:
-        word: word for it in messages.
+        word: word for the kind in messages.
         table: key of the table that holds its types.
         keys: keys that a type of this kind may give.
     """
@@ -114,7 +114,8 @@ def _types(kind: _Kind, tables: Any, where: str) -> dict[str, Mapping[str, Any]]
     for name, table in named.items():
         if not isinstance(table, Mapping):
             raise ConfigError(f"{where}: {kind.table} must hold one table per type, as in [{kind.table}.NAME].")
-        for key in table.keys() - set(kind.keys):
-            known = [f"{kind.table}.{name}.{other}" for other in kind.keys]
-            raise ConfigError(f"{where}: {UnknownName('key', f'{kind.table}.{name}.{key}', known)}")
+        unknown = [key for key in table if key not in kind.keys]
+        if unknown:
+            known = [f"{kind.table}.{name}.{key}" for key in kind.keys]
+            raise ConfigError(f"{where}: {UnknownName('key', f'{kind.table}.{name}.{unknown[0]}', known)}")
     return dict(named)
