@@ -38,7 +38,7 @@ FLAT = 1e-9
 
 
 class Frames(NamedTuple):
-    """Frames of the legs, twisted with the corners: x along the leg, y to the left in the plane of the corner before it.
+    """Frames of the legs, twisted with the corners: x along the leg, y to the left in the plane of the corner before.
 
     Attributes:
         origin: points where the legs begin on the centre line, (legs, 3) [m]: the open end, then every corner.

@@ -1,4 +1,4 @@
-"""Routes from TOML: one route, corner by corner, or a set of routes drawn by a rule. Formats: docs/formats/route-folder.md."""
+"""Routes from TOML: one route, corner by corner, or a set drawn by a rule. Formats: docs/formats/route-folder.md."""
 
 from __future__ import annotations
 
