@@ -155,7 +155,7 @@ def draw_force_key(axes: Axes, x: float, y: float, fontsize: float) -> None:
 
 
 def scene_pixels(scene: Scene, pixels: int = 480, around: float = 0.4) -> NDArray[np.uint8]:
-    """A square picture around the tip, (pixels, pixels, 3).
+    """A square picture around the tip, red, green and blue, (pixels, pixels, 3).
 
     Args:
         scene: scene to draw.

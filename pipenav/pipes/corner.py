@@ -64,7 +64,7 @@ class PipeCorner(Pipe):
         leg_mm: float | None = None,
         wall_mm: float | None = None,
     ) -> Self:
-        """A pipe from the numbers that people use.
+        """A corner from the numbers that people use.
 
         Raises:
             OutOfRange: a number outside its allowed range; for the leg that range begins past the bend.
