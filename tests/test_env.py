@@ -22,7 +22,7 @@ from pipenav.backends.registry import open_simulator
 from pipenav.env import CornerEnv, CornerVectorEnv
 from pipenav.envs.sb3_env import TaskVecEnv
 from pipenav.errors import ConfigError, PipenavError, UnknownName
-from pipenav.pipes.corner_sets import parse_pipes
+from pipenav.pipes.corner_sets import parse_corners
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.reach.batch import ReachBatch
 from pipenav.tasks.reach.config import ReachConfig
@@ -160,7 +160,8 @@ def test_both_turns_render() -> None:
 
 
 def sb3_env(n: int = 4, seed: int = 0, **task: Any) -> TaskVecEnv:
-    robot, config, pipes = load_robot("basic"), ReachConfig.model_validate(task or SHORT), parse_pipes(["thesis-train"])
+    robot, config = load_robot("basic"), ReachConfig.model_validate(task or SHORT)
+    pipes = parse_corners(["thesis-train"])
     source = random_episodes(robot, config, [pipes], np.random.default_rng(seed))
     return TaskVecEnv(ReachBatch(robot, config, open_simulator("mujoco", robot, n, FAST), n, source))
 

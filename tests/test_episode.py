@@ -13,7 +13,7 @@ from pipenav.arrays import Floats
 from pipenav.backends.backend import Backend, BackendOptions
 from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.corner_sets import parse_pipes
+from pipenav.pipes.corner_sets import parse_corners
 from pipenav.robots import kinematics
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import Outcome
@@ -25,7 +25,7 @@ from pipenav.tasks.registry import task_of
 from pipenav.tasks.sampling import random_episodes
 
 ROBOT, TASK = load_robot("basic"), ReachConfig()
-PIPES = parse_pipes(["working-range"])
+PIPES = parse_corners(["working-range"])
 seeds = st.integers(0, 2**32 - 1)
 any_pipe = st.sampled_from(PIPES)
 

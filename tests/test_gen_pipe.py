@@ -24,7 +24,7 @@ WIDE = {"COLUMNS": "200", "TERM": "dumb", "NO_COLOR": "1"}
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without the slow part, the drawing."""
     monkeypatch.setattr("pipenav.drawing.corner.draw_pipe", lambda _, path: path.write_bytes(b"png"))
-    monkeypatch.setattr("pipenav.drawing.route.draw_run", lambda _, name, path: path.write_bytes(name.encode()))
+    monkeypatch.setattr("pipenav.drawing.route.draw_route", lambda _, name, path: path.write_bytes(name.encode()))
 
 
 def run(*arguments: object) -> Result:

@@ -14,7 +14,9 @@ from pipenav.arrays import Floats
 from pipenav.backends.wall_boxes import wall_boxes
 from pipenav.errors import OutOfRange, PipenavError
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.route import Corner, CrossesItself, PipeRoute
+from pipenav.pipes.route import PipeRoute
+from pipenav.pipes.route_checks import CrossesItself
+from pipenav.pipes.route_corner import Corner
 
 diameters = st.floats(40, 300)
 angles = st.one_of(st.floats(30, 180), st.sampled_from([30.0, 55.0, 90.0, 180.0]))
@@ -62,7 +64,7 @@ def inside(route: PipeRoute, seed: int = 0, count: int = 40) -> Floats:
 @given(diameters, angles, turns)
 def test_a_run_of_one_is_that_pipe(diameter: float, angle: float, turn: str) -> None:
     pipe = PipeCorner.of(diameter, angle, turn)
-    route = PipeRoute.from_pipe(pipe)
+    route = PipeRoute.from_corner(pipe)
     left, right = pipe.walls if turn == "left" else pipe.walls[::-1]
     np.testing.assert_allclose(route.walls.left, left, atol=1e-12)
     np.testing.assert_allclose(route.walls.right, right, atol=1e-12)
@@ -311,8 +313,8 @@ def test_names_and_labels_tell_runs_apart() -> None:
         ((100, [(90, "left", 400)]), "roll of corner 1 400 deg is out of range: choose -360 to 360 deg."),
         ((100, [(90, "left", math.nan)]), "roll of corner 1 nan deg is out of range"),
         ((100, [(90, "up", 0)]), "turn 'up' is unknown: choose 'left' or 'right'."),
-        ((100, []), "a run of 0 corners is not possible: give it 1 to 50."),
-        ((100, [(90, "left", 0)] * 51), "a run of 51 corners is not possible: give it 1 to 50."),
+        ((100, []), "a route of 0 corners is not possible: give it 1 to 50."),
+        ((100, [(90, "left", 0)] * 51), "a route of 51 corners is not possible: give it 1 to 50."),
         ((100, [(90, "left", 0)], [500]), "1 straights do not fit 1 corners: give one before each"),
         (
             (100, [(90, "left", 0)] * 2, [600, 115, 600]),
@@ -330,8 +332,8 @@ def test_messages_name_what_is_allowed(arguments: tuple[object, ...], message: s
 
 
 def test_bends_are_no_corners_of_a_run() -> None:
-    with pytest.raises(PipenavError, match="has a bend radius: the corners of a run are mitres"):
-        PipeRoute.from_pipe(PipeCorner.of(100, 90, "left", 150))
+    with pytest.raises(PipenavError, match="has a bend radius: the corners of a route are mitres"):
+        PipeRoute.from_corner(PipeCorner.of(100, 90, "left", 150))
 
 
 def test_the_model_itself_refuses_what_is_out_of_range() -> None:

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from pipenav.backends.real_robot import RealRobot
     from pipenav.deployment.session import Ending, MissionPlan
     from pipenav.deployment.trajectories import ArmPlacement
-    from pipenav.pipes.corner import PipeCorner, Turn
+    from pipenav.pipes.corner import PipeCorner
+    from pipenav.pipes.pipe import Turn
 
 DRY_RUN_TICKS = 100
 """How long a dry run lasts where nobody says [ticks]: ten seconds."""

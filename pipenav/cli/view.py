@@ -191,13 +191,13 @@ def _view_in_space(
 
 
 def _locating(behaviour: str, robot: str | None, seed: int) -> tuple[Parse, Record]:
-    from pipenav.pipes.corner_sets import parse_pipes
+    from pipenav.pipes.corner_sets import parse_corners
     from pipenav.recording.record import record_locate
     from pipenav.robots.robot import load_robot
 
     spec, variant = load_robot(robot or "basic"), cast("Variant", behaviour.removeprefix("locate:"))
     return (
-        parse_pipes,
+        parse_corners,
         lambda pipe, episode, simulator: (
             record_locate(spec, variant, pipe.require_corner(), seed, episode, simulator).trajectory
         ),

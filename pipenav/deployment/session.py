@@ -25,7 +25,8 @@ from pipenav.deployment.trajectories import ArmPlacement, parts, placement_of
 from pipenav.errors import PipenavError
 from pipenav.locating.locator import LocateConfig, require_arm
 from pipenav.motions.trajectory import write_trajectory
-from pipenav.pipes.corner import PipeCorner, Turn
+from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.pipe import Turn
 from pipenav.policies.header import RATE_HZ, installed_versions
 from pipenav.policies.policy import Policy, load_policy, policy_names, resolve_policy
 from pipenav.robots import kinematics
