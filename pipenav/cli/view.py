@@ -170,6 +170,7 @@ def _view_in_space(
     console: Console,
 ) -> None:
     """Draw one run that leaves the plane."""
+    from pipenav.pipes.route import as_route
     from pipenav.policies.named import open_controller
     from pipenav.recording.film import SUFFIXES, check_suffix
     from pipenav.recording.record_rolling import record_in_space
@@ -181,7 +182,7 @@ def _view_in_space(
     outputs = paths or [Path(f"view-{run.name}.png")]
     for path in outputs:
         check_suffix(path, SUFFIXES)
-    recording = record_in_space(open_controller(policy, robot, seed), policy, run.route, seed, episode, simulator)
+    recording = record_in_space(open_controller(policy, robot, seed), policy, as_route(run), seed, episode, simulator)
     said = f"{run.label}, traverse: {recording.outcome} after {recording.time[-1]:.1f} s"
     console.print(f"{said}, largest contact force {recording.contact_force.max():.1f} N", highlight=False)
     for path in outputs:

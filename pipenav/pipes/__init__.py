@@ -6,7 +6,7 @@ from pipenav.pipes.corner_sets import corner_set_names, parse_corners
 from pipenav.pipes.corner_solids import Box, Mesh, boards_mesh, tube_mesh, wall_boxes
 from pipenav.pipes.json_keys import PipeInFile
 from pipenav.pipes.pipe import LegFrames, Pipe, Turn, WallSide
-from pipenav.pipes.route import PipeRoute
+from pipenav.pipes.route import PipeRoute, as_route
 from pipenav.pipes.route_checks import CrossesItself
 from pipenav.pipes.route_corner import Corner
 from pipenav.pipes.route_legs import about_x
@@ -29,6 +29,7 @@ __all__ = [
     "Turn",
     "WallSide",
     "about_x",
+    "as_route",
     "boards_mesh",
     "corner_set_names",
     "parse_corners",

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from pipenav.arrays import Floats, Ints
-from pipenav.pipes.pipe import Pipe
+
+if TYPE_CHECKING:
+    from pipenav.pipes.pipe import Pipe
 
 
 class LegCoordinates(NamedTuple):

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 from pydantic import model_validator
@@ -25,9 +25,6 @@ from pipenav.pipes.corner_checks import LEG_MAX_MM, check_corner, check_range, c
 from pipenav.pipes.corner_lines import arc_chords, fillet_radius, tangent_length
 from pipenav.pipes.pipe import DEFAULT_WALL, LegFrames, Pipe, Turn, WallSide
 from pipenav.units import deg_to_rad, m_to_mm, mm_to_m, rad_to_deg
-
-if TYPE_CHECKING:
-    from pipenav.pipes.route import PipeRoute
 
 
 class Lines(NamedTuple):
@@ -218,12 +215,6 @@ class PipeCorner(Pipe):
     @property
     def corner(self) -> Self:
         return self
-
-    @property
-    def route(self) -> PipeRoute:
-        from pipenav.pipes.route import PipeRoute
-
-        return PipeRoute.from_corner(self)
 
     def with_ends(self, first: float, last: float) -> Self:
         """The corner with legs of one length: at least the longer of the two [m]."""

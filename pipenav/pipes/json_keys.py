@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Discriminator, PlainSerializer, Tag
 
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.pipe import Pipe
-from pipenav.pipes.route import PipeRoute
+from pipenav.pipes.route import PipeRoute, as_route
 
 CORNER_KEYS = {
     "turn": "turn",
@@ -39,7 +39,7 @@ def keys_of_pipe(pipe: Pipe) -> dict[str, Any]:
     """A pipe under the keys of pipe.json or, for a route, of run.json, in SI units alone."""
     if isinstance(pipe, PipeCorner):
         return {key: getattr(pipe, field) for field, key in CORNER_KEYS.items()}
-    route = pipe.route
+    route = as_route(pipe)
     corners = [{key: getattr(corner, field) for field, key in ROUTE_CORNER_KEYS.items()} for corner in route.corners]
     return {
         "diameter_m": route.diameter,

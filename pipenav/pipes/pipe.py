@@ -10,10 +10,10 @@ from pydantic import ConfigDict
 
 from pipenav.arrays import Flags, Floats, Table
 from pipenav.errors import PipenavError
+from pipenav.pipes.centre_lines import CentreLines
 
 if TYPE_CHECKING:
     from pipenav.pipes.corner import PipeCorner
-    from pipenav.pipes.route import PipeRoute
 
 Turn = Literal["left", "right"]
 """Side that a corner turns to, seen by the robot that comes to it."""
@@ -150,15 +150,6 @@ class Pipe(Table, ABC):
             raise PipenavError(f"{self.name} is a route of {count} corners, where a single corner is needed.")
         return self.corner
 
-    @property
-    @abstractmethod
-    def route(self) -> PipeRoute:
-        """The pipe as a route of mitred corners.
-
-        Raises:
-            PipenavError: a corner of the pipe is no mitre.
-        """
-
     @abstractmethod
     def contains(self, points: Floats) -> Flags:
         """Flags of points (..., 2) of the plane, or (..., 3) of a route, that lie in the free space: (...)."""
@@ -168,8 +159,6 @@ class Pipe(Table, ABC):
 
         `CentreLines.distance` says which leg a point counts to, and asks the same of many pipes at once.
         """
-        from pipenav.pipes.centre_lines import CentreLines
-
         points = np.asarray(points, float)
         lines = CentreLines.of([self], points.shape[-1])
         return np.asarray(lines.distance(points.reshape(1, -1, points.shape[-1])).reshape(points.shape[:-1]))

@@ -224,10 +224,6 @@ class PipeRoute(Pipe):
     def corner(self) -> None:
         return None
 
-    @property
-    def route(self) -> Self:
-        return self
-
     def with_ends(self, first: float, last: float) -> Self:
         straights = (max(self.straights[0], first), *self.straights[1:-1], max(self.straights[-1], last))
         return self if straights == self.straights else cast(Self, _with_straights(self, straights))
@@ -244,6 +240,15 @@ class PipeRoute(Pipe):
         _, local, beyond = CentreLines.of([self], 3).locate(points.reshape(1, -1, 3))
         inside = (beyond == 0) & (np.hypot(local[..., 1], local[..., 2]) <= self.radius)
         return np.asarray(inside.reshape(points.shape[:-1]))
+
+
+def as_route(pipe: Pipe) -> PipeRoute:
+    """A pipe as a route of mitred corners.
+
+    Raises:
+        PipenavError: a corner of the pipe is no mitre.
+    """
+    return pipe if isinstance(pipe, PipeRoute) else PipeRoute.from_corner(pipe.require_corner())
 
 
 # Caches lie beside the routes, as those of corners do.

@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from pipenav.errors import ConfigError, PipenavError, UnknownName
 from pipenav.pipes.corner_sets import Values, corner_set_names, parse_corners, read_as, values_of
 from pipenav.pipes.pipe import DEFAULT_WALL, Pipe
-from pipenav.pipes.route import PipeRoute
+from pipenav.pipes.route import PipeRoute, as_route
 from pipenav.pipes.route_checks import MAX_CORNERS, CrossesItself
 from pipenav.storage import shipped
 from pipenav.storage.atomic_files import read_toml
@@ -142,7 +142,7 @@ def parse_routes(given: Sequence[str]) -> list[PipeRoute]:
     Raises:
         PipenavError: something that is none of these, or a route that is not possible.
     """
-    return list(dict.fromkeys(pipe.route for pipe in parse_pipes(given)))
+    return list(dict.fromkeys(as_route(pipe) for pipe in parse_pipes(given)))
 
 
 def parse_route(text: str) -> NamedRoute:
