@@ -12,7 +12,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pipenav_hardware import packets, table
 from pipenav_hardware.arm_config import (
-    PINION_TRAVEL,
     ArmConfig,
     FrontSensorConfig,
     ScannerConfig,
@@ -23,6 +22,7 @@ from pipenav_hardware.arm_config import (
 from pipenav_hardware.codec import JUMP_MARGIN, LIMIT_MARGIN, STEP_SLACK, Codec, Raw
 from pipenav_hardware.ranging import AFTER_SCAN, DISBELIEF, BeamFilter, RangeScan, late_for_scan
 from pipenav_hardware.realsense import scanline
+from pipenav_hardware.servo_config import PINION_TRAVEL
 
 from pipenav.backends.messages import Command
 from pipenav.backends.safety import Stopped

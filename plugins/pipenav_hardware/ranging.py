@@ -1,4 +1,4 @@
-"""The interface of range sensors, and what the policy's beams read from a scan that is finer than they are."""
+"""The interface of range sensors, and the policy's beams from a scan that is finer than they are."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from pipenav.backends import CONTROL_PERIOD
 from pipenav.errors import PipenavError
 from pipenav.robots import Laser, laser
 from pipenav_hardware.arm_config import ScannerConfig
-from pipenav_hardware.ports import port_problem
+from pipenav_hardware.port_problems import port_problem
 
 
 class SensorLost(PipenavError):
@@ -31,12 +31,12 @@ class SensorLost(PipenavError):
 
 
 class RangeScan(NamedTuple):
-    """One scan as it came.
+    """A scan as it came.
 
     Attributes:
-        distances: one per angle of the sensor [mm]; below its smallest range they are error codes.
+        distances: distance at each angle of the sensor [mm]; below its smallest range they are error codes.
         stamp: when it arrived, on the monotonic clock [s].
-        sequence: grows with every new measurement.
+        sequence: number that grows with every new measurement.
     """
 
     distances: tuple[int, ...]
@@ -45,12 +45,12 @@ class RangeScan(NamedTuple):
 
 
 class RangeSensor(ABC):
-    """A scanner: polled, never blocking.
+    """A scanner, which is polled and never blocks.
 
     Attributes:
-        angles: of its points from the tip link's axis, left positive, ascending, (k,) [rad].
-        range_min, range_max: what it can measure [m].
-        rejected: scans that came damaged.
+        angles: angles of its points from the tip link's axis, left positive, ascending, (k,) [rad].
+        range_min, range_max: smallest and largest distance that it can measure [m].
+        rejected: number of scans that came damaged.
     """
 
     angles: Floats
@@ -68,7 +68,7 @@ class RangeSensor(ABC):
 
     @abstractmethod
     def latest(self) -> RangeScan | None:
-        """The newest whole scan."""
+        """The newest whole scan; None before the first."""
 
     @abstractmethod
     def close(self) -> None: ...
@@ -78,11 +78,17 @@ AFTER_SCAN = 0.003
 """How long after a scan a tick begins [s]: scans do not come quite regularly."""
 
 MOST_SHIFT = 0.002
-"""Most that a tick is moved to keep in step with a scanner of ten scans a second [s]: clocks drift apart slower."""
+"""Farthest that a tick is moved to keep in step with a scanner of ten scans a second [s]: clocks drift apart slower."""
 
 
 def await_scan(sensor: RangeSensor, listen: Callable[[float], None], timeout: float) -> None:
-    """Wait until the next scan has just come, or for `timeout` [s]. `listen` takes in what has arrived."""
+    """Wait until the next scan has just come.
+
+    Args:
+        sensor: the scanner.
+        listen: takes in what has arrived until a time [s].
+        timeout: longest wait [s].
+    """
     before, deadline = sensor.latest(), time.monotonic() + timeout
     while sensor.latest() is before and time.monotonic() < deadline:
         time.sleep(0.001)
@@ -90,10 +96,10 @@ def await_scan(sensor: RangeSensor, listen: Callable[[float], None], timeout: fl
 
 
 def late_for_scan(due: float, newest: RangeScan | None) -> float:
-    """How much earlier the tick after the one at `due` shall come, so that ticks keep beginning just after a scan [s].
+    """How much earlier the tick after the one at `due` is to come, so that ticks keep beginning just after a scan [s].
 
-    Joints are read where they are now, a scan shows what was seen where they were when it was taken: in a tenth of a
-    second the tip moves by several times what the map of a corner forgives.
+    Joints are read where they are now, but a scan shows what was seen where they were when it was taken: in a tenth of
+    a second the tip moves by several times what the map of a corner forgives.
     """
     if newest is None:
         return 0.0
@@ -102,7 +108,7 @@ def late_for_scan(due: float, newest: RangeScan | None) -> float:
 
 
 def mounted(angles: Floats, config: ScannerConfig) -> Floats:
-    """The sensor's own angles as seen from the tip link's axis. Points keep their order; see `BeamFilter`."""
+    """Angles of the sensor's points from the tip link's axis. Points keep their order; see `BeamFilter`."""
     turned = -angles if config.upside_down else angles
     return np.asarray(turned + math.radians(config.mounting_deg))
 
@@ -126,7 +132,11 @@ class SerialLine:
             self._serial.write(data)
 
     def lines(self, wait: float = 0.0) -> Iterator[str]:
-        """Lines that are complete now, without their end; waits for the first bytes if told to [s]."""
+        """Lines that are complete now, without their end.
+
+        Args:
+            wait: longest wait for the first bytes [s].
+        """
         with self._edge():
             if wait:
                 select.select([self.fileno()], [], [], wait)
@@ -155,22 +165,25 @@ class SerialLine:
 
 
 NEIGHBOURHOOD = math.radians(2.5)
-"""Half width of the points that a beam is the median of: with every third point lost to dropouts or noise of 10 mm, the
-median of a dozen is within 5 mm of the truth; wider, it would round off edges."""
+"""Half width of the neighbourhood whose median a beam is [rad]: with every third point lost to dropouts or noise of
+10 mm, the median of a dozen is within 5 mm of the truth; wider, it would round off edges."""
 
 IMPLAUSIBLE_DROP = 0.1
 """A beam that reads the sensor's minimum although it read this much more just before [m] is not believed: in a control
 period the tip moves by a quarter of it."""
 
 DISBELIEF = 3
-"""For how many scans in a row a beam keeps its earlier value instead."""
+"""Number of scans in a row for which a beam keeps its earlier value instead."""
 
 
 class BeamFilter:
-    """From scans to the robot's beams. Deterministic: the same scans give the same beams.
+    """Turns scans into the robot's beams: the same scans give the same beams.
 
     Scanners return their smallest range where they see nothing (the thesis's scanner failed 40 % of its searches for an
     open pipe by that), so a smallest range that comes from nowhere is not believed for a while.
+
+    Attributes:
+        all_invalid: whether the last scan had no valid point.
     """
 
     def __init__(self, fan: Laser, angles: Floats, range_min: float, range_max: float) -> None:
@@ -192,7 +205,7 @@ class BeamFilter:
 
         Args:
             scan: a new scan.
-            front: what the front sensor reads [m], None without one: it replaces the middle beams where the scanner is
+            front: reading of the front sensor [m], None without one. It replaces the middle beams where the scanner is
                 too close to the wall to measure.
         """
         distances = (np.array(scan.distances, float) / 1e3).tolist()  # a beam has a dozen: faster without NumPy
@@ -209,7 +222,7 @@ class BeamFilter:
         return laser.measure(self._laser, beams)
 
     def _beam(self, distances: list[float]) -> float:
-        """Median of a beam's points; those at the minimum count only where most are, for they may be dropouts."""
+        """Median of a beam's points. Points at the minimum count only where most are: they may be dropouts."""
         seen = [distance for distance in distances if distance >= self._range_min]
         real = [distance for distance in seen if distance > self._range_min + 0.001]
         if len(real) * 4 >= len(seen) and real:
