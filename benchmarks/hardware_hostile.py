@@ -18,12 +18,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from pipenav_hardware.beam_filter import BeamFilter
 from pipenav_hardware.codec import STEP_SLACK, Codec, Raw
 from pipenav_hardware.dynamixel import Bus
 from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
 from pipenav_hardware.emulator.config import EmulatorSettings
-from pipenav_hardware.ranging import BeamFilter, RangeScan
+from pipenav_hardware.ranging import RangeScan
 from pipenav_hardware.servos import Servos
 
 from pipenav.backends.messages import Command

@@ -32,7 +32,7 @@ class Sent(NamedTuple):
 
 
 class Finding(NamedTuple):
-    """One line of a check.
+    """A line of a check.
 
     Attributes:
         level: how it stands.
@@ -177,7 +177,7 @@ class RealRobot(Backend):
 
     @abstractmethod
     def description(self) -> dict[str, Any]:
-        """What a replay needs to know of this arm."""
+        """The facts about this arm that a replay needs."""
 
     @classmethod
     @abstractmethod

@@ -17,7 +17,7 @@ import copy
 import functools
 import inspect
 from collections.abc import Callable, Iterator
-from dataclasses import fields
+from dataclasses import MISSING, fields
 from inspect import Parameter
 from typing import Annotated, Any, ClassVar, get_args, get_type_hints
 
@@ -41,7 +41,7 @@ def takes_option_groups(command: Callable[..., None]) -> Callable[..., None]:
         command: function whose parameters are groups, or annotated options of typer.
 
     Returns:
-        The same function with one keyword parameter for every option.
+        The same function with one keyword parameter for every option; typer reads its signature.
     """
     hints = get_type_hints(command, include_extras=True)
     groups = {name: hint for name, hint in hints.items() if inspect.isclass(hint) and issubclass(hint, OptionGroup)}
@@ -51,11 +51,12 @@ def takes_option_groups(command: Callable[..., None]) -> Callable[..., None]:
 
     @functools.wraps(command)
     def with_single_options(**given: Any) -> None:
-        filled = {name: group(**{option.name: given.pop(option.name) for option in _options(group)})
-                  for name, group in groups.items()}  # fmt: skip
+        filled = {}
+        for name, group in groups.items():
+            filled[name] = group(**{option.name: given.pop(option.name) for option in _options(group)})
         command(**given, **filled)
 
-    with_single_options.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]  # typer reads it
+    with_single_options.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     with_single_options.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
     return with_single_options
 
@@ -68,7 +69,8 @@ def _options(group: type[OptionGroup]) -> Iterator[Parameter]:
         assert isinstance(option, OptionInfo)
         option = copy.copy(option)
         option.rich_help_panel = group.panel
-        yield _keyword(field.name, Annotated[kind, option], field.default)
+        default = Parameter.empty if field.default is MISSING else field.default
+        yield _keyword(field.name, Annotated[kind, option], default)
 
 
 def _keyword(name: str, annotation: Any, default: Any) -> Parameter:

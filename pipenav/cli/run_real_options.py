@@ -13,7 +13,7 @@ from pipenav.cli.option_groups import OptionGroup
 
 @dataclass(frozen=True)
 class ArmOptions(OptionGroup):
-    """Which arm moves, and whether it may."""
+    """The arm that moves, and whether it may."""
 
     panel: ClassVar[str] = "The arm"
     arm: Annotated[Path, typer.Option(help="The arm's description, from pipenav calibrate.")] = Path("arm.toml")
@@ -27,7 +27,7 @@ class ArmOptions(OptionGroup):
 
 @dataclass(frozen=True)
 class PipeOptions(OptionGroup):
-    """What is known of the pipe and of the target in it."""
+    """The pipe, as far as it is known, and the target in it."""
 
     panel: ClassVar[str] = "The pipe"
     turn: Annotated[str, typer.Option(help="Side that the pipe turns to: left or right.")] = "left"
@@ -54,14 +54,12 @@ class EmulationOptions(OptionGroup):
         str | None, typer.Option(help="What goes wrong: 'thesis' for the thesis's scanner, or a JSON file.")
     ] = None
     seed: Annotated[int, typer.Option(min=0, help="Seed of the start pose, of noise and of faults.")] = 0
-    patience: Annotated[float, typer.Option(min=1, max=100, help="Factor on every time limit, for busy machines.")] = (
-        1.0
-    )
+    patience: Annotated[float, typer.Option(min=1, max=100, help="Factor on all time limits, for busy machines.")] = 1.0
 
 
 @dataclass(frozen=True)
 class StoppingOptions(OptionGroup):
-    """When a mission ends, and what follows a failure or a stop."""
+    """The end of a mission, and what follows a failure or a stop."""
 
     panel: ClassVar[str] = "Stopping"
     ticks: Annotated[int | None, typer.Option(min=1, help="End after so many ticks of 0.1 s.")] = None

@@ -1,4 +1,4 @@
-"""What `pipenav run-real` says of a mission that has ended."""
+"""The end of `pipenav run-real`: the summary of the mission, and the exit code."""
 
 from __future__ import annotations
 

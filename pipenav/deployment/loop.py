@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import itertools
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -48,27 +49,14 @@ def control_loop(
     Raises:
         Stopped: whatever stopped the arm.
     """
-    tick = 0
-    while most_ticks is None or tick < most_ticks:
-        record: dict[str, Any] = {"tick": tick}
-        try:
-            decision = _tick(arm, mission, record)
-        except Stopped as stopped:
-            telemetry.tick({**record, "raw": arm.raw(), "stopped": stopped.cause})
-            if stopped.cause not in RETREATABLE or not mission.back_out(stopped.cause):
-                raise
-            arm.hold()
-            decision = None
-        else:
-            telemetry.tick(record)
-            show(record)
+    for tick in itertools.count() if most_ticks is None else range(most_ticks):
+        decision = _recorded_tick(arm, mission, telemetry, show, tick)
         if decision is not None and decision.command is None:
             return mission.outcome
         if stop_file.exists():
             raise Stopped("e-stop", f"the file {stop_file} appeared", "remove it, then start again")
         gc.collect(1)
         arm.wait()
-        tick += 1
     return "ended"
 
 
@@ -80,6 +68,28 @@ def hold_until(arm: RealRobot, released: Callable[[], bool]) -> None:
     while not released():
         arm.hold()
         time.sleep(HOLD_PERIOD)
+
+
+def _recorded_tick(
+    arm: RealRobot, mission: Mission, telemetry: Telemetry, show: Callable[[dict[str, Any]], None], tick: int
+) -> Decision | None:
+    """Carry out a tick, and record and show it; None where the arm holds.
+
+    Raises:
+        Stopped: whatever stopped the arm, unless it may be moved still and backs out.
+    """
+    record: dict[str, Any] = {"tick": tick}
+    try:
+        decision = _tick(arm, mission, record)
+    except Stopped as stopped:
+        telemetry.tick({**record, "raw": arm.raw(), "stopped": stopped.cause})
+        if stopped.cause not in RETREATABLE or not mission.back_out(stopped.cause):
+            raise
+        arm.hold()
+        return None
+    telemetry.tick(record)
+    show(record)
+    return decision
 
 
 def _tick(arm: RealRobot, mission: Mission, record: dict[str, Any]) -> Decision | None:

@@ -1,4 +1,4 @@
-"""One session of the real arm: switch it on, let it carry out its mission, switch it off."""
+"""A session of the real arm: switch it on, let it carry out its mission, switch it off."""
 
 from __future__ import annotations
 

@@ -32,11 +32,12 @@ from pipenav.pipes import Pipe, PipeCorner
 from pipenav.robots import RobotSpec
 from pipenav_hardware import table
 from pipenav_hardware.arm_config import load_arm
+from pipenav_hardware.beam_filter import BeamFilter
 from pipenav_hardware.calibrate import Calibration
 from pipenav_hardware.check import findings
 from pipenav_hardware.codec import Codec, Raw
 from pipenav_hardware.dynamixel import Bus
-from pipenav_hardware.ranging import BeamFilter, late_for_scan
+from pipenav_hardware.ranging import late_for_scan
 from pipenav_hardware.recording import arm_description, recorded_arithmetic, sent_command, tick_record
 from pipenav_hardware.sensors import Sensors
 from pipenav_hardware.servos import ServoAnswers, Servos

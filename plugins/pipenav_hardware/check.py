@@ -58,7 +58,7 @@ def _servo_findings(arm: ArmConfig, bus: Bus) -> Iterator[Finding]:
 
 
 def _one_servo(servo: Servo, bus: Bus) -> Iterator[Finding]:
-    """What a servo says about itself; nothing if it does not answer."""
+    """Everything that a servo says about itself; nothing if it does not answer."""
     name = f"servo {servo.id} ({servo.joint})"
     memory = bus.read(servo.id, *table.EEPROM)
     answer = bus.read(servo.id, table.STATE_ADDRESS, table.STATE_SIZE)

@@ -14,7 +14,8 @@ from pipenav.arrays import Floats
 from pipenav.backends import CONTROL_PERIOD, Bounds, Command, Reading, Repeats, Stopped, safety
 from pipenav.robots import RobotSpec
 from pipenav_hardware.arm_config import ArmConfig
-from pipenav_hardware.ranging import BeamFilter, RangeScan
+from pipenav_hardware.beam_filter import BeamFilter
+from pipenav_hardware.ranging import RangeScan
 from pipenav_hardware.table import COUNT, COUNTS, SPEED_UNIT, ServoGoal, State, decode_state
 
 STEP_SLACK = 2

@@ -10,7 +10,8 @@ import re
 import time
 
 from pipenav_hardware.arm_config import FrontSensorConfig
-from pipenav_hardware.ranging import SensorLost, SerialLine
+from pipenav_hardware.ranging import SensorLost
+from pipenav_hardware.serial_line import SerialLine
 
 BAUD = 115_200
 HELLO = "HELLO,pipenav-front,1"

@@ -72,4 +72,4 @@ def _ports_here() -> str:
     from serial.tools.list_ports import comports
 
     names = [port.device for port in comports()]
-    return f"here are {', '.join(names)}" if names else "none is plugged in"
+    return f"here are {', '.join(names)}" if names else "no other is plugged in"

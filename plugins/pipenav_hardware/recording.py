@@ -11,8 +11,9 @@ from pipenav.backends import Recoder, Sent
 from pipenav.robots import RobotSpec
 from pipenav_hardware import packets
 from pipenav_hardware.arm_config import ArmConfig
+from pipenav_hardware.beam_filter import BeamFilter
 from pipenav_hardware.codec import Codec, Encoded, Raw
-from pipenav_hardware.ranging import BeamFilter, RangeScan, RangeSensor
+from pipenav_hardware.ranging import RangeScan, RangeSensor
 from pipenav_hardware.table import Alarm
 
 
@@ -46,7 +47,7 @@ def recorded_raw(record: Mapping[str, Any]) -> Raw:
 def arm_description(
     arm: ArmConfig, scanner: RangeSensor, start_goals: list[int] | None, latency: float
 ) -> dict[str, Any]:
-    """What a replay needs to know of an arm.
+    """The facts about an arm that a replay needs.
 
     Args:
         arm: the arm's description.

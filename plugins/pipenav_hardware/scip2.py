@@ -17,7 +17,8 @@ import numpy as np
 
 from pipenav.errors import PipenavError
 from pipenav_hardware.arm_config import ScannerConfig
-from pipenav_hardware.ranging import RangeScan, RangeSensor, SensorLost, SerialLine, mounted
+from pipenav_hardware.ranging import RangeScan, RangeSensor, SensorLost, mounted
+from pipenav_hardware.serial_line import SerialLine
 
 OFFSET = 0x30
 LINE_DATA = 64

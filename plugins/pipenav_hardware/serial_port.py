@@ -33,11 +33,11 @@ WRITE_TIMEOUT = 0.02
 """Longest wait for the adapter to take a packet [s]; a healthy one takes it at once."""
 
 LOST = (OSError, termios.error, serial.SerialException)
-"""What a vanished adapter raises; termios.error is no OSError."""
+"""Errors that a vanished adapter raises; termios.error is no OSError."""
 
 
 class Mode(Enum):
-    """What may be sent on the bus."""
+    """Packets that may be sent on the bus."""
 
     LISTEN = "only PING and READ: for checks and dry runs"
     DRIVE = "everything that the driver knows"

@@ -1,4 +1,4 @@
-"""One servo in the arm's description: which joint it moves, how it is mounted, and how far it may turn."""
+"""A servo in the arm's description: which joint it moves, how it is mounted, and how far it may turn."""
 
 from __future__ import annotations
 

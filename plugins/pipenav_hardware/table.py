@@ -119,7 +119,7 @@ BAUD_VALUES = {1_000_000: 1, 500_000: 3, 115_200: 16, 57_600: 34, 19_200: 103, 9
 
 
 class ServoGoal(NamedTuple):
-    """What one servo is to do, as its registers hold it.
+    """The goal of a servo, as its registers hold it.
 
     Attributes:
         counts: goal position [counts].
@@ -165,7 +165,7 @@ class State(NamedTuple):
 
 
 class Eeprom(NamedTuple):
-    """What a servo keeps without power.
+    """Registers of a servo that are kept without power.
 
     Attributes:
         model: model number.
