@@ -28,7 +28,7 @@ class ArmPlacement(NamedTuple):
 
 
 class _Poses(NamedTuple):
-    """Stage and joint positions of every tick, in k entries and in (k, joints)."""
+    """Stages of k ticks, and their joint positions, (k, joints) [rad or m]."""
 
     stages: list[str]
     q: Floats
@@ -59,7 +59,7 @@ def parts(policy: Policy, ticks: Sequence[dict[str, Any]], placement: ArmPlaceme
     """
     stages, q = _filled(ticks)
     for stage, part in PARTS.items():
-        ends = [i for i, (one, after) in enumerate(pairwise(stages)) if (one, after) == (stage, NEXT[stage])]
+        ends = [i for i, pair in enumerate(pairwise(stages)) if pair == (stage, NEXT[stage])]
         if not ends:
             continue
         first = stages.index(stage)

@@ -52,7 +52,7 @@ class SerialLine:
         yield from (line.rstrip(b"\r").decode("latin-1") for line in whole)
 
     def close(self, farewell: bytes = b"") -> None:
-        """Send a last order, and close the port; never raises."""
+        """Send a last order and close the port, as far as the device is still there."""
         with contextlib.suppress(OSError, termios.error):
             self._serial.write(farewell)
             self._serial.close()

@@ -20,7 +20,7 @@ PINGS = 10
 """Number of questions by which the bus's latency is measured."""
 
 SLOW, TOO_SLOW = 0.004, 0.012
-"""Median answer time that deserves a warning, and that is refused [s]: FTDI adapters wait 16 ms unless told not to."""
+"""Median answer time that deserves a warning, and that is refused [s]: FTDI adapters wait 16 ms by default."""
 
 LATENCY_REMEDY = (
     'set the adapter\'s latency to 1 ms with the udev rule SUBSYSTEM=="usb-serial", ATTR{latency_timer}="1"'

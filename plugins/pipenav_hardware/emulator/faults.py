@@ -88,7 +88,7 @@ def fault_script(entries: Sequence[Mapping[str, Any]]) -> tuple[Fault, ...]:
     script = []
     for number, entry in enumerate(entries, start=1):
         try:
-            fault = Fault.model_validate(dict(entry))
+            fault = Fault.model_validate(entry)
         except ValidationError as error:
             raise ConfigError.from_validation(f"fault {number}", error, Fault.model_fields) from error
         fault.require_known()
