@@ -12,7 +12,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pipenav_hardware import packets, table
 from pipenav_hardware.arm_config import (
-    PINION_TRAVEL,
     ArmConfig,
     FrontSensorConfig,
     ScannerConfig,
@@ -20,9 +19,11 @@ from pipenav_hardware.arm_config import (
     default_arm,
     load_arm,
 )
+from pipenav_hardware.beam_filter import DISBELIEF, BeamFilter
 from pipenav_hardware.codec import JUMP_MARGIN, LIMIT_MARGIN, STEP_SLACK, Codec, Raw
-from pipenav_hardware.ranging import AFTER_SCAN, DISBELIEF, BeamFilter, RangeScan, late_for_scan
+from pipenav_hardware.ranging import AFTER_SCAN, RangeScan, late_for_scan
 from pipenav_hardware.realsense import scanline
+from pipenav_hardware.servo_config import PINION_TRAVEL
 
 from pipenav.backends.messages import Command
 from pipenav.backends.safety import Stopped

@@ -13,6 +13,7 @@ from pipenav_hardware import packets
 from pipenav_hardware.backend import HardwareBackend, HardwareOptions
 from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
+from pipenav_hardware.emulator.config import EmulatorSettings
 from pipenav_hardware.servos import Servos
 
 from pipenav.backends.messages import Command
@@ -25,7 +26,7 @@ pytestmark = pytest.mark.flaky(reruns=2)  # real time over a serial line: a busy
 
 @pytest.fixture
 def emulator() -> Iterator[Emulator]:
-    with Emulator(ROBOT, boot_time=0.0) as started:
+    with Emulator(ROBOT, EmulatorSettings(boot_time=0.0)) as started:
         yield started
 
 
@@ -205,13 +206,13 @@ def test_a_slow_decision_stops_before_its_command_is_sent(emulator: Emulator) ->
 
 @pytest.fixture
 def slow_sending(monkeypatch: pytest.MonkeyPatch) -> None:
-    tell = Servos.tell
+    send_goals = Servos.send_goals
 
     def slowly(servos: Servos, goals: dict[int, tuple[int, int]]) -> bytes:
         time.sleep(0.105)
-        return tell(servos, goals)
+        return send_goals(servos, goals)
 
-    monkeypatch.setattr(Servos, "tell", slowly)
+    monkeypatch.setattr(Servos, "send_goals", slowly)
 
 
 @pytest.mark.usefixtures("slow_sending")
@@ -319,7 +320,7 @@ def test_other_limits_than_the_servos_are_refused(emulator: Emulator) -> None:
 
 @pytest.mark.parametrize(("latency", "outcome"), [(0.006, "warning"), (0.016, "refused")])
 def test_a_slow_adapter_is_named(latency: float, outcome: str) -> None:
-    with Emulator(ROBOT, boot_time=0.0, adapter_latency=latency) as emulator:
+    with Emulator(ROBOT, EmulatorSettings(boot_time=0.0, adapter_latency=latency)) as emulator:
         if outcome == "warning":
             with driver(emulator) as machine:
                 machine.read()

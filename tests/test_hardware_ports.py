@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 
 import pytest
-from pipenav_hardware.ports import holder_of, port_problem
+from pipenav_hardware.port_problems import holder_of, port_problem
 
 pytestmark = pytest.mark.flaky(reruns=2)  # real time over a serial line: a busy machine may miss a deadline
 

@@ -9,7 +9,8 @@ import pytest
 
 from pipenav.backends.messages import Command, Reading
 from pipenav.backends.registry import open_simulator
-from pipenav.deployment.mission import LOCATE_TICKS, PUSH, Back, Decision, Locate, Mission
+from pipenav.deployment.mission import Mission
+from pipenav.deployment.stages import LOCATE_TICKS, PUSH, Back, Decision, Locate
 from pipenav.locating.locator import LocateConfig
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.policy import Policy, load_policy, resolve_policy
@@ -35,8 +36,8 @@ def simulate(
     start = episode.sample(robot, policy.header.task, [pipe], rng)
     backend = open_simulator("mujoco", robot, 1, {"threads": 1}, len(pipe.segments))
     now = before = backend.reset(np.array([0]), [pipe], start.q, start.base)
-    given = {"goal": None, "retreat": False} | settings
-    run = Mission(policy, float(start.turn_sign[0]), PERIOD, given["goal"], LocateConfig(), given["retreat"])
+    given = {"target": None, "retreat": False} | settings
+    run = Mission(policy, float(start.turn_sign[0]), PERIOD, given["target"], LocateConfig(), given["retreat"])
     made, step = [], robot.speed_limits * PERIOD
     for _ in range(500):
         seen = now._replace(q=now.q - rng.uniform(0, lag) * (now.q - before.q))

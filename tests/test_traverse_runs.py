@@ -277,7 +277,9 @@ def test_ends_that_are_too_short_are_made_longer_or_refused_where_the_run_would_
 
 
 def test_a_run_that_leaves_the_plane_is_refused() -> None:
-    with pytest.raises(PipenavError, match="leaves the plane, in which robots are trained: choose a run without rolls"):
+    with pytest.raises(
+        PipenavError, match="leaves the plane, in which robots are trained: choose a route without rolls"
+    ):
         parse_planar(["runs-rolled"])
     assert len(parse_planar(["runs-level", "d=90,angle=90"])) == 25
     rolled_over = PipeRoute.of(100, [(90, "left", 180)])
