@@ -1,4 +1,4 @@
-"""What reaches the servos when the policy is mad, judged by the bytes that arrived.
+"""Goals that reach the servos when the policy is mad, judged by the bytes that arrived.
 
     python benchmarks/hardware_hostile.py                      # 100,000 actions: about 6 minutes
     python benchmarks/hardware_hostile.py --actions 2000 --seed 7
@@ -15,14 +15,16 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from pipenav_hardware.beam_filter import BeamFilter
 from pipenav_hardware.codec import STEP_SLACK, Codec, Raw
 from pipenav_hardware.dynamixel import Bus
 from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
-from pipenav_hardware.ranging import BeamFilter, RangeScan
+from pipenav_hardware.emulator.config import EmulatorSettings
+from pipenav_hardware.ranging import RangeScan
 from pipenav_hardware.servos import Servos
 
 from pipenav.backends.messages import Command
@@ -54,19 +56,23 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()
     rng = np.random.default_rng(given.seed)
-    with Emulator(ROBOT, front=False, adapter_latency=0.0) as emulator:
+    with Emulator(ROBOT, EmulatorSettings(front_sensor=False, adapter_latency=0.0)) as emulator:
         bus = Bus(emulator.arm.port, emulator.arm.baud)
         codec = Codec(ROBOT, emulator.arm, BeamFilter(ROBOT.laser, ROBOT.laser.angles, 0.1, 0.5))
         stops = attack(Servos(emulator.arm, bus), codec, given.actions, rng)
         bus.off(emulator.arm.ids)
         bus.close()
-        goals, wrong = judged(emulator.log_path, codec)
+        goals, wrong = arrived(emulator.log_path, codec)
     print(f"{given.actions} actions, {stops} of them stopped the arm, {goals} goals arrived, {wrong} of them wrong")
     return int(wrong > 0 or not goals)
 
 
 def attack(servos: Servos, codec: Codec, actions: int, rng: np.random.Generator) -> int:
-    """Have the driver send that many actions; how many it answered with a stop. After one, it starts again."""
+    """Have the driver send that many actions, going on after every stop.
+
+    Returns:
+        The number of actions that it answered with a stop.
+    """
     scan = RangeScan((300,) * ROBOT.laser.beams, 0.0, 1)
     codec.last = np.array(servos.enable(codec.speeds, lambda: None), float)
     stops = 0
@@ -75,14 +81,14 @@ def attack(servos: Servos, codec: Codec, actions: int, rng: np.random.Generator)
             if codec.decode(Raw(servos.read().states, scan, None, 0.0)) is not None:
                 encoded = codec.encode(Command("position", action(rng)))
                 if encoded.goals:
-                    servos.tell(encoded.goals)
+                    servos.send_goals(encoded.goals)
         except Stopped:
             stops += 1
     return stops
 
 
 def action(rng: np.random.Generator) -> Any:
-    """One action: mostly numbers, of any size; sometimes nonsense."""
+    """An action: mostly numbers, of any size; sometimes nonsense."""
     joints = len(ROBOT.joints)
     kind = rng.integers(8)
     if kind == 0:
@@ -98,8 +104,15 @@ def action(rng: np.random.Generator) -> Any:
     return (rng.normal(size=joints) * 10.0 ** rng.uniform(-4, 300 if kind == 4 else 2))[None]
 
 
-def judged(log: Path, codec: Codec) -> tuple[int, int]:
-    """How many goals arrived, and how many of them should not have."""
+class Arrived(NamedTuple):
+    """Number of goals that arrived, and of those among them that should not have."""
+
+    goals: int
+    wrong: int
+
+
+def arrived(log: Path, codec: Codec) -> Arrived:
+    """The goals that reached the servos."""
     bounds, speeds = codec.bounds, codec.speeds
     goals = wrong = 0
     for goal in judge.goals(log):
@@ -111,7 +124,7 @@ def judged(log: Path, codec: Codec) -> tuple[int, int]:
         slow = goal.speed is None or 1 <= goal.speed <= speeds[i]
         goals += 1
         wrong += not (inside and near and reachable and slow)
-    return goals, wrong
+    return Arrived(goals, wrong)
 
 
 if __name__ == "__main__":

@@ -1,11 +1,11 @@
-"""How long each part of a tick takes on an emulated arm in real time, over passage after passage.
+"""Time that each part of a tick takes on an emulated arm in real time, over mission after mission.
 
     python benchmarks/hardware_loop.py                  # 10,000 ticks: 17 minutes
     python benchmarks/hardware_loop.py --ticks 600 --latency 0.004
 
 The bus is as slow as a real one: 10 bits a byte at 1 Mbaud, and the adapter's latency on every answer. In the idle part
-of every tick the same four questions go to a process that does nothing but wait as long and answer: what these take
-longer than they should is the machine's own, its terminals' and its scheduler's. Exits with 1 if a deadline was missed.
+of every tick the same four questions go to a process that does nothing but wait as long and answer: the time that these
+take longer than they should is the computer's own. Exits with 1 if a deadline was missed.
 """
 
 from __future__ import annotations
@@ -23,23 +23,28 @@ from typing import Any
 import numpy as np
 from pipenav_hardware import table
 from pipenav_hardware.emulator.client import Emulator
+from pipenav_hardware.emulator.config import EmulatorSettings
 
 from pipenav.arrays import Floats
 from pipenav.backends.real_robot import load_real_robot
 from pipenav.backends.registry import open_backend
-from pipenav.deployment.loop import drive, guarded
-from pipenav.deployment.mission import mission_of
-from pipenav.deployment.session import mission_settings, policy_for, rehearse
+from pipenav.deployment.arm_policy import policy_for
+from pipenav.deployment.emulation import draw_start
+from pipenav.deployment.guard import guarded
+from pipenav.deployment.loop import control_loop
+from pipenav.deployment.mission import mission_of, mission_settings
+from pipenav.deployment.session import switch_on
 from pipenav.deployment.telemetry import Telemetry
 from pipenav.pipes.corner import PipeCorner
-from pipenav.tasks.reach import episode
 
 ANSWER = table.SETTINGS_SIZE + table.STATE_SIZE + 6
-"""Bytes of a servo's answer, and of the question for it."""
+"""Number of bytes of a servo's answer."""
+
 QUESTION = 8
+"""Number of bytes of the question for it."""
 
 WANTED = 10.0
-"""What a tick is wanted to take at most [ms]."""
+"""Longest time that a tick is wanted to take [ms]."""
 
 QUIET = 0.02
 """How long after a tick the bare questions are asked [s]: the emulator has computed the arm's motion by then."""
@@ -51,8 +56,8 @@ class Bare:
     """A terminal with a process at its other end that waits as long as a servo does, and answers.
 
     Attributes:
-        least: time that all questions take on a machine that takes none [s].
-        times: that they took [s].
+        least: time that all questions would take if the computer took none [s].
+        times: times that they took [s].
     """
 
     def __init__(self, count: int, latency: float, baud: int) -> None:
@@ -73,7 +78,7 @@ class Bare:
         os.close(far)
 
     def ask(self) -> None:
-        """As many questions as there are servos, one after the other."""
+        """Ask as many questions as there are servos, one after the other."""
         begun = time.monotonic()
         for _ in range(self._count):
             os.write(self._near, bytes(QUESTION))
@@ -97,7 +102,7 @@ def main() -> int:
     policy = policy_for(given.policy, None)
     robot, pipe = policy.header.robot, PipeCorner.of(130, 90)
     settings = mission_settings("left", None, retreat=True)
-    start = episode.sample(robot, policy.header.task, [pipe], np.random.default_rng(0))
+    start = draw_start(robot, pipe, 0)
     records: list[dict[str, Any]] = []
     outcomes: dict[str, int] = {}
 
@@ -109,31 +114,34 @@ def main() -> int:
     with (
         tempfile.TemporaryDirectory() as folder,
         contextlib.closing(Bare(len(robot.joints), given.latency, 1_000_000)) as bare,
-        Emulator(robot, pipe, q=start.q[0], base=float(start.base[0]), adapter_latency=given.latency) as emulator,
-        Telemetry(Path(folder) / "telemetry.jsonl", {}) as telemetry,
+        Emulator(robot, EmulatorSettings(adapter_latency=given.latency), pipe, start) as emulator,
+        Telemetry(Path(folder) / "telemetry.jsonl") as telemetry,
     ):
-        machine = open_backend("hardware", robot, 1, {"arm": str(emulator.arm_path), "patience": given.patience})
-        assert isinstance(machine, load_real_robot())
-        with guarded(machine):
-            first = machine.read()
-            rehearse(policy, settings, first)
-            machine.reset(np.array([0]), [], first.q, np.zeros(1))
+        telemetry.begin({})
+        arm = open_backend("hardware", robot, 1, {"arm": str(emulator.arm_path), "patience": given.patience})
+        assert isinstance(arm, load_real_robot())
+        with guarded(arm):
+            switch_on(arm, policy, settings)
             while (left := given.ticks - len(records)) > 0:
-                run = mission_of(policy, settings)
-                outcome = drive(machine, run, telemetry, show, Path(folder) / "STOP", left)
+                mission = mission_of(policy, settings)
+                outcome = control_loop(arm, mission, telemetry, show, Path(folder) / "STOP", left)
                 outcomes[outcome] = outcomes.get(outcome, 0) + 1
-                machine.wait()
-        machine.close()
+                arm.wait()
+        arm.close()
     return report(records, outcomes, bare)
 
 
 def report(records: list[dict[str, Any]], outcomes: dict[str, int], bare: Bare) -> int:
-    """Print the table; 1 if a tick was late."""
+    """Print the table.
+
+    Returns:
+        1 if a tick was late, else 0.
+    """
     late = max(record["raw"]["late"] for record in records if "raw" in record)
     timed = [record for record in records if "taken" in record.get("seconds", {})]
     taken, bus = (1e3 * np.array([record["seconds"][part] for record in timed]) for part in ("taken", "bus"))
     alone = 1e3 * np.array(bare.times)
-    print(f"{len(records)} ticks, runs {outcomes}, missed deadlines {late}")
+    print(f"{len(records)} ticks, missions {outcomes}, missed deadlines {late}")
     print(f"{'ms':36} median   99 % 99.9 %  worst")
     row("whole tick, due to goals sent", taken)
     row("servos read", bus)
@@ -150,7 +158,7 @@ def report(records: list[dict[str, Any]], outcomes: dict[str, int], bare: Bare) 
 
 
 def row(what: str, times: Floats) -> None:
-    """One line of the table [ms]."""
+    """Print a line of the table [ms]."""
     if len(times):
         print(
             f"{what:36}" + "".join(f"{value:7.2f}" for value in (*np.quantile(times, [0.5, 0.99, 0.999]), times.max()))

@@ -1,4 +1,4 @@
-"""What one servo that falls silent costs, judged by the bytes that reached the emulated servos.
+"""Cost of a servo that falls silent, judged by the bytes that reached the emulated servos.
 
     python benchmarks/hardware_silence.py               # 20 times each of the four servos, 2 minutes
 
@@ -21,26 +21,31 @@ import numpy as np
 from pipenav_hardware import packets
 from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
+from pipenav_hardware.emulator.config import EmulatorSettings
 
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.messages import Command
 from pipenav.backends.real_robot import load_real_robot
 from pipenav.backends.registry import open_backend
 from pipenav.backends.safety import Stopped
-from pipenav.deployment.loop import guarded
+from pipenav.deployment.guard import guarded
 from pipenav.robots.robot import load_robot
 
 ROBOT = load_robot("real-setup")
 WHOLE_TICKS = 3
-"""Ticks before the servo falls silent."""
+"""Number of ticks before the servo falls silent."""
 
 LATEST = 0.07
-"""Latest moment of a tick's idle part at which it does [s]."""
+"""Latest moment of a tick's idle part at which the servo falls silent [s]."""
 
 
 class Silence(NamedTuple):
-    """Until torque was off: from the first question of the tick that stopped the arm, and from the silence's beginning
-    [s]."""
+    """Time until torque was off [s].
+
+    Attributes:
+        tick: time since the first question of the tick that stopped the arm.
+        whole: time since the silence began.
+    """
 
     tick: float
     whole: float
@@ -54,7 +59,7 @@ def main() -> int:
     given = parser.parse_args()
     rng = random.Random(given.seed)
     causes: Counter[str] = Counter()
-    with Emulator(ROBOT, boot_time=0.0) as emulator:
+    with Emulator(ROBOT, EmulatorSettings(boot_time=0.0)) as emulator:
         for servo in [servo for servo in emulator.arm.ids for _ in range(given.trials)]:
             causes[fall_silent(emulator, servo, rng.uniform(0.0, LATEST), given.patience)] += 1
         time.sleep(0.3)
@@ -67,30 +72,40 @@ def main() -> int:
 
 
 def fall_silent(emulator: Emulator, servo: int, moment: float, patience: float) -> str:
-    """Drive until a servo has fallen silent that long after a tick's goals [s]; what stopped the arm."""
+    """Drive until a servo has fallen silent, and the arm has stopped.
+
+    Args:
+        emulator: the emulated arm.
+        servo: id of the servo.
+        moment: time from a tick's goals to the silence [s].
+        patience: factor on every time limit.
+
+    Returns:
+        The cause of the stop.
+    """
     emulator.order(clear=True)
-    machine = open_backend("hardware", ROBOT, 1, {"arm": str(emulator.arm_path), "patience": patience})
-    assert isinstance(machine, load_real_robot())
+    arm = open_backend("hardware", ROBOT, 1, {"arm": str(emulator.arm_path), "patience": patience})
+    assert isinstance(arm, load_real_robot())
     try:
-        with guarded(machine):
-            start = machine.read().q
-            machine.reset(np.array([0]), [], start, np.zeros(1))
+        with guarded(arm):
+            start = arm.read().q
+            arm.reset(np.array([0]), [], start, np.zeros(1))
             tick = 0
             while True:
-                machine.read()
-                if machine.complete:
-                    machine.send(Command("position", start))
+                arm.read()
+                if arm.complete:
+                    arm.send(Command("position", start))
                 else:
-                    machine.hold()
+                    arm.hold()
                 tick += 1
                 if tick == WHOLE_TICKS:
                     time.sleep(moment)
                     emulator.order(fault="dead", servo=servo)
-                machine.wait()
+                arm.wait()
     except Stopped as stopped:
         return stopped.cause
     finally:
-        machine.close()
+        arm.close()
 
 
 def measured(log: Path) -> list[Silence]:

@@ -28,11 +28,12 @@ import numpy as np
 from pipenav_hardware import packets, table
 from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
+from pipenav_hardware.emulator.config import EmulatorSettings
 
 from pipenav.backends.messages import Command
 from pipenav.backends.real_robot import load_real_robot
 from pipenav.backends.registry import open_backend
-from pipenav.deployment.loop import guarded
+from pipenav.deployment.guard import guarded
 from pipenav.robots.robot import load_robot
 
 ROBOT = load_robot("real-setup")
@@ -45,7 +46,7 @@ ENDINGS = {
     "SIGKILL": 0.2,
     "segfault": 0.2,
 }
-"""What ends the driver, and within which time torque must be off on every servo [s]."""
+"""Endings of the driver, and the time within which torque must be off on every servo [s]."""
 
 LONGEST_END = 5.0
 """How long a driver may take to end after its ending [s]; one that goes on is killed and counts as failed."""
@@ -55,14 +56,14 @@ SECOND = 0.03
 
 
 class Trial(NamedTuple):
-    """When a driver was started, and when it was ended [s]."""
+    """Times at which a driver was started, and ended [s]."""
 
     started: float
     ended: float
 
 
 class Torque(NamedTuple):
-    """One write of a servo's torque register that arrived."""
+    """A write of a servo's torque register that arrived, at a time [s]."""
 
     time: float
     on: bool
@@ -90,11 +91,22 @@ def main() -> int:
     return int(failures > 0)
 
 
-def measure(name: str, given: argparse.Namespace) -> tuple[int, list[float]]:
-    """End that many drivers: how many left torque on, and of those that were ended with torque on, for how long still
-    [s]."""
+class Measured(NamedTuple):
+    """The drivers that one ending ended.
+
+    Attributes:
+        left_on: number of those that left torque on.
+        times: how long torque was still on after those that were ended with torque on [s].
+    """
+
+    left_on: int
+    times: list[float]
+
+
+def measure(name: str, given: argparse.Namespace) -> Measured:
+    """End that many drivers by one ending."""
     rng = random.Random(f"{given.seed} {name}")
-    with Emulator(ROBOT, boot_time=0.0) as emulator:
+    with Emulator(ROBOT, EmulatorSettings(boot_time=0.0)) as emulator:
         lives = [rng.uniform(0.0, given.life) for _ in range(given.trials)]
         done = [run_trial(name, emulator.arm_path, life, given.patience, rng.uniform(0.0, SECOND)) for life in lives]
         time.sleep(0.3)
@@ -106,11 +118,11 @@ def measure(name: str, given: argparse.Namespace) -> tuple[int, list[float]]:
         still = [off - trial.ended for off in offs if off is not None and trial.ended < off < math.inf]
         if still:
             times.append(max(still))
-    return left_on, times
+    return Measured(left_on, times)
 
 
 def torque_writes(log: Path, servo: int) -> list[Torque]:
-    """Every write of one servo's torque register, its own and those to all."""
+    """Every write of a servo's torque register, to it alone and to all servos."""
     register = table.TORQUE_ENABLE.address
     return [
         Torque(heard.time, bool(heard.packet.parameters[1]))
@@ -122,7 +134,7 @@ def torque_writes(log: Path, servo: int) -> list[Torque]:
 
 
 def off_time(writes: list[Torque]) -> float | None:
-    """When torque went off for good: None if it never was on, infinity if it stayed on."""
+    """Time at which torque went off for good [s]: None if it never was on, infinity if it stayed on."""
     last_on = max((i for i, write in enumerate(writes) if write.on), default=None)
     if last_on is None:
         return None
@@ -130,14 +142,22 @@ def off_time(writes: list[Torque]) -> float | None:
 
 
 def run_trial(name: str, arm: Path, life: float, patience: float, second: float) -> Trial:
-    """Start a driver and end it after `life`, by a second Ctrl-C so long after the first."""
+    """Start a driver and end it.
+
+    Args:
+        name: the ending.
+        arm: the arm's description.
+        life: time from its start to its end [s].
+        patience: factor on every time limit.
+        second: time from the first Ctrl-C to a second one [s].
+    """
     reading, writing = os.pipe()
     started = time.monotonic()
     child = os.fork()
     if not child:
         os.close(reading)
         with contextlib.suppress(BaseException):
-            drive(name, arm, life, writing, patience)
+            swing(name, arm, life, writing, patience)
         os._exit(0)
     os.close(writing)
     ended = math.nan
@@ -160,8 +180,8 @@ def run_trial(name: str, arm: Path, life: float, patience: float, second: float)
     return Trial(started, ended)
 
 
-def drive(name: str, arm: Path, life: float, report: int, patience: float) -> None:
-    """The driver: swing the arm to and fro for ever, or until the ending that comes from within."""
+def swing(name: str, arm: Path, life: float, report: int, patience: float) -> None:
+    """Be the driver: swing the arm to and fro for ever, or until an ending that comes from within."""
 
     def end(number: int, frame: FrameType | None) -> None:  # noqa: ARG001  # the signature of a handler
         os.write(report, str(time.monotonic()).encode())
@@ -174,16 +194,16 @@ def drive(name: str, arm: Path, life: float, report: int, patience: float) -> No
     if name in ("exception", "segfault"):
         signal.signal(signal.SIGALRM, end)
         signal.setitimer(signal.ITIMER_REAL, max(life, 1e-3))
-    machine = open_backend("hardware", ROBOT, 1, {"arm": str(arm), "patience": patience})
-    assert isinstance(machine, load_real_robot())
-    with contextlib.closing(machine), guarded(machine):
-        start = machine.read().q
-        machine.reset(np.array([0]), [], start, np.zeros(1))
+    real_robot = open_backend("hardware", ROBOT, 1, {"arm": str(arm), "patience": patience})
+    assert isinstance(real_robot, load_real_robot())
+    with contextlib.closing(real_robot), guarded(real_robot):
+        start = real_robot.read().q
+        real_robot.reset(np.array([0]), [], start, np.zeros(1))
         begun = time.monotonic()
         while True:
-            machine.read()
-            swing = np.array([0.0, 0.3, -0.3, 0.3]) * math.sin(3 * (time.monotonic() - begun))
-            machine.step(Command("position", start + swing))
+            real_robot.read()
+            away = np.array([0.0, 0.3, -0.3, 0.3]) * math.sin(3 * (time.monotonic() - begun))
+            real_robot.step(Command("position", start + away))
 
 
 if __name__ == "__main__":

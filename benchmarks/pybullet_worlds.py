@@ -23,13 +23,13 @@ from pipenav_pybullet.backend import PybulletOptions
 
 from pipenav.backends.messages import Command
 from pipenav.backends.registry import open_simulator
-from pipenav.pipes.corner_sets import parse_pipes
+from pipenav.pipes.corner_sets import parse_corners
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.reach import episode
 from pipenav.tasks.reach.config import ReachConfig
 
 ROBOT = load_robot("basic")
-PIPES = parse_pipes(["working-range"])
+PIPES = parse_corners(["working-range"])
 EPISODE = 12
 """Control steps between two resets, as many as an episode of a trained policy takes."""
 

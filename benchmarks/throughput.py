@@ -35,7 +35,7 @@ from pipenav.envs.sb3_env import TaskVecEnv
 from pipenav.learning.callback import noise_at
 from pipenav.learning.config import TrainConfig, load_config
 from pipenav.learning.train import EPISODE_STOCK, new_model
-from pipenav.pipes.corner_sets import parse_pipes
+from pipenav.pipes.corner_sets import parse_corners
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach import episode
@@ -48,7 +48,7 @@ HELD_OUT = [f"d={d},angle={a},turn={t}" for d in (76, 93, 114) for a in (58, 78,
 
 def make_batch(config: TrainConfig, seed: int) -> ReachBatch:
     robot, n = load_robot(config.robot), config.learner.robots
-    sets = [parse_pipes([name]) for name in config.pipes]
+    sets = [parse_corners([name]) for name in config.pipes]
     for pipes in sets:  # worked out once for each pipe, in the first seconds of a training
         wall_boxes(pipes, 4, np.zeros(len(pipes)))
     rng = np.random.default_rng(seed)
@@ -127,7 +127,7 @@ class UntilSolved(BaseCallback):
 
 def held_out_success(model: PPO, config: TrainConfig, each: int = 10) -> float:
     robot = load_robot(config.robot)
-    pipes = [pipe for pipe in parse_pipes(HELD_OUT) for _ in range(each)]
+    pipes = [pipe for pipe in parse_corners(HELD_OUT) for _ in range(each)]
     rng = np.random.default_rng(3)
     episodes = episode.sample(robot, config.task, pipes, rng)
     backend = open_simulator(config.backend, robot, len(pipes), config.options)

@@ -1,4 +1,4 @@
-"""`python -m pipenav`."""
+"""The command line, as `python -m pipenav`."""
 
 from pipenav.cli import main
 

@@ -1,4 +1,4 @@
-"""Types that every module shares: arrays of numbers, and the strict table that settings and descriptions are."""
+"""Types that every module shares: arrays of numbers, and the strict table for settings and descriptions."""
 
 from __future__ import annotations
 

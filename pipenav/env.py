@@ -1,4 +1,4 @@
-"""The corner task as a Gymnasium environment, `pipenav/Corner-v0`: thin adapters over CornerBatch.
+"""The corner task as a Gymnasium environment, `pipenav/Corner-v0`: thin adapters over `ReachBatch`.
 
 Importing this module registers it: `gymnasium.make("pipenav.env:pipenav/Corner-v0")` does both at once.
 """

@@ -39,9 +39,9 @@ class ConfigError(PipenavError):
         """The first problem that pydantic found, as one sentence.
 
         Args:
-            where: what was being read, e.g. a file's name.
-            error: pydantic's error.
-            known: the keys that exist, to suggest the nearest one for an unknown key.
+            where: name of the file, or other words for the configuration.
+            error: error that pydantic raised.
+            known: keys that exist, to suggest the nearest one for an unknown key.
         """
         first = error.errors()[0]
         key = dotted(first["loc"]) or "the value"
@@ -68,10 +68,12 @@ class BackendUnavailable(PipenavError):
         super().__init__(f"backend {name!r} cannot run: {missing}; {remedy}.")
 
 
-def dotted(place: Iterable[str | int]) -> str:
-    """A place in a configuration as pydantic gives it, as its key; without parts in angle brackets, the tags that tell
-    kinds of one thing apart, which no file spells out."""
-    return ".".join(part for part in map(str, place) if not part.startswith("<"))
+def dotted(location: Iterable[str | int]) -> str:
+    """Key of a value in a configuration, `links.0.length`, from its location as pydantic gives it.
+
+    Parts in angle brackets are left out: they are tags by which models tell kinds of one thing apart.
+    """
+    return ".".join(part for part in map(str, location) if not part.startswith("<"))
 
 
 def _either(names: list[str]) -> str:

@@ -63,6 +63,7 @@ def emulator() -> Iterator[Emulator]:
     """An emulated arm on a bench, in a process of its own."""
     from helpers.emulated import ROBOT
     from pipenav_hardware.emulator.client import Emulator
+    from pipenav_hardware.emulator.config import EmulatorSettings
 
-    with Emulator(ROBOT, boot_time=0.0) as started:
+    with Emulator(ROBOT, EmulatorSettings(boot_time=0.0)) as started:
         yield started

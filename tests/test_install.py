@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from pipenav.learning.config import preset_names
-from pipenav.pipes.corner_sets import pipe_set_names
+from pipenav.pipes.corner_sets import corner_set_names
 from pipenav.policies.policy import policy_names
 from pipenav.robots.robot import robot_names
 from pipenav.storage import shipped
@@ -19,16 +19,16 @@ ROOT = Path(__file__).resolve().parent.parent
 
 LIST_ALL = """
 from pipenav.storage import shipped
-from pipenav.pipes.corner_sets import parse_pipes, pipe_set_names
+from pipenav.pipes.corner_sets import parse_corners, corner_set_names
 from pipenav.policies.policy import load_policy, policy_names, resolve_policy
 from pipenav.robots.robot import load_robot, robot_names
 from pipenav.learning.config import load_config, preset_names
-for name in pipe_set_names(): parse_pipes([name])
+for name in corner_set_names(): parse_corners([name])
 for name in robot_names(): load_robot(name)
 for name in preset_names(): load_config(name)
 for name in policy_names(): load_policy(resolve_policy(name))
 print(shipped.data_root())
-print(pipe_set_names(), robot_names(), preset_names(), policy_names())
+print(corner_set_names(), robot_names(), preset_names(), policy_names())
 """
 
 
@@ -47,7 +47,7 @@ def test_everything_shipped_is_found_and_loads_from_an_unpacked_wheel(wheel: Pat
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
     root, names = done.stdout.strip().splitlines()
     assert Path(root) == tmp_path / "site" / "pipenav" / "_data"
-    assert names == f"{pipe_set_names()} {robot_names()} {preset_names()} {policy_names()}"
+    assert names == f"{corner_set_names()} {robot_names()} {preset_names()} {policy_names()}"
 
 
 def test_the_wheel_declares_command_and_backends(wheel: Path) -> None:

@@ -8,7 +8,16 @@ from pipenav.backends import safety
 from pipenav.backends.backend import CONTROL_PERIOD, Backend, BackendOptions, Simulator, Variation, Viewer
 from pipenav.backends.contact_force import Windows, strongest
 from pipenav.backends.messages import Command, Control, Reading, Truth
-from pipenav.backends.real_robot import Calibrator, Emulated, Finding, RealRobot, Recoder, Sent, load_real_robot
+from pipenav.backends.real_robot import (
+    ArmStart,
+    Calibrator,
+    Emulated,
+    Finding,
+    RealRobot,
+    Recoder,
+    Sent,
+    load_real_robot,
+)
 from pipenav.backends.registry import (
     DEFAULT_SIMULATOR,
     SimulatorSettings,
@@ -32,6 +41,7 @@ __all__ = [
     "OUTER_THICKNESS",
     "PARKED",
     "WALL_HALF_HEIGHT",
+    "ArmStart",
     "Backend",
     "BackendOptions",
     "Bounds",

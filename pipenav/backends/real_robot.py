@@ -1,4 +1,4 @@
-"""The seam of a real arm: a backend whose robot is one machine, that can be checked, emulated and stopped."""
+"""The seam of the real robot: a backend that drives one arm, which can be checked, emulated and stopped."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
+from pipenav.arrays import Floats
 from pipenav.backends.backend import Backend, BackendOptions
 from pipenav.backends.messages import Command, Reading
 from pipenav.backends.registry import load_backend
@@ -17,10 +18,10 @@ from pipenav.robots.robot import RobotSpec
 
 
 class Sent(NamedTuple):
-    """What became of a command.
+    """A command as it was sent.
 
     Attributes:
-        positions: set-points as they were sent, in joint order [rad or m]; of the last ones where nothing was sent.
+        positions: set-points as they were sent, in joint order [rad or m]; the last ones where nothing was sent.
         clamped: names of the joints whose set-point was limited.
         packet: the bytes as hexadecimal digits; empty where nothing could be sent.
     """
@@ -31,33 +32,49 @@ class Sent(NamedTuple):
 
 
 class Finding(NamedTuple):
-    """One line of a check: how it stands, what was found, and where something is wrong what to do."""
+    """A line of a check.
+
+    Attributes:
+        level: how it stands.
+        what: what was found.
+        remedy: what to do where something is wrong.
+    """
 
     level: Literal["ok", "warning", "problem"]
     what: str
     remedy: str = ""
 
 
-class Emulated(NamedTuple):
-    """An arm made of software.
+class ArmStart(NamedTuple):
+    """Where an arm stands in a pipe at its start.
 
     Attributes:
-        options: open it.
+        q: joint positions, (joints,) [rad or m].
         base: where the robot's frame starts on the first leg's axis, x in the pipe's frame [m].
-        log: every byte on its bus, with its time.
+    """
+
+    q: Floats
+    base: float
+
+
+class Emulated(NamedTuple):
+    """An arm made of software, running.
+
+    Attributes:
+        options: settings that open it.
+        log: file of every byte on its bus, with its time.
     """
 
     options: BackendOptions
-    base: float
     log: Path
 
 
 class Recoder(NamedTuple):
-    """Repeats a recorded run's arithmetic without its machine.
+    """The arithmetic of a real robot, repeated without it.
 
     Attributes:
-        read: from the `raw` of a recorded tick to the reading that the run saw, or None where it saw none.
-        write: from a command to what would be sent.
+        read: maps the `raw` of a recorded tick to the reading that was seen in it, None where there was no whole one.
+        write: maps a command to what would be sent.
     """
 
     read: Callable[[Mapping[str, Any]], Reading | None]
@@ -68,30 +85,44 @@ class Calibrator(ABC):
     """Finds out how an arm is mounted, one joint at a time; asks and prints nothing itself.
 
     Attributes:
-        joints: their names, in order.
+        joints: names of the joints, in order.
     """
 
     joints: list[str]
 
     @abstractmethod
     def set_zero(self) -> None:
-        """The arm stands straight now, its carriage at the start: these are the joints' zeros."""
+        """Take the present positions for the joints' zeros: the arm stands straight, its carriage at the start."""
 
     @abstractmethod
     def nudge(self, joint: str) -> float:
-        """Move one joint's servo counter-clockwise a little and switch torque off again; by how much [rad]."""
+        """Move one joint's servo counter-clockwise a little and switch torque off again.
+
+        Returns:
+            How far the servo moved [rad].
+        """
 
     @abstractmethod
     def set_direction(self, joint: str, positive: bool, moved_mm: float | None) -> None:
-        """What the nudge did: whether it was the joint's positive direction, and of a slide how far it went."""
+        """Take over what a person saw a nudge do.
+
+        Args:
+            joint: name of the joint.
+            positive: whether it moved in its positive direction.
+            moved_mm: how far it moved, if it is a slide [mm].
+        """
 
     @abstractmethod
     def text(self) -> str:
-        """The content of arm.toml."""
+        """Content of arm.toml."""
 
     @abstractmethod
     def write_servos(self) -> list[str]:
-        """Store the arm's limits in the servos' EEPROM; what was written, one line for each servo."""
+        """Store the arm's limits in the servos' EEPROM.
+
+        Returns:
+            What was written, one line for each servo.
+        """
 
     @abstractmethod
     def cut(self) -> None:
@@ -106,10 +137,10 @@ class Calibrator(ABC):
 
 
 class RealRobot(Backend):
-    """One arm. `reset` switches it on where it is, `step` sends set-points and waits for the next tick.
+    """The seam of one arm. `reset` switches it on where it is, `step` sends set-points and waits for the next tick.
 
     Attributes:
-        complete: whether the last `read` was a whole one; after one that was not, `hold` instead of `step`.
+        complete: whether the last `read` gave a whole reading; after one that did not, `hold` instead of `step`.
         warnings: what the person at the arm should know.
     """
 
@@ -126,7 +157,7 @@ class RealRobot(Backend):
 
     @abstractmethod
     def wait(self) -> None:
-        """Until the next tick is due, while sensors are listened to."""
+        """Wait until the next tick is due, listening to the sensors."""
 
     @abstractmethod
     def cut(self) -> None:
@@ -142,16 +173,16 @@ class RealRobot(Backend):
 
     @abstractmethod
     def raw(self) -> dict[str, Any]:
-        """What the last tick brought and cost, as it goes into the telemetry: bytes, scan, warnings, seconds."""
+        """Bytes, scan, alarms and times [s] of the last tick, as they go into the telemetry."""
 
     @abstractmethod
     def description(self) -> dict[str, Any]:
-        """What a replay needs to know of this machine."""
+        """The facts about this arm that a replay needs."""
 
     @classmethod
     @abstractmethod
     def recoder(cls, robot: RobotSpec, description: Mapping[str, Any]) -> Recoder:
-        """The arithmetic of a machine with this description."""
+        """The arithmetic of an arm with this description."""
 
     @classmethod
     @abstractmethod
@@ -164,33 +195,40 @@ class RealRobot(Backend):
         """A calibration of a new arm.
 
         Args:
-            robot: what it shall be.
+            robot: the robot that the arm is to be.
             ports: devices of `servos`, `scanner` and, where there is one, `front`.
         """
 
     @classmethod
     @abstractmethod
     def emulate(
-        cls, robot: RobotSpec, pipe: PipeCorner, folder: Path, seed: int, faults: Sequence[Mapping[str, Any]]
+        cls,
+        robot: RobotSpec,
+        pipe: PipeCorner,
+        start: ArmStart,
+        folder: Path,
+        seed: int,
+        faults: Sequence[Mapping[str, Any]],
     ) -> AbstractContextManager[Emulated]:
         """An arm made of software in a pipe, while the context lasts.
 
         Args:
             robot: the robot.
             pipe: the pipe around it.
-            folder: where its log of every byte goes.
-            seed: of where it stands, of noise and of faults.
-            faults: what goes wrong, see the plugin's documentation.
+            start: where it stands in the pipe.
+            folder: folder for its log of every byte.
+            seed: seed of noise and of random faults.
+            faults: what goes wrong, see docs/hardware.md, Faults.
         """
 
 
 def load_real_robot(name: str = "hardware") -> type[RealRobot]:
-    """The class of a machine's backend.
+    """The class of a real robot's backend.
 
     Raises:
-        UnknownName, BackendUnavailable: there is none of this name, or it cannot be loaded, or it is no machine.
+        UnknownName, BackendUnavailable: there is none of this name, or it cannot be loaded, or it is a simulator.
     """
-    kind = load_backend(name)
-    if not issubclass(kind, RealRobot):
+    backend_class = load_backend(name)
+    if not issubclass(backend_class, RealRobot):
         raise BackendUnavailable(name, "it is a simulator", "use pipenav eval for simulators")
-    return kind
+    return backend_class

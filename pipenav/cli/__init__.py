@@ -59,7 +59,7 @@ COMMANDS = {
     ),
     "replay": (
         "pipenav.cli.replay:replay",
-        "Do a recorded run's arithmetic again: every reading, action and packet must come out bit for bit.",
+        "Do a recorded mission's arithmetic again: every reading, action and packet must come out bit for bit.",
     ),
     "backends": ("pipenav.cli.backends:backends", "List the installed backends, or the settings of one."),
     "compare-backends": (

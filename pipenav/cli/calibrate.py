@@ -18,7 +18,7 @@ def calibrate(
     port: Annotated[str, typer.Option(help="Device of the servo bus, for example /dev/ttyUSB0.")],
     scanner_port: Annotated[str, typer.Option(help="Device of the scanner.")] = "/dev/ttyACM0",
     front_port: Annotated[str | None, typer.Option(help="Device of the front sensor, if there is one.")] = None,
-    robot: Annotated[str, typer.Option(help="Which robot it is; see `pipenav robots`.")] = "real-setup",
+    robot: Annotated[str, typer.Option(help="The arm's robot; see `pipenav robots`.")] = "real-setup",
     arm: Annotated[Path, typer.Option(help="File to write.")] = Path("arm.toml"),
     write_servos: Annotated[
         bool, typer.Option("--write-servos", help="Store limits and torque in the servos' EEPROM too.")
@@ -33,7 +33,7 @@ def calibrate(
         pipenav calibrate --port /dev/ttyUSB0 --write-servos
     """
     from pipenav.backends.real_robot import load_real_robot
-    from pipenav.deployment.loop import guarded
+    from pipenav.deployment.guard import guarded
     from pipenav.robots.robot import load_robot
     from pipenav.storage.atomic_files import atomic_write
 
@@ -53,6 +53,7 @@ def calibrate(
 
 
 def _ask(calibrator: Calibrator, robot: RobotSpec) -> None:
+    """Have every joint move, and ask the person at the arm what it did."""
     typer.prompt("Put the arm straight, its carriage at the start, and press Enter", default="", show_default=False)
     calibrator.set_zero()
     for joint in robot.joints:
@@ -63,5 +64,5 @@ def _ask(calibrator: Calibrator, robot: RobotSpec) -> None:
         positive = typer.confirm(f"Did {joint.name} move {'forwards, into the pipe' if slide else 'to the left'}?")
         moved = typer.prompt("By how many mm?", type=float) if slide else None
         if moved is not None and not 0.5 <= abs(moved) <= 500:
-            raise PipenavError(f"{moved:g} mm is no possible way of the carriage: measure again, 0.5 to 500 mm.")
+            raise PipenavError(f"{moved:g} mm is no possible travel of the carriage: measure again, 0.5 to 500 mm.")
         calibrator.set_direction(joint.name, positive, moved)

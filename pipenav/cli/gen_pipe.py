@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pipenav.pipes.corner import (
+from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.corner_checks import (
     ANGLE_RANGE_DEG,
     BEND_RADIUS_MAX_MM,
     DIAMETER_RANGE_MM,
     LEG_MAX_MM,
     WALL_RANGE_MM,
-    PipeCorner,
 )
 from pipenav.pipes.pipe import DEFAULT_WALL
 from pipenav.units import m_to_mm, rad_to_deg

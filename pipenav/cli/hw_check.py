@@ -29,14 +29,19 @@ def hw_check(
     from pipenav.backends.real_robot import load_real_robot
     from pipenav.backends.registry import check_options
 
-    kind = load_real_robot()
-    problems = show_findings(Console(), kind.check(check_options("hardware", kind, {"arm": str(arm)})))
+    backend_class = load_real_robot()
+    options = check_options("hardware", backend_class, {"arm": str(arm)})
+    problems = show_findings(Console(), backend_class.check(options))
     if problems:
         raise PipenavError(f"the arm has {problems} problem(s), see above.")
 
 
 def show_findings(console: Console, findings: Iterator[Finding]) -> int:
-    """Print findings as they come; how many of them are problems."""
+    """Print findings as they come.
+
+    Returns:
+        The number of problems among them.
+    """
     problems = 0
     for finding in findings:
         problems += finding.level == "problem"

@@ -82,12 +82,12 @@ def locate_target(
 
 def _pipes(d: float | None, angle: float | None, turn: str | None, sets: list[str]) -> list[PipeCorner]:
     from pipenav.pipes.corner import PipeCorner
-    from pipenav.pipes.corner_sets import parse_pipes
+    from pipenav.pipes.corner_sets import parse_corners
 
     if sets and (d, angle, turn) != (None, None, None):
         raise PipenavError("one pipe or a set, not both: give --d and --angle (and --turn), or --pipes.")
     if sets:
-        return parse_pipes(sets)
+        return parse_corners(sets)
     if d is None or angle is None:
         raise PipenavError("no pipe is named: give both --d and --angle, or --pipes, for example --d 90 --angle 60.")
     return [PipeCorner.of(d, angle, turn or "left")]

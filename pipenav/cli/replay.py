@@ -12,24 +12,25 @@ from pipenav.errors import PipenavError
 
 
 def replay(
-    log: Annotated[Path, typer.Argument(help="telemetry.jsonl of a run.", show_default=False)],
-    draw: Annotated[Path | None, typer.Option(help="Write the run's picture here, as PNG.")] = None,
+    log: Annotated[Path, typer.Argument(help="telemetry.jsonl of a mission.", show_default=False)],
+    draw: Annotated[Path | None, typer.Option(help="Write the mission's picture here, as PNG.")] = None,
 ) -> None:
-    """Do a recorded run's arithmetic again: every reading, action and packet must come out bit for bit.
+    """Do a recorded mission's arithmetic again: every reading, action and packet must come out bit for bit.
 
     Examples:
 
         pipenav replay runs/real-1/telemetry.jsonl
 
-        pipenav replay runs/real-1/telemetry.jsonl --draw run.png
+        pipenav replay runs/real-1/telemetry.jsonl --draw mission.png
     """
     from pipenav.deployment.picture import mission_picture
-    from pipenav.deployment.replay import POLICY_COPY
-    from pipenav.deployment.replay import replay as run_again
+    from pipenav.deployment.plan import POLICY_COPY
+    from pipenav.deployment.replay import replay as replayed
     from pipenav.policies.policy import load_policy
     from pipenav.storage.atomic_files import atomic_write
 
-    result, recording = run_again(log)
+    result = replayed(log)
+    recording = result.recording
     if draw is not None:
         robot = load_policy(log.with_name(POLICY_COPY)).header.robot
         ended = recording.end["cause"] or recording.end["end"] if recording.end else "cut short"

@@ -1,4 +1,4 @@
-"""What a run on an arm looks like in the terminal, and the keys that stop it."""
+"""The view of a mission in the terminal, and the keys that stop the arm."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from pipenav.units import m_to_mm, rad_to_deg
 
 BARS = " ▁▂▃▄▅▆▇█"
 EVERY = 3
-"""Ticks between two pictures: three a second can be read, and cost a tenth of a tick."""
+"""Number of ticks from one picture to the next: three a second can be read, and cost a tenth of a tick."""
 
 
 class MissionView:
-    """Shows every tick's record; in a terminal, the space bar is the emergency stop."""
+    """Shows the record of every tick; in a terminal, the space bar is the emergency stop."""
 
     def __init__(self, console: Console, robot: RobotSpec) -> None:
         self._console, self._robot = console, robot
@@ -52,7 +52,7 @@ class MissionView:
             termios.tcsetattr(sys.stdin, termios.TCSADRAIN, self._terminal)
 
     def __call__(self, record: dict[str, Any]) -> None:
-        """Show a tick.
+        """Show the record of a tick.
 
         Raises:
             Stopped: the space bar was pressed.
@@ -66,14 +66,17 @@ class MissionView:
             self._live.update(self._picture(record), refresh=True)
 
     def released(self) -> bool:
-        """Whether any key was pressed: whoever did so holds the arm now. Asks for it the first time."""
+        """Whether any key was pressed: the person at the keyboard holds the arm now. Asks for it the first time."""
         if not self._held:
             self._held = True
             self._console.print("Stopped, and torque is still on: hold the arm, then press any key.", style="yellow")
         return bool(self._keys())
 
     def _keys(self) -> bytes:
-        """All keys pressed since the last time; past Python's buffer, in which the second of two keys would wait."""
+        """All keys pressed since the last time.
+
+        They are read past Python's buffer, in which the second of two keys would wait.
+        """
         with contextlib.suppress(OSError, ValueError):
             if self._terminal is not None and select.select([sys.stdin], [], [], 0)[0]:
                 return os.read(sys.stdin.fileno(), 1024)
@@ -82,9 +85,9 @@ class MissionView:
     def _picture(self, record: dict[str, Any]) -> Group:
         joints = Table("joint", "position", "sent", "", box=None, pad_edge=False)
         sent = record.get("sent") or [None] * len(self._robot.joints)
-        for joint, q, goal in zip(self._robot.joints, record["q"], sent, strict=True):
+        for joint, q, set_point in zip(self._robot.joints, record["q"], sent, strict=True):
             slide = joint.type == "slide"
-            shown = [self._position(value, slide) for value in (q, goal)]
+            shown = [self._position(value, slide) for value in (q, set_point)]
             limited = "limited" if joint.name in record.get("clamped", []) else ""
             joints.add_row(Text(joint.name, "bold"), *shown, Text(limited, "yellow"))
         most = self._robot.laser.range_max

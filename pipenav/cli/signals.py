@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def stop_signals() -> Iterator[Callable[[], bool]]:
-    """Turn Ctrl-C and SIGTERM into a flag: whoever works asks for it now and then, saves and ends."""
+    """Turn Ctrl-C and SIGTERM into a flag, which long work asks for now and then, to save and end."""
     seen: list[int] = []
 
     def note(number: int, _frame: object) -> None:

@@ -170,6 +170,7 @@ def _view_in_space(
     console: Console,
 ) -> None:
     """Draw one run that leaves the plane."""
+    from pipenav.pipes.route import as_route
     from pipenav.policies.named import open_controller
     from pipenav.recording.film import SUFFIXES, check_suffix
     from pipenav.recording.record_rolling import record_in_space
@@ -181,7 +182,7 @@ def _view_in_space(
     outputs = paths or [Path(f"view-{run.name}.png")]
     for path in outputs:
         check_suffix(path, SUFFIXES)
-    recording = record_in_space(open_controller(policy, robot, seed), policy, run.route, seed, episode, simulator)
+    recording = record_in_space(open_controller(policy, robot, seed), policy, as_route(run), seed, episode, simulator)
     said = f"{run.label}, traverse: {recording.outcome} after {recording.time[-1]:.1f} s"
     console.print(f"{said}, largest contact force {recording.contact_force.max():.1f} N", highlight=False)
     for path in outputs:
@@ -191,13 +192,13 @@ def _view_in_space(
 
 
 def _locating(behaviour: str, robot: str | None, seed: int) -> tuple[Parse, Record]:
-    from pipenav.pipes.corner_sets import parse_pipes
+    from pipenav.pipes.corner_sets import parse_corners
     from pipenav.recording.record import record_locate
     from pipenav.robots.robot import load_robot
 
     spec, variant = load_robot(robot or "basic"), cast("Variant", behaviour.removeprefix("locate:"))
     return (
-        parse_pipes,
+        parse_corners,
         lambda pipe, episode, simulator: (
             record_locate(spec, variant, pipe.require_corner(), seed, episode, simulator).trajectory
         ),

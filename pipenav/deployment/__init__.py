@@ -1,1 +1,1 @@
-"""The real arm: mission, control loop, session, telemetry and its replay."""
+"""Missions of the real arm: plan, control loop, session, telemetry and its replay."""

@@ -1,168 +1,119 @@
-"""Driving one real arm: the loop of read, decide, send and wait, and the ways out of it, all ending torque-off."""
+"""The control loop of the real arm: read, decide, send and wait, until the mission ends or something stops the arm."""
 
 from __future__ import annotations
 
-import contextlib
 import gc
-import signal
+import itertools
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
-from types import FrameType
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from pipenav.backends.messages import Reading
 from pipenav.backends.real_robot import RealRobot
 from pipenav.backends.safety import Stopped
-from pipenav.deployment.mission import Decision, Mission
+from pipenav.deployment.mission import Mission
+from pipenav.deployment.stages import Decision
 from pipenav.deployment.telemetry import Telemetry
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1)
-"""What stops the arm from outside; SIGUSR1 is the emergency stop for scripts and foot switches."""
-
 HOLD_PERIOD = 0.05
-"""How often a held arm's supervisor hears that someone is there [s]."""
+"""How often the supervisor of a held arm hears that the driver is alive [s]."""
 
 RETREATABLE = {"stall"}
 """Causes after which the arm may still be moved: bus, sensors and clock are well."""
 
 
-class Interrupted(Stopped):
-    """A signal stopped the arm.
-
-    Attributes:
-        number: of the signal.
-    """
-
-    def __init__(self, number: int) -> None:
-        self.number = number
-        name = signal.Signals(number).name
-        cause = "e-stop" if number == signal.SIGUSR1 else "signal"
-        super().__init__(cause, f"{name} came", "torque is off; start again when the arm is free")
-
-
-class Stoppable(Protocol):
-    """What torque can be switched off of; see `RealRobot`."""
-
-    def cut(self) -> None: ...
-
-    def off(self) -> list[str]: ...
-
-
-@contextlib.contextmanager
-def guarded(machine: Stoppable) -> Iterator[None]:
-    """Torque off at the end of this context, however it is left.
-
-    A signal cuts torque inside its handler, before anything else can happen, and leaves the context by `Interrupted`;
-    further signals cut once more and disturb nothing. A death without a handler is the supervisor process's business.
-
-    Python's own garbage collection comes at any moment and takes longer the more there is to look through, half a tick
-    after some thousand ticks: it waits until torque is off, and `drive` collects what is new between ticks.
-    """
-    stopping, collecting = False, gc.isenabled()
-    gc.disable()
-
-    def stop(number: int, frame: FrameType | None) -> None:  # noqa: ARG001  # the signature of a handler
-        nonlocal stopping
-        machine.cut()
-        if not stopping:
-            stopping = True
-            raise Interrupted(number)
-
-    before = {number: signal.signal(number, stop) for number in SIGNALS}
-    try:
-        yield
-    finally:
-        stopping = True
-        machine.off()
-        for number, handler in before.items():
-            signal.signal(number, handler)
-        if collecting:
-            gc.enable()
-
-
-def drive(
-    machine: RealRobot,
-    run: Mission,
+def control_loop(
+    arm: RealRobot,
+    mission: Mission,
     telemetry: Telemetry,
     show: Callable[[dict[str, Any]], None],
     stop_file: Path,
     most_ticks: int | None = None,
 ) -> str:
-    """Run to the end.
+    """Drive the arm until its mission has ended.
 
     Args:
-        machine: switched on by `reset`.
-        run: what to do.
-        telemetry: gets every tick.
-        show: called with every tick's record.
+        arm: the real robot, switched on by `reset`.
+        mission: decides from every reading what to do.
+        telemetry: gets the record of every tick.
+        show: called with the record of every tick.
         stop_file: a file whose appearance is an emergency stop.
-        most_ticks: end after so many; without it only the run's own end counts.
+        most_ticks: number of ticks after which the loop ends; None for as many as the mission takes.
 
     Returns:
-        The run's outcome.
+        The mission's outcome; `ended` after `most_ticks`.
 
     Raises:
         Stopped: whatever stopped the arm.
     """
-    tick = 0
-    while most_ticks is None or tick < most_ticks:
-        record: dict[str, Any] = {"tick": tick}
-        try:
-            decision = _tick(machine, run, record)
-        except Stopped as stopped:
-            telemetry.tick({**record, "raw": machine.raw(), "stopped": stopped.cause})
-            if stopped.cause not in RETREATABLE or not run.back_out(stopped.cause):
-                raise
-            machine.hold()
-            decision = None
-        else:
-            telemetry.tick(record)
-            show(record)
+    for tick in itertools.count() if most_ticks is None else range(most_ticks):
+        decision = _recorded_tick(arm, mission, telemetry, show, tick)
         if decision is not None and decision.command is None:
-            return run.outcome
+            return mission.outcome
         if stop_file.exists():
             raise Stopped("e-stop", f"the file {stop_file} appeared", "remove it, then start again")
         gc.collect(1)
-        machine.wait()
-        tick += 1
+        arm.wait()
     return "ended"
 
 
-def hold_until(machine: RealRobot, released: Callable[[], bool]) -> None:
-    """Keep the arm where it is, for arms that would fall without torque, until someone holds it.
+def hold_until(arm: RealRobot, released: Callable[[], bool]) -> None:
+    """Keep the arm where it is until someone holds it, for arms that would fall without torque.
 
     Whatever stopped it, a lost sensor for example, is no reason to let it fall.
     """
     while not released():
-        machine.hold()
+        arm.hold()
         time.sleep(HOLD_PERIOD)
 
 
-def _tick(machine: RealRobot, run: Mission, record: dict[str, Any]) -> Decision | None:
+def _recorded_tick(
+    arm: RealRobot, mission: Mission, telemetry: Telemetry, show: Callable[[dict[str, Any]], None], tick: int
+) -> Decision | None:
+    """Carry out a tick, and record and show it; None where the arm holds.
+
+    Raises:
+        Stopped: whatever stopped the arm, unless it may be moved still and backs out.
+    """
+    record: dict[str, Any] = {"tick": tick}
+    try:
+        decision = _tick(arm, mission, record)
+    except Stopped as stopped:
+        telemetry.tick({**record, "raw": arm.raw(), "stopped": stopped.cause})
+        if stopped.cause not in RETREATABLE or not mission.back_out(stopped.cause):
+            raise
+        arm.hold()
+        return None
+    telemetry.tick(record)
+    show(record)
+    return decision
+
+
+def _tick(arm: RealRobot, mission: Mission, record: dict[str, Any]) -> Decision | None:
     """Read, decide, send; None where the reading was not whole and the arm holds."""
-    reading = machine.read()
-    if not machine.complete:
-        machine.hold()
-        record.update(stage="hold", raw=machine.raw())
+    reading = arm.read()
+    if not arm.complete:
+        arm.hold()
+        record.update(stage="hold", raw=arm.raw())
         return None
     begun = time.perf_counter()
-    decision = run.decide(reading)
+    decision = mission.decide(reading)
     decided = time.perf_counter() - begun
-    record.update(seen(reading, decision))
+    record.update(decision_record(reading, decision))
     if decision.command is not None:
-        sent = machine.send(decision.command)
+        sent = arm.send(decision.command)
         record.update(sent=sent.positions, clamped=sent.clamped, packet=sent.packet)
-    record.update(raw=machine.raw(), warnings=machine.warnings)
-    record["target"] = None if run.target is None else run.target.tolist()
+    record.update(raw=arm.raw(), warnings=arm.warnings)
+    record["target"] = None if mission.target is None else mission.target.tolist()
     record["seconds"] = {**record["raw"]["seconds"], "decide": decided}
     return decision
 
 
-def seen(reading: Reading, decision: Decision) -> dict[str, Any]:
-    """What a tick read and decided, as it goes into the telemetry."""
+def decision_record(reading: Reading, decision: Decision) -> dict[str, Any]:
+    """The reading and the decision of a tick, as they go into the telemetry."""
 
     def numbers(values: Any) -> list[float] | None:
         return None if values is None else np.asarray(values, float).tolist()

@@ -1,4 +1,4 @@
-"""The top view of a run on an arm: where it went, what it saw, where its target was."""
+"""The top view of a mission: where the arm went, what it saw, where its target was."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 STAGE_COLOURS = {"locate": INK, "reach": LINK, "back": FORCE}
 POSES = 5
-"""Outlines of the robot that are drawn on its way to the target."""
+"""Number of outlines of the robot that are drawn on its path to the target."""
 
 MARGIN = 90.0
 """Room around all that happened [mm]: pipes may be metres long."""
@@ -32,13 +32,13 @@ MARGIN = 90.0
 def mission_picture(
     robot: RobotSpec, ticks: Sequence[dict[str, Any]], title: str, pipe: PipeCorner | None = None, base: float = 0.0
 ) -> bytes:
-    """A PNG of the run: in the pipe's frame where the pipe is known, else in the robot's.
+    """A PNG of the mission: in the pipe's frame where the pipe is known, else in the robot's.
 
     Args:
         robot: the robot.
         ticks: telemetry records.
-        title: of the picture.
-        pipe: where it was.
+        title: the picture's title.
+        pipe: the pipe that the arm was in; None where it is not known.
         base: x of the robot's frame in the pipe's frame [m].
     """
     from matplotlib.figure import Figure
@@ -52,7 +52,7 @@ def mission_picture(
         offset = np.array([base, 0.0])
         pose = kinematics.forward(robot, np.array([tick["q"] for tick in known]))
         _draw_scans(axes, robot, known, pose, offset)
-        _draw_way(axes, robot, known, pose, offset)
+        _draw_path(axes, robot, known, pose, offset)
         _draw_target(axes, known, offset)
         seen = m_to_mm(1.0) * (np.concatenate([pose.joints.reshape(-1, 2), pose.tip]) + offset)
         low, high = seen.min(axis=0) - MARGIN, seen.max(axis=0) + MARGIN
@@ -73,7 +73,7 @@ def mission_picture(
 def _draw_scans(
     axes: Axes, robot: RobotSpec, ticks: Sequence[dict[str, Any]], pose: kinematics.ChainPose, offset: Floats
 ) -> None:
-    """Where the beams ended: the walls as the robot saw them. Beams at either end of the range saw none."""
+    """Where the beams ended: the walls as the robot saw them. Beams at either end of the range saw no wall."""
     ranges = np.array([tick["ranges"] for tick in ticks])
     beams = pose.headings[:, -1:] + robot.laser.angles
     ends = pose.tip[:, None] + offset + ranges[..., None] * np.stack([np.cos(beams), np.sin(beams)], axis=-1)
@@ -81,9 +81,10 @@ def _draw_scans(
     axes.plot(*m_to_mm(1.0) * ends[met].T, ".", color=BEAM, markersize=3.5, alpha=0.7, label="laser readings", zorder=2)
 
 
-def _draw_way(
+def _draw_path(
     axes: Axes, robot: RobotSpec, ticks: Sequence[dict[str, Any]], pose: kinematics.ChainPose, offset: Floats
 ) -> None:
+    """The path of the tip, coloured by stage, and a few outlines of the robot while it reaches."""
     stages = np.array([tick["stage"] for tick in ticks])
     reach = np.flatnonzero(stages == "reach")
     drawn = reach[np.unique(np.linspace(0, len(reach) - 1, POSES).round().astype(int))] if len(reach) else reach

@@ -1,4 +1,4 @@
-"""The log of a run on an arm: one line of JSON per tick, written as the tick ends, so that a killed run loses none.
+"""The log of a mission: one line of JSON per tick, written as the tick ends, so that a killed process loses none.
 
 `docs/telemetry.md` describes the format. Floats are written so that reading them gives the same bits.
 """
@@ -10,16 +10,16 @@ from collections import deque
 from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple, Self, TextIO
 
 from pipenav.errors import FileProblem, PipenavError
 
 SCHEMA = 1
 REMEMBERED = 50
-"""Ticks kept at hand for a message about a stop."""
+"""Number of ticks kept at hand for a message about a stop."""
 
 MAX_BYTES = 1 << 30
-"""A day of ticks."""
+"""Largest log that is read [bytes]: a day of ticks."""
 
 
 class TelemetryFileError(PipenavError):
@@ -30,27 +30,37 @@ class TelemetryFileError(PipenavError):
 
 
 class Telemetry:
-    """Writes the log; a context manager.
+    """Writes the log; a context manager that closes it.
 
     Attributes:
+        path: the log's file, which `begin` makes.
         last: the newest ticks.
     """
 
-    def __init__(self, path: Path, header: Mapping[str, Any]) -> None:
+    def __init__(self, path: Path) -> None:
         self.path = path
         self.last: deque[dict[str, Any]] = deque(maxlen=REMEMBERED)
+        self._file: TextIO | None = None
+
+    def begin(self, header: Mapping[str, Any]) -> None:
+        """Make the file and write its header.
+
+        Raises:
+            FileProblem: the file exists already, or cannot be written.
+        """
         try:
-            self._file = path.open("x", buffering=1, encoding="utf-8")
+            self._file = self.path.open("x", buffering=1, encoding="utf-8")
         except OSError as error:
-            raise FileProblem(path, "write", error) from error
+            raise FileProblem(self.path, "write", error) from error
         self._write({"pipenav_telemetry": SCHEMA, **header})
 
     def tick(self, record: dict[str, Any]) -> None:
+        """Write the record of a tick."""
         self.last.append(record)
         self._write(record)
 
     def end(self, outcome: str, cause: str | None, message: str) -> None:
-        """How the run ended."""
+        """Write how the mission ended."""
         self._write({"end": outcome, "cause": cause, "message": message})
 
     def __enter__(self) -> Self:
@@ -59,9 +69,11 @@ class Telemetry:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._file.close()
+        if self._file is not None:
+            self._file.close()
 
     def _write(self, record: Mapping[str, Any]) -> None:
+        assert self._file is not None, "a log begins with its header"
         try:
             self._file.write(json.dumps(record) + "\n")
         except OSError as error:
@@ -69,7 +81,7 @@ class Telemetry:
 
 
 class Recording(NamedTuple):
-    """A log as it was read: header, ticks, and the end, which is missing where the run was killed."""
+    """A log as it was read: header, ticks, and the end, which is missing where the process was killed."""
 
     header: dict[str, Any]
     ticks: list[dict[str, Any]]
@@ -80,8 +92,8 @@ def read_telemetry(path: Path) -> Recording:
     """Read a log; a last line that was cut short is left out.
 
     Raises:
-        FileProblem: it cannot be read.
-        TelemetryFileError: it is no telemetry, or a line of it is damaged.
+        FileProblem: the file cannot be read.
+        TelemetryFileError: the file is no telemetry, or a line of it is damaged.
     """
     try:
         with path.open("rb") as file:
@@ -89,7 +101,7 @@ def read_telemetry(path: Path) -> Recording:
     except OSError as error:
         raise FileProblem(path, "read", error) from error
     if len(content) > MAX_BYTES:
-        raise TelemetryFileError(path, "is larger than any run's")
+        raise TelemetryFileError(path, "is larger than any mission's")
     records = []
     for number, line in enumerate(content[: content.rfind(b"\n") + 1].splitlines(), start=1):
         try:

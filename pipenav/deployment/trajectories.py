@@ -1,4 +1,4 @@
-"""The parts of a run on an arm as trajectory files, so that every tool for simulated motions serves a real one too."""
+"""The parts of a mission as trajectory files, so that every tool for simulated motions serves a real one too."""
 
 from __future__ import annotations
 
@@ -16,17 +16,29 @@ from pipenav.tasks.outcome import Outcome
 
 
 class ArmPlacement(NamedTuple):
-    """Where an arm stood: the pipe, and x of the robot's frame in the pipe's frame [m]."""
+    """Where an arm stood.
+
+    Attributes:
+        pipe: the pipe around it.
+        base: x of the robot's frame in the pipe's frame [m].
+    """
 
     pipe: PipeCorner
     base: float
 
 
+class _Poses(NamedTuple):
+    """Stages of k ticks, and their joint positions, (k, joints) [rad or m]."""
+
+    stages: list[str]
+    q: Floats
+
+
 PARTS = {"locate": "locate", "reach": "front"}
-"""Stages of a run that move towards the target, and what trajectory files call them."""
+"""Stages of a mission that move towards the target, and what trajectory files call them."""
 
 NEXT = {"locate": "reach", "reach": "back"}
-"""What follows a stage that succeeded."""
+"""Stage that follows a stage that succeeded."""
 
 
 def placement_of(pipe: PipeCorner, target: Floats, depth: float) -> ArmPlacement:
@@ -34,51 +46,54 @@ def placement_of(pipe: PipeCorner, target: Floats, depth: float) -> ArmPlacement
 
     Args:
         pipe: the pipe.
-        target: in the robot's own frame, (2,) [m].
-        depth: of such targets past the inner edge, along the second leg [m].
+        target: target in the robot's own frame, (2,) [m].
+        depth: how far such targets lie past the inner edge, along the second leg [m].
     """
     return ArmPlacement(pipe, float((pipe.inner_edge + depth) * pipe.second_leg[0] - target[0]))
 
 
-def parts(policy: Policy, ticks: Sequence[dict[str, Any]], place: ArmPlacement) -> Iterator[tuple[str, Trajectory]]:
-    """The parts of a run that succeeded, each with its name; a tick in which the arm held still repeats its pose."""
-    names, rows = _filled(ticks)
+def parts(policy: Policy, ticks: Sequence[dict[str, Any]], placement: ArmPlacement) -> Iterator[tuple[str, Trajectory]]:
+    """The parts of a mission that succeeded, each with its name.
+
+    A tick in which the arm held still repeats its pose.
+    """
+    stages, q = _filled(ticks)
     for stage, part in PARTS.items():
-        ends = [i for i, (one, after) in enumerate(pairwise(names)) if (one, after) == (stage, NEXT[stage])]
+        ends = [i for i, pair in enumerate(pairwise(stages)) if pair == (stage, NEXT[stage])]
         if not ends:
             continue
-        first = names.index(stage)
+        first = stages.index(stage)
         header = TrajectoryHeader.model_validate(
             {
                 "robot": policy.header.robot.name,
-                "pipe": place.pipe,
-                "base_m": place.base,
-                "goal_m": _goal(ticks, place) if part == "front" else None,
+                "pipe": placement.pipe,
+                "base_m": placement.base,
+                "goal_m": _target(ticks, placement) if part == "front" else None,
                 "stage": part,
                 "outcome": Outcome.REACHED.label,
                 "backend": "hardware",
                 "controller": str(policy.path) if part == "front" else "locate",
             }
         )
-        yield part, Trajectory(header, policy.header.robot, rows[first : ends[0] + 2])
+        yield part, Trajectory(header, policy.header.robot, q[first : ends[0] + 2])
 
 
-def _goal(ticks: Sequence[dict[str, Any]], place: ArmPlacement) -> tuple[float, float] | None:
+def _target(ticks: Sequence[dict[str, Any]], placement: ArmPlacement) -> tuple[float, float] | None:
     """The target in the pipe's frame; None where the arm took a point outside the pipe for one."""
     x, y = next(tick["target"] for tick in reversed(ticks) if tick.get("target"))
-    goal = (x + place.base, y)
-    return goal if place.pipe.contains(np.array(goal)) else None
+    target = (x + placement.base, y)
+    return target if placement.pipe.contains(np.array(target)) else None
 
 
-def _filled(ticks: Sequence[dict[str, Any]]) -> tuple[list[str], Floats]:
+def _filled(ticks: Sequence[dict[str, Any]]) -> _Poses:
     """Stage and pose of every tick; a tick without a whole reading is like the one before."""
-    names: list[str] = []
-    rows: list[Any] = []
+    stages: list[str] = []
+    q: list[Any] = []
     for tick in ticks:
         if "q" in tick:
-            names.append(tick["stage"])
-            rows.append(tick["q"])
-        elif rows:
-            names.append(names[-1])
-            rows.append(rows[-1])
-    return names, np.array(rows)
+            stages.append(tick["stage"])
+            q.append(tick["q"])
+        elif q:
+            stages.append(stages[-1])
+            q.append(q[-1])
+    return _Poses(stages, np.array(q))

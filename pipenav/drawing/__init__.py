@@ -1,1 +1,1 @@
-"""How pipes and robots are drawn: one style, dimensions, corner, route, scene from above."""
+"""Drawings of pipes and robots: one style, dimensions, corner, route, scene from above."""

@@ -1,4 +1,4 @@
-"""A drawing of a pipe from above, with its dimensions, in millimetres.
+"""A drawing of a corner from above, with its dimensions, in millimetres.
 
 Everything is laid out for a left turn and mirrored for a right one. The outside of the corner is always free, whatever
 the angle, so what does not fit inside the pipe is written there.
@@ -22,7 +22,7 @@ from pipenav.drawing.dimensions import (
     TALLEST_IN,
     WALL,
     WIDTH_IN,
-    Drafting,
+    Drawing,
     frame_axes,
     number,
     save_figure,
@@ -38,12 +38,12 @@ if TYPE_CHECKING:
 
 
 def draw_pipe(pipe: PipeCorner, path: Path) -> None:
-    """Draw the pipe into a PNG file."""
+    """Draw a corner into a PNG file."""
     save_figure(pipe_figure(pipe), path)
 
 
 def pipe_figure(pipe: PipeCorner) -> Figure:
-    """The drawing as a matplotlib figure."""
+    """The drawing of a corner as a matplotlib figure."""
     from matplotlib.figure import Figure
 
     figure = Figure(facecolor="white", layout="constrained")
@@ -62,7 +62,7 @@ def pipe_figure(pipe: PipeCorner) -> Figure:
 
 
 def draw_walls(axes: Axes, pipe: Pipe) -> None:
-    """Fill the free space and the walls of a pipe or a planar run, in millimetres of its frame."""
+    """Fill the free space and the walls of a planar pipe, in millimetres of its frame."""
     sides = [(m_to_mm(1.0) * near, m_to_mm(1.0) * far) for near, far in pipe.wall_sides]
     axes.fill(*np.concatenate([sides[0][0], sides[1][0][::-1]]).T, color=FREE, zorder=1)
     for (near, far), label in zip(sides, ("wall", None), strict=True):
@@ -70,8 +70,8 @@ def draw_walls(axes: Axes, pipe: Pipe) -> None:
         axes.fill(*outline.T, facecolor=WALL, edgecolor=WALL, linewidth=0.8, zorder=3, label=label)
 
 
-class _Sketch(Drafting):
-    """The parts of one drawing. Coordinates are those of a left turn [mm]."""
+class _Sketch(Drawing):
+    """The parts of one drawing, in the coordinates of a left turn [mm]."""
 
     def __init__(self, pipe: PipeCorner, axes: Axes) -> None:
         outside = pipe.radius + pipe.wall
@@ -81,8 +81,8 @@ class _Sketch(Drafting):
         self.radius, self.wall, self.leg = m_to_mm(pipe.radius), m_to_mm(pipe.wall), m_to_mm(pipe.leg)
         self.outside = self.radius + self.wall
         self.half = pipe.angle / 2
-        self.along = np.array([-math.cos(pipe.angle), math.sin(pipe.angle)])  # the second leg
-        self.inwards = np.array([-math.sin(pipe.angle), -math.cos(pipe.angle)])  # its side inside the turn
+        self.along = np.array([-math.cos(pipe.angle), math.sin(pipe.angle)])  # along the second leg
+        self.inwards = np.array([-math.sin(pipe.angle), -math.cos(pipe.angle)])  # from the second leg into the turn
         self.bisector = np.array([-math.cos(self.half), math.sin(self.half)])  # from the corner into the inside
 
     def pipe_itself(self) -> None:
@@ -91,11 +91,11 @@ class _Sketch(Drafting):
         centre = m_to_mm(1.0) * self.pipe.line(0.0)
         self.axes.plot(*centre.T, color=CENTRE, linewidth=0.9, dashes=(12, 3, 2, 3), zorder=2, label="centre line")
         if self.pipe.angle < math.pi:
-            edge = self.place(m_to_mm(self.pipe.apex(self.pipe.radius)) * self.bisector)
+            edge = self.to_axes(m_to_mm(self.pipe.apex(self.pipe.radius)) * self.bisector)
             self.axes.plot(*edge, "o", color=EDGE, markersize=7, markeredgecolor="white", zorder=6, label="inner edge")
 
     def dimensions(self) -> None:
-        """Angle, diameter, leg, wall and, where there is one, the bend."""
+        """Dimensions: angle, diameter, leg, wall and, where there is one, the bend."""
         arc = self._angle()
         self._diameter(arc)
         below = -self.outside - 7 * self.unit
@@ -110,7 +110,7 @@ class _Sketch(Drafting):
             self._bend()
 
     def robot(self) -> None:
-        """Where the robot comes from and where it goes."""
+        """Arrows along which the robot comes and goes."""
         into, out = np.array([1.0, 0.0]), self.along
         inside, outside = 3 * self.unit, 9 * self.unit
         self.arrow(-(self.leg + outside) * into, -(self.leg - inside) * into, ROBOT, 2.4)
@@ -118,7 +118,7 @@ class _Sketch(Drafting):
         self.axes.plot([], [], color=ROBOT, linewidth=2.4, label="way of the robot")
 
     def _angle(self) -> float:
-        """The interior angle, as an arc where its text fits between the legs; returns the arc's radius."""
+        """Draw the interior angle as an arc where its text fits between the legs; return the arc's radius [mm]."""
         behind_bend = m_to_mm(self.pipe.apex(-self.pipe.radius - self.pipe.wall))
         if behind_bend > 30 * self.unit:  # a wide bend leaves the corner of the centre lines free
             radius = behind_bend / 2
@@ -128,17 +128,17 @@ class _Sketch(Drafting):
             radius = min(radius, 0.93 * self.leg)
         phi = np.linspace(math.pi - self.pipe.angle, math.pi, 91)
         arc = radius * np.stack([np.cos(phi), np.sin(phi)], axis=1)
-        self.axes.plot(*self.place(arc).T, color=DIMENSION, linewidth=1.0, zorder=5)
+        self.axes.plot(*self.to_axes(arc).T, color=DIMENSION, linewidth=1.0, zorder=5)
         for tip, before in ((0, 4), (-1, -5)):
             self.arrow(arc[before], arc[tip], DIMENSION, 1.0)
         self.text((radius + 3.5 * self.unit) * self.bisector, f"{rad_to_deg(self.pipe.angle):g}°", box="white")
         return radius
 
     def _diameter(self, arc: float) -> None:
-        """The diameter, on the straight part of the first leg and away from the angle's arc."""
+        """The diameter, on the straight part of the first leg and away from the angle's arc of a radius [mm]."""
         bend = max(m_to_mm(self.pipe.inner_edge), 0.0)
-        places = [bend + share * (self.leg - bend) for share in (0.7, 0.5, 0.8, 0.35)]
-        x = -max(places, key=lambda place: min(abs(place - 4 * self.unit - arc), 9 * self.unit))
+        distances = [bend + share * (self.leg - bend) for share in (0.7, 0.5, 0.8, 0.35)]
+        x = -max(distances, key=lambda distance: min(abs(distance - 4 * self.unit - arc), 9 * self.unit))
         self.double_arrow((x, -self.radius), (x, self.radius))
         text = f"⌀ {number(2 * self.radius)}"
         if self.radius > 3 * self.unit:
@@ -148,7 +148,7 @@ class _Sketch(Drafting):
             self.callout(wall, wall + np.array([0.0, 6 * self.unit]), text)
 
     def _bend(self) -> None:
-        """The centre line's radius, and the crossing of the centre lines from which legs are measured."""
+        """The centre line's radius, and the crossing of the legs' axes from which legs are measured."""
         start = m_to_mm(self.pipe.tangent_length(0.0))
         for end in ((-start, 0.0), start * self.along):
             self.line(end, (0.0, 0.0))

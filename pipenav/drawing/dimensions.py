@@ -1,4 +1,4 @@
-"""What technical drawings have in common: colours, dimension lines, arrows, callouts, the frame around all of it."""
+"""Drawings with dimensions: colours, dimension lines, arrows, callouts, the frame around all of it."""
 
 from __future__ import annotations
 
@@ -28,62 +28,64 @@ TALLEST_IN = 10.0
 DPI = 160
 
 
-class Drafting:
+class Drawing:
     """Dimensions and texts on axes in millimetres; `unit` is about a hundredth of the drawing's width.
 
+    Points are given in the coordinates of a left turn and mirrored about the x axis for a right one.
+
     Args:
-        axes: where to draw.
-        outline: points of what is drawn, as it will stand there, (k, 2) [mm].
-        side: -1 where all that is given lies mirrored about the x axis.
+        axes: axes to draw on.
+        outline: points of what is drawn, in coordinates of the axes, (k, 2) [mm].
+        turn_sign: +1 for a left turn, -1 for a right one.
     """
 
-    def __init__(self, axes: Axes, outline: Floats, side: float = 1.0) -> None:
-        self.axes, self.side = axes, side
+    def __init__(self, axes: Axes, outline: Floats, turn_sign: float = 1.0) -> None:
+        self.axes, self.turn_sign = axes, turn_sign
         self.unit = float(np.ptp(outline, axis=0).max()) / 75
         self.drawn = [outline]
 
     def frame(self) -> tuple[Floats, Floats]:
-        """The corners of all that was drawn, with a margin [mm]."""
+        """Lower left and upper right corner around all that was drawn, with a margin, (2,) each [mm]."""
         points = np.concatenate(self.drawn)
         return points.min(axis=0) - 4 * self.unit, points.max(axis=0) + 4 * self.unit
 
-    def place(self, points: Any) -> Floats:
-        """Points as given, where they come to stand."""
-        placed: Floats = np.asarray(points, float) * np.array([1.0, self.side])
-        self.drawn.append(np.atleast_2d(placed))
-        return placed
+    def to_axes(self, points: Any) -> Floats:
+        """Given points (..., 2) in coordinates of the axes [mm]; `frame` will go around them."""
+        drawn: Floats = np.asarray(points, float) * np.array([1.0, self.turn_sign])
+        self.drawn.append(np.atleast_2d(drawn))
+        return drawn
 
     def line(self, start: Any, end: Any) -> None:
-        self.axes.plot(*self.place([start, end]).T, color=DIMENSION, linewidth=0.6, zorder=4)
+        self.axes.plot(*self.to_axes([start, end]).T, color=DIMENSION, linewidth=0.6, zorder=4)
 
     def double_arrow(self, start: Any, end: Any) -> None:
         self.arrow(start, end, DIMENSION, 1.0, style="<|-|>")
 
     def arrow(self, start: Any, end: Any, colour: str, width: float, style: str = "-|>") -> None:
         arrow = {"arrowstyle": style, "color": colour, "linewidth": width, "mutation_scale": 8 + 4 * width}
-        head, tail = tuple(self.place(end)), tuple(self.place(start))
+        head, tail = tuple(self.to_axes(end)), tuple(self.to_axes(start))
         self.axes.annotate("", head, tail, arrowprops={**arrow, "shrinkA": 0, "shrinkB": 0}, zorder=5)
 
     def callout(self, tip: Floats, foot: Floats, text: str) -> None:
-        """An arrow to `tip`, with text at its foot, on the side that leads away from the tip."""
+        """Draw an arrow to `tip`, with text at its foot, on the side that leads away from the tip."""
         self.arrow(foot, tip, DIMENSION, 0.9)
-        away, up = (foot - tip) * [1.0, self.side] / float(np.linalg.norm(foot - tip))
+        away, up = (foot - tip) * [1.0, self.turn_sign] / float(np.linalg.norm(foot - tip))
         ha = "center" if abs(away) < 0.3 else "left" if away > 0 else "right"
         va = "center" if abs(up) < 0.3 else "bottom" if up > 0 else "top"
         self.text(foot, f" {text} ", ha=ha, va=va, box="white")
-        self.place(foot + np.array([math.copysign(10 * self.unit, away), 0.0]))  # room for the text
+        self.to_axes(foot + np.array([math.copysign(10 * self.unit, away), 0.0]))  # room for the text
 
     def text(
         self, at: Any, text: str, ha: str = "center", va: str = "center", box: str | None = None, tilt: float = 0.0
     ) -> None:
-        """Text at a place, in a box of a colour if asked, tilted [deg]."""
+        """Write text at a point, in a box of a colour if asked, tilted [deg]."""
         frame = {"boxstyle": "round,pad=0.2", "facecolor": box, "edgecolor": "none"} if box else None
-        x, y = self.place(at)
+        x, y = self.to_axes(at)
         self.axes.text(x, y, text, color=DIMENSION, fontsize=10, ha=ha, va=va, bbox=frame, rotation=tilt, zorder=7)
 
 
 def frame_axes(axes: Axes, low: Floats, high: Floats) -> float:
-    """Limits, grid and ticks of a drawing in millimetres; returns its height where it is `WIDTH_IN` wide [in]."""
+    """Set limits, grid and ticks of a drawing in millimetres; return its height at a width of `WIDTH_IN` [in]."""
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel="x [mm]", ylabel="y [mm]")
     axes.grid(color="#e3e7eb", linewidth=0.6)
     axes.set_axisbelow(True)
@@ -94,7 +96,7 @@ def frame_axes(axes: Axes, low: Floats, high: Floats) -> float:
 
 
 def write_title(axes: Axes, title: str, facts: str) -> None:
-    """A title above the axes, and a line of facts between the two."""
+    """Write a title above the axes, and a line of facts between the two."""
     axes.set_title(title, loc="left", fontsize=14, fontweight="bold", color=INK, pad=26)
     axes.annotate(facts, (0, 1), (0, 9), xycoords="axes fraction", textcoords="offset points", fontsize=9.5, color=INK)
 
@@ -108,5 +110,5 @@ def save_figure(figure: Figure, path: Path) -> None:
 
 
 def number(mm: float) -> str:
-    """A length for people: to a tenth of a millimetre."""
+    """Text of a length for people, to a tenth of a millimetre."""
     return f"{round(mm, 1):g}"

@@ -1,4 +1,4 @@
-"""A pipe run seen from a point far away, from above and aside: the tube with its shadow on the ground, as polygons."""
+"""A route seen from a point far away, from above and aside: the tube with its shadow on the ground, as polygons."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 ELEVATION = math.radians(30.0)
-"""How far the viewer looks down."""
+"""Angle by which the viewer looks down [rad]."""
 
 AZIMUTHS = np.deg2rad(np.arange(5.0, 360.0, 10.0))
-"""From where the viewer may look."""
+"""Azimuths from which the viewer may look [rad]."""
 
 HIDING = 0.2
-"""What a pair of straights of which one hides the other costs, as a share by which a straight is shortened."""
+"""Cost of two straights of which one hides the other, as the share of a straight's length that would cost as much."""
 
 SAMPLES = 20
-"""Points along a straight in the test whether one hides another."""
+"""Points along a straight in the test whether it hides another one."""
 
 AROUND, PIECE = 24, 0.05
-"""Strips around the tube, and the longest piece of a strip [m]: small ones, so that near ones hide far ones rightly."""
+"""Strips around the tube, and the longest piece of a strip [m]: with small pieces, near ones hide far ones rightly."""
 
 WALL_RGB, BORE_RGB, SHADOW = (0.50, 0.57, 0.64), (0.30, 0.34, 0.38), "#e6e9ed"
 
@@ -46,13 +46,13 @@ class View(NamedTuple):
 
     @classmethod
     def towards(cls, azimuth: float) -> View:
-        """From an azimuth, counted from x to y [rad]."""
+        """The view from an azimuth, counted from x to y [rad]."""
         c, s, ce, se = math.cos(azimuth), math.sin(azimuth), math.cos(ELEVATION), math.sin(ELEVATION)
         return cls(np.array([ce * c, ce * s, se]), np.array([-s, c, 0.0]), np.array([-se * c, -se * s, ce]))
 
     @classmethod
     def of(cls, route: PipeRoute) -> View:
-        """That in which few straights hide others, and the one that is shortened most is shortened least."""
+        """The best view of a route: few straights hide others, and none appears much shortened."""
 
         def worth(view: View) -> float:
             seen = float(np.linalg.norm(view.flat(route.legs.axes[:, :, 0]), axis=1).min())
@@ -61,7 +61,7 @@ class View(NamedTuple):
         return max((cls.towards(azimuth) for azimuth in AZIMUTHS), key=worth)
 
     def hidden(self, route: PipeRoute) -> int:
-        """How many pairs of straights that are no neighbours lie over each other in the picture."""
+        """Number of pairs of straights that are no neighbours and lie over each other in the picture."""
         share = np.linspace(0, 1, SAMPLES)[:, None]
         line = self.flat(route.centre_line)
         points = line[:-1, None] + share * np.diff(line, axis=0)[:, None]  # (legs, SAMPLES, 2)
@@ -70,12 +70,12 @@ class View(NamedTuple):
         return int(np.sum(np.array(apart) < 2 * (route.radius + route.wall)))
 
     def flat(self, points: Floats) -> Floats:
-        """Points (..., 3) in the picture, (..., 2)."""
+        """Points (..., 3) projected into the picture, (..., 2)."""
         return np.stack([points @ self.right, points @ self.up], axis=-1)
 
 
 def draw_tube(axes: Axes, route: PipeRoute, view: View) -> Floats:
-    """Draw the tube and its shadow, in millimetres of the picture; returns all their points, (k, 2) [mm]."""
+    """Draw the tube and its shadow, in millimetres of the picture; return all their points, (k, 2) [mm]."""
     from matplotlib.collections import PolyCollection
 
     quads = wall_quads(route)  # (q, 4, 3)

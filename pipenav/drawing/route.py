@@ -1,7 +1,7 @@
-"""A drawing of a pipe run with its dimensions, in millimetres: from above where it is planar, else in space.
+"""A drawing of a route with its dimensions, in millimetres: from above where it is planar, else in space.
 
-In space, and where there are many corners, a schedule below the picture shows every corner as the robot sees it that
-looks ahead and never rolls.
+In space, and where there are many corners, a schedule below the picture shows every corner as it appears to a robot
+that looks ahead and never rolls.
 """
 
 from __future__ import annotations
@@ -23,14 +23,15 @@ from pipenav.drawing.dimensions import (
     ROBOT,
     TALLEST_IN,
     WIDTH_IN,
-    Drafting,
+    Drawing,
     frame_axes,
     number,
     save_figure,
     write_title,
 )
 from pipenav.drawing.projection import View, draw_tube
-from pipenav.pipes.route import Corner, PipeRoute
+from pipenav.pipes.route import PipeRoute
+from pipenav.pipes.route_corner import Corner
 from pipenav.units import m_to_mm, rad_to_deg
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 LABELLED = 8
-"""Corners of the longest run whose dimensions stand in the picture; a longer one has them in its schedule alone."""
+"""Corners of the longest route with dimensions in the picture; a longer one has them in its schedule alone."""
 
 PER_ROW = 6
 """Corners in a row of the schedule."""
@@ -51,16 +52,16 @@ ROW = 2.1
 
 
 STRAIGHT = 1e-6
-"""A bend, and a roll in deg, that is smaller than this is none."""
+"""Bend below which a corner counts as straight: reach of its mitre, and length of the two directions' difference."""
 
 
 def draw_route(route: PipeRoute, name: str, path: Path) -> None:
-    """Draw the run into a PNG file, under a name."""
+    """Draw a route into a PNG file, under a name."""
     save_figure(route_figure(route, name), path)
 
 
 def route_figure(route: PipeRoute, name: str) -> Figure:
-    """The drawing as a matplotlib figure."""
+    """The drawing of a route as a matplotlib figure."""
     from matplotlib.figure import Figure
 
     figure = Figure(facecolor="white", layout="constrained")
@@ -84,7 +85,7 @@ def route_figure(route: PipeRoute, name: str) -> Figure:
 
 
 def _plan(route: PipeRoute, axes: Axes) -> float:
-    """The run from above; returns the height of the drawing at full width [in]."""
+    """Draw the route from above; return the height of the drawing at full width [in]."""
     draw_walls(axes, route)
     line = m_to_mm(1.0) * route.centre_line[:, :2]
     axes.plot(*line.T, color=CENTRE, linewidth=0.9, dashes=(12, 3, 2, 3), zorder=2, label="centre line")
@@ -101,7 +102,7 @@ def _plan(route: PipeRoute, axes: Axes) -> float:
 
 
 def _in_space(route: PipeRoute, axes: Axes) -> float:
-    """The run in space; returns the height of the drawing at full width [in]."""
+    """Draw the route in space; return the height of the drawing at full width [in]."""
     view = View.of(route)
     drawn = draw_tube(axes, route, view)
     sketch = _Sketch(route, axes, m_to_mm(1.0) * view.flat(route.centre_line))
@@ -116,7 +117,7 @@ def _in_space(route: PipeRoute, axes: Axes) -> float:
     return tall
 
 
-class _Sketch(Drafting):
+class _Sketch(Drawing):
     """Dimensions along the centre line as it lies in the picture, (corners + 2, 2) [mm]."""
 
     def __init__(self, route: PipeRoute, axes: Axes, line: Floats) -> None:
@@ -128,7 +129,7 @@ class _Sketch(Drafting):
         self.along = steps / self.seen[:, None]
 
     def lengths(self) -> None:
-        """Every straight's length: in the pipe where there is room, else beside it."""
+        """Lengths of the straights: in the pipe where there is room, else beside it."""
         for i, length in enumerate(self.route.straights):
             middle, along = self.centre[i : i + 2].mean(axis=0), self.along[i]
             tilt = (math.degrees(math.atan2(along[1], along[0])) + 90.0) % 180.0 - 90.0
@@ -137,34 +138,34 @@ class _Sketch(Drafting):
             self.text(at, number(m_to_mm(length)), box=FREE if within else "white", tilt=tilt)
 
     def robot(self) -> None:
-        """Where the robot comes from and where it goes."""
+        """Arrows along which the robot comes and goes."""
         inside, outside = 2 * self.unit, 6 * self.unit
         first, last = self.along[0], self.along[-1]
         self.arrow(self.centre[0] - outside * first, self.centre[0] + inside * first, ROBOT, 2.4)
         self.arrow(self.centre[-1] - inside * last, self.centre[-1] + outside * last, ROBOT, 2.4)
 
     def corners(self) -> None:
-        """The corners' numbers, at the corners."""
+        """Numbers of the corners, at the corners."""
         frame = {"boxstyle": "circle,pad=0.25", "facecolor": "white", "edgecolor": INK, "linewidth": 0.8}
         for i, (x, y) in enumerate(self.centre[1:-1], 1):
             self.axes.text(x, y, str(i), color=INK, fontsize=8, ha="center", va="center", bbox=frame, zorder=8)
 
     def angles(self) -> None:
-        """Every corner's angle and turn, outside of the corner or, where that is taken, inside."""
+        """Angle and turn of every corner, outside of the corner or, where no room is left, inside."""
         for i, corner in enumerate(self.route.corners):
             away = self.along[i] - self.along[i + 1]
             size = float(np.linalg.norm(away))
             away = away / size if size > STRAIGHT else np.array([-self.along[i, 1], self.along[i, 0]])
             off = self.outside / math.sin(corner.angle / 2) + 3 * self.unit
-            distances = [self.centre[i + 1] + off * way for way in (away, -away)]
-            at = max(distances, key=lambda place: min(self._clearance(place), 3.5 * self.unit))
-            way = (at - self.centre[i + 1]) / off
-            ha = "center" if abs(way[0]) < 0.4 else "left" if way[0] > 0 else "right"
-            self.text(at - 1.5 * self.unit * way, _words(corner), ha=ha)
-            self.place(at + np.array([9 * self.unit * np.sign(way[0]), 0.0]))  # room for the text
+            points = [self.centre[i + 1] + off * direction for direction in (away, -away)]
+            at = max(points, key=lambda point: min(self._pipe_distance(point), 3.5 * self.unit))
+            direction = (at - self.centre[i + 1]) / off
+            ha = "center" if abs(direction[0]) < 0.4 else "left" if direction[0] > 0 else "right"
+            self.text(at - 1.5 * self.unit * direction, _words(corner), ha=ha)
+            self.to_axes(at + np.array([9 * self.unit * np.sign(direction[0]), 0.0]))  # room for the text
 
     def directions(self, view: View) -> None:
-        """The axes of the frame, below the picture's left end."""
+        """Axes of the route's frame, below the picture's left end."""
         low, _ = self.frame()
         length = 7 * self.unit
         origin = low + np.array([length, -0.4 * length])
@@ -174,16 +175,15 @@ class _Sketch(Drafting):
             self.text(tip + 1.8 * self.unit * view.flat(axis), name)
 
     def _beside(self, middle: Floats, along: Floats) -> Floats:
-        """A place beside a leg's middle, on the side with more room."""
+        """A point beside a leg's middle, on the side with more room."""
         across = (self.outside + 2 * self.unit) * np.array([-along[1], along[0]])
-        return max((middle + across, middle - across), key=lambda place: min(self._clearance(place), 3 * self.unit))
+        return max((middle + across, middle - across), key=lambda point: min(self._pipe_distance(point), 3 * self.unit))
 
-    def _clearance(self, place: Floats) -> float:
-        """Distance of a place to the nearest pipe in the picture [mm]."""
-        share = np.clip(((place - self.centre[:-1]) * self.along).sum(axis=1), 0.0, self.seen)
-        return (
-            float(np.linalg.norm(place - self.centre[:-1] - share[:, None] * self.along, axis=1).min()) - self.outside
-        )
+    def _pipe_distance(self, point: Floats) -> float:
+        """Distance of a point to the nearest pipe in the picture [mm]."""
+        from_start = point - self.centre[:-1]
+        share = np.clip((from_start * self.along).sum(axis=1), 0.0, self.seen)
+        return float(np.linalg.norm(from_start - share[:, None] * self.along, axis=1).min()) - self.outside
 
 
 def _words(corner: Corner) -> str:
@@ -193,7 +193,7 @@ def _words(corner: Corner) -> str:
 
 
 def _schedule(route: PipeRoute, axes: Axes) -> float:
-    """Every corner as a dial that shows to which side the pipe bends; returns the height of all [in]."""
+    """Draw every corner as a dial that shows to which side the pipe bends; return the height of all [in]."""
     phi = np.linspace(0, 2 * math.pi, 60)
     rows = math.ceil(len(route.corners) / PER_ROW)
     axes.set(xlim=(-1.7, CELL * PER_ROW - 0.5), ylim=(-ROW * rows + 0.8, 1.3), aspect="equal")

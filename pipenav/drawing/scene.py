@@ -1,4 +1,4 @@
-"""A robot in its pipe from above, in millimetres of the pipe's frame: one drawing for every picture of a motion."""
+"""A robot in its pipe from above, in millimetres of the pipe's frame: the drawing in every picture of a motion."""
 
 from __future__ import annotations
 
@@ -29,26 +29,26 @@ TARGET = "#009e73"
 FORCE = "#d55e00"
 
 FORCE_SCALE = 6.0
-"""Length of a contact arrow [mm/N]: 10 N are half a link of the thesis's arm, the usual peaks fit into the picture."""
+"""Length of a contact arrow [mm/N]: 10 N are half a link of the thesis's arm; the usual peaks fit into the picture."""
 
 LEAST_FORCE = 0.3
-"""Forces below this [N] are not drawn: their arrows would be shorter than their heads."""
+"""Least force that is drawn [N]: arrows of smaller ones would be shorter than their heads."""
 
 KEY_FORCE = 10.0
 """Force of the arrow in the legend [N]."""
 
 
 class Scene(NamedTuple):
-    """One robot at one time.
+    """A robot in its pipe at one time.
 
     Attributes:
-        pipe: where it is.
-        robot: what it is.
+        pipe: pipe around the robot.
+        robot: description of the robot.
         base: x of the robot's frame in the pipe's frame [m].
         q: configuration in the robot's own frame, (coordinates,) [rad or m].
         ranges: laser readings from right to left, (beams,) [m].
-        target: the target in the pipe's frame, (2,) [m]; None where there is none.
-        link_forces: forces of the pipe on the links, (links, 2) [N]; None where they are not known.
+        target: target in the pipe's frame, (2,) [m]; None for a task without a target.
+        link_forces: forces of the pipe on the links, (links, 2) [N]; None for forces that are not known.
     """
 
     pipe: Pipe
@@ -81,22 +81,23 @@ def draw_scene(axes: Axes, scene: Scene) -> None:
 
 
 def _draw_beams(axes: Axes, scene: Scene, tip: Floats, heading: float) -> None:
-    """Beams as thin lines as long as they read; a dot where one meets a wall within the laser's range."""
+    """Draw beams as thin lines as long as they read, with a dot where one meets a wall within the laser's range."""
     beams = heading + scene.robot.laser.angles
     ends = tip + scene.ranges[:, None] * np.stack([np.cos(beams), np.sin(beams)], axis=1)
     for end in ends:
         axes.plot(*m_to_mm(1.0) * np.stack([tip, end]).T, color=BEAM, linewidth=0.7, alpha=0.6, zorder=4)
-    lidar = scene.robot.laser  # what is nearer than its least reading reads as that, beyond the wall that it meets
-    met = m_to_mm(1.0) * ends[(scene.ranges > lidar.range_min) & (scene.ranges < lidar.range_max)]
+    lidar = scene.robot.laser
+    within = (scene.ranges > lidar.range_min) & (scene.ranges < lidar.range_max)  # the least reading may lie in a wall
+    met = m_to_mm(1.0) * ends[within]
     axes.plot(*met.T, ".", color=BEAM, markersize=4.5, zorder=4)
 
 
 def contact_point(polygons: list[Floats], pipe: Pipe) -> Floats:
-    """The point of a link that is nearest to a wall, (2,) [m]: a corner of the link, or where a wall's edge is.
+    """The point at which a link is nearest to a wall, (2,) [m]: a corner of the link, or an edge of a wall.
 
     Args:
-        polygons: the link's outline, each (points, 2) [m] in the pipe's frame.
-        pipe: the pipe.
+        polygons: polygons of the link's outline, each (points, 2) [m] in the pipe's frame.
+        pipe: pipe around the link.
     """
     corners = np.concatenate(polygons)
     edges = np.concatenate([np.stack([polygon, np.roll(polygon, -1, axis=0)], axis=1) for polygon in polygons])
@@ -107,15 +108,15 @@ def contact_point(polygons: list[Floats], pipe: Pipe) -> Floats:
 
 
 def _distance(points: Floats, segments: Floats) -> Floats:
-    """From points (p, 2) to the nearest of segments (s, 2, 2): (p,)."""
-    start, way = segments[:, 0], segments[:, 1] - segments[:, 0]
-    share = ((points[:, None] - start) * way).sum(axis=2) / (way**2).sum(axis=1)
-    nearest = start + np.clip(share, 0.0, 1.0)[..., None] * way
+    """Distance of points (p, 2) to the nearest of segments (s, 2, 2): (p,)."""
+    start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
+    share = ((points[:, None] - start) * along).sum(axis=2) / (along**2).sum(axis=1)
+    nearest = start + np.clip(share, 0.0, 1.0)[..., None] * along
     return np.asarray(np.linalg.norm(points[:, None] - nearest, axis=2).min(axis=1))
 
 
 def _draw_force(axes: Axes, point: Floats, force: Floats) -> None:
-    """An arrow from the contact along the force on the link, with a white rim, as it mostly lies on the link."""
+    """Draw an arrow from the contact along the force on the link, with a white rim, as it mostly lies on the link."""
     from matplotlib.patches import FancyArrowPatch
     from matplotlib.patheffects import Normal, Stroke
 
@@ -134,7 +135,7 @@ def _draw_force(axes: Axes, point: Floats, force: Floats) -> None:
 
 
 def legend_handles() -> list[Artist]:
-    """What the colours and marks mean; `draw_force_key` gives the arrows' scale."""
+    """Legend of the colours and marks; `draw_force_key` gives the arrows' scale."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
@@ -147,19 +148,19 @@ def legend_handles() -> list[Artist]:
 
 
 def draw_force_key(axes: Axes, x: float, y: float, fontsize: float) -> None:
-    """The arrow of `KEY_FORCE` with its text, from (x, y) [mm] to the right."""
+    """Draw the arrow of `KEY_FORCE` with its text, from (x, y) [mm] to the right."""
     _draw_force(axes, np.array([x, y]) / m_to_mm(1.0), np.array([KEY_FORCE, 0.0]))
     text = f"  {KEY_FORCE:g} N"
     axes.text(x + FORCE_SCALE * KEY_FORCE, y, text, color=INK, fontsize=fontsize, va="center", zorder=9)
 
 
 def scene_pixels(scene: Scene, pixels: int = 480, around: float = 0.4) -> NDArray[np.uint8]:
-    """A square picture around the tip, (pixels, pixels, 3).
+    """A square picture around the tip, red, green and blue, (pixels, pixels, 3).
 
     Args:
-        scene: what to draw.
-        pixels: width and height.
-        around: how far the picture reaches from the tip [m].
+        scene: scene to draw.
+        pixels: width and height of the picture.
+        around: distance from the tip to the picture's edges [m].
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure

@@ -1,4 +1,4 @@
-"""One style for every picture: colours, axes, headings, PNG."""
+"""Style of every picture: colours, axes, headings, PNG."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ DPI = 150
 
 
 def png(figure: Figure) -> bytes:
-    """The figure as a PNG file's content."""
+    """A figure as the content of a PNG file."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     FigureCanvasAgg(figure)
@@ -31,7 +31,7 @@ def png(figure: Figure) -> bytes:
 
 
 def plain(axes: Axes) -> None:
-    """Two thin axes lines and a pale grid behind the data."""
+    """Style axes with two thin lines and a pale grid behind the data."""
     axes.grid(color=GRID, linewidth=0.7)
     axes.set_axisbelow(True)
     axes.tick_params(color="#b4bec8", labelcolor=INK, labelsize=9)
@@ -43,6 +43,7 @@ def plain(axes: Axes) -> None:
 
 
 def heading(axes: Axes, title: str, text: str) -> None:
+    """Write a title above the axes, and a text of one or more lines between the two."""
     lines = text.count("\n") + 1
     axes.set_title(title, loc="left", fontsize=14, fontweight="bold", color=INK, pad=12 + 14 * lines)
     note = axes.annotate(text, (0, 1), (0, 8), xycoords="axes fraction", textcoords="offset points", color=MUTED)

@@ -17,7 +17,7 @@ from pydantic import ValidationError
 from pipenav.arrays import Ints
 from pipenav.drawing.scene import Scene, scene_pixels
 from pipenav.errors import ConfigError, PipenavError
-from pipenav.pipes.corner_sets import parse_pipes
+from pipenav.pipes.corner_sets import parse_corners
 from pipenav.robots import frames
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.batch import StepResult, TaskBatch
@@ -58,7 +58,7 @@ class SeededEpisodes:
         self.generators: list[np.random.Generator] = []
         self.episodes: dict[int, ReachEpisodes] = {}
         self._robot, self._config = load_robot(robot), _task_config(task)
-        self._sets = [parse_pipes([text]) for text in ([pipes] if isinstance(pipes, str) else pipes)]
+        self._sets = [parse_corners([text]) for text in ([pipes] if isinstance(pipes, str) else pipes)]
         if not self._sets:
             raise PipenavError("no pipes given: name a pipe set, a TOML file, or a pipe such as d=90,angle=60.")
         slots = max(len(pipe.segments) for one in self._sets for pipe in one)
@@ -142,7 +142,7 @@ class CornerEnv(gymnasium.Env[Float32s, Float32s]):
 
     Args:
         robot: a shipped robot or the path of a `robot.toml`.
-        pipes: texts as `pipenav.pipes.corner_sets.parse_pipes` takes them; each episode draws one text, then a pipe of it.
+        pipes: texts as `pipenav.pipes.parse_corners` takes them; each episode draws one text, then a pipe of it.
         backend: name of a simulator backend.
         task: the task's configuration; None for the defaults.
         options: the backend's own options.

@@ -236,9 +236,9 @@ def evaluation_jobs(plan: ExperimentPlan, threads: int, stages: Sequence[str]) -
 
 
 def _control_steps(work: Measurement) -> int:
-    from pipenav.pipes.corner_sets import parse_pipes
+    from pipenav.pipes.corner_sets import parse_corners
 
-    return len(parse_pipes([work.pipes])) * work.settings.episodes * STEPS_PER_EPISODE
+    return len(parse_corners([work.pipes])) * work.settings.episodes * STEPS_PER_EPISODE
 
 
 def resolved_agent(plan: ExperimentPlan, row: Row) -> str | None:

@@ -1,4 +1,4 @@
-"""The pipe folder: one pipe as JSON, STL, MJCF, URDF, SDF and a drawing. docs/pipe-folder.md describes the format."""
+"""The pipe folder: one corner as JSON, STL, MJCF, URDF, SDF and a drawing. Format: docs/formats/pipe-folder.md."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from pipenav.storage.atomic_folder import read_record, refuse_contradictions, wr
 from pipenav.units import m_to_mm, rad_to_deg
 
 SCHEMA = 1
-"""Version of the pipe folder."""
+"""Version of the pipe folder's format."""
 
 FILES = {
     "pipe.json": "every parameter and the wall segments",
@@ -28,11 +28,11 @@ FILES = {
     "pipe.sdf": "SDF model, walls as boxes",
     "pipe.png": "drawing with dimensions",
 }
-"""The files of a pipe folder, each with one line of what it is."""
+"""Files of a pipe folder, each with one line that describes it."""
 
 
 def write_pipe_folder(pipe: PipeCorner, out_root: Path) -> Path:
-    """Write `<out_root>/<pipe.name>/`, whole or not at all, in place of an older folder of the same pipe.
+    """Write `<out_root>/<pipe.name>/`, complete or not at all, in place of an older folder of the same pipe.
 
     Files that others put into the older folder are kept.
 
@@ -84,7 +84,7 @@ def pipe_record(pipe: PipeCorner) -> dict[str, Any]:
 
 
 def read_pipe(path: Path) -> PipeCorner:
-    """The pipe of a pipe folder, or of its pipe.json, exactly as it was written.
+    """The corner of a pipe folder, or of its pipe.json, exactly as it was written.
 
     Raises:
         FileProblem: the file cannot be read.
@@ -113,8 +113,8 @@ def _mjcf(pipe: PipeCorner, boxes: list[Box]) -> ET.Element:
     root, body = mjcf(pipe.name, (0.0, 0.0, 2 * pipe.leg))
     for box in boxes:
         half = text(box.length / 2, box.thickness / 2, pipe.diameter / 2)
-        place = {"pos": text(box.x, box.y, 0), "euler": text(0, 0, box.yaw)}
-        add(body, "geom", name=f"wall_{box.name}", type="box", size=half, rgba=COLOUR, **place)
+        pose = {"pos": text(box.x, box.y, 0), "euler": text(0, 0, box.yaw)}
+        add(body, "geom", name=f"wall_{box.name}", type="box", size=half, rgba=COLOUR, **pose)
     return root
 
 

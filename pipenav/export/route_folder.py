@@ -1,4 +1,4 @@
-"""The run folder: one pipe run as JSON, meshes, MJCF, URDF, SDF and a drawing. Format: docs/pipe-run.md."""
+"""The route folder: one route as JSON, meshes, MJCF, URDF, SDF and a drawing. Format: docs/formats/route-folder.md."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from pipenav.storage.atomic_folder import read_record, refuse_contradictions, wr
 from pipenav.units import m_to_mm, rad_to_deg
 
 SCHEMA = 1
-"""Version of the run folder."""
+"""Version of the route folder's format."""
 
 FILES = {
     "run.json": "every parameter, the centre line and the frames of the straights",
-    "boards.stl": "two bent boards, the run cut in its plane (mm)",
+    "boards.stl": "two bent boards, the route cut in its plane (mm)",
     "tube.stl": "hollow tube (mm)",
     "walls.obj": "the wall as convex prisms, one object each (m)",
     "pipe.xml": "MuJoCo model, walls as those prisms",
@@ -32,25 +32,25 @@ FILES = {
     "pipe.sdf": "SDF model, walls from walls.obj",
     "pipe.png": "drawing with dimensions",
 }
-"""The files of a run folder, each with one line of what it is; `boards.stl` for planar runs only."""
+"""Files of a route folder, each with one line that describes it; `boards.stl` for planar routes only."""
 
 
 def route_files(route: PipeRoute) -> dict[str, str]:
-    """The files of this run's folder, each with one line of what it is."""
+    """Files of the folder of a given route, each with one line that describes it."""
     return {name: purpose for name, purpose in FILES.items() if route.planar or name != "boards.stl"}
 
 
 def write_route_folder(route: PipeRoute, name: str, out_root: Path) -> Path:
-    """Write `<out_root>/<name>/`, whole or not at all, in place of an older folder of a run.
+    """Write `<out_root>/<name>/`, complete or not at all, in place of an older folder of a route.
 
     Files that others put into the older folder are kept.
 
     Raises:
         FileProblem: the folder cannot be written.
-        PipenavError: something that is not a run folder has that name.
+        PipenavError: something that is not a route folder has that name.
     """
     folder = out_root / name
-    write_folder(folder, "run folder", "run.json", FILES, lambda draft: _write_files(route, name, draft))
+    write_folder(folder, "route folder", "run.json", FILES, lambda draft: _write_files(route, name, draft))
     return folder
 
 
@@ -99,15 +99,15 @@ def route_record(route: PipeRoute, name: str) -> dict[str, Any]:
 
 
 def read_route_folder(path: Path) -> PipeRoute:
-    """The run of a run folder, or of its run.json, exactly as it was written.
+    """The route of a route folder, or of its run.json, exactly as it was written.
 
     Raises:
         FileProblem: the file cannot be read.
-        ConfigError: it is not a run file of this version, or contradicts itself.
-        PipenavError: the run is not possible.
+        ConfigError: it is not a route file of this version, or contradicts itself.
+        PipenavError: the route is not possible.
     """
     file = path / "run.json" if path.is_dir() else path
-    record = read_record(file, "run file", SCHEMA, list(ROUTE_KEYS.values()))
+    record = read_record(file, "route file", SCHEMA, list(ROUTE_KEYS.values()))
     try:
         route = PipeRoute.model_validate(route_fields(record))
     except ValidationError as error:
@@ -117,7 +117,7 @@ def read_route_folder(path: Path) -> PipeRoute:
 
 
 def _mjcf(route: PipeRoute, name: str, prisms: Floats) -> ET.Element:
-    """A static MuJoCo model: one convex mesh per prism, and a camera that sees the whole run from above."""
+    """A static MuJoCo model: one convex mesh per prism, and a camera that sees the whole route from above."""
     low, high = route.centre_line.min(axis=0), route.centre_line.max(axis=0)
     x, y, _ = (low + high) / 2
     root, body = mjcf(name, (float(x), float(y), float(high[2] + 1.4 * max(high - low))))
@@ -130,7 +130,7 @@ def _mjcf(route: PipeRoute, name: str, prisms: Floats) -> ET.Element:
 
 
 def _obj(prisms: Floats) -> str:
-    """Every prism as an object of its own, by which loaders know that each is convex."""
+    """Content of walls.obj: every prism as an object of its own, by which loaders know that each is convex."""
     lines = []
     for leg, side in np.ndindex(*prisms.shape[:2]):
         first = 1 + 8 * (leg * prisms.shape[1] + side)

@@ -1,4 +1,4 @@
-"""A static pipe as a scene: the parts that MJCF, URDF and SDF files of pipes and of runs have in common."""
+"""A static pipe as a scene: the parts that MJCF, URDF and SDF files of corners and of routes have in common."""
 
 from __future__ import annotations
 
@@ -9,36 +9,43 @@ from typing import Literal, NamedTuple
 
 COLOUR = "0.55 0.6 0.65 1"
 
-STILL = (0.0, 0.0, 0.0, 0.0)
+AT_ORIGIN = (0.0, 0.0, 0.0, 0.0)
 
 
 class Shape(NamedTuple):
-    """One part of the wall.
+    """A part of the wall.
 
     Attributes:
-        name: unlike those of the others.
+        name: name of the part, unlike those of the others.
         kind: `box`, with its three sizes as text [m], or `mesh`, with its file's name.
-        content: those sizes or that name.
-        place: x, y, z [m] and the turn about z [rad].
+        content: sizes or name of the file.
+        pose: x, y, z [m] and the turn about z [rad].
     """
 
     name: str
     kind: Literal["box", "mesh"]
     content: str
-    place: tuple[float, float, float, float] = STILL
+    pose: tuple[float, float, float, float] = AT_ORIGIN
 
 
-def mjcf(name: str, camera: tuple[float, float, float]) -> tuple[ET.Element, ET.Element]:
-    """A MuJoCo model, and in it the body for the walls, with a camera `above` that looks down."""
+class MujocoScene(NamedTuple):
+    """A MuJoCo model, and in it the body for the walls."""
+
+    root: ET.Element
+    body: ET.Element
+
+
+def mjcf(name: str, camera: tuple[float, float, float]) -> MujocoScene:
+    """A MuJoCo model without walls, with a camera `above` that looks down from a point [m]."""
     root = ET.Element("mujoco", model=name)
     add(root, "compiler", angle="radian")
     body = add(add(root, "worldbody"), "body", name="pipe")
     add(body, "camera", name="above", pos=text(*camera))
-    return root, body
+    return MujocoScene(root, body)
 
 
 def urdf(name: str, shapes: Sequence[Shape]) -> ET.Element:
-    """One link without mass, which loaders take for a fixed one."""
+    """A URDF model of one link without mass, which loaders take for a fixed one."""
     root = ET.Element("robot", name=name)
     add(add(root, "material", name="wall"), "color", rgba=COLOUR)
     link = add(root, "link", name="pipe")
@@ -48,7 +55,7 @@ def urdf(name: str, shapes: Sequence[Shape]) -> ET.Element:
     for use in ("visual", "collision"):
         for shape in shapes:
             part = add(link, use, name=f"wall_{shape.name}")
-            *xyz, yaw = shape.place
+            *xyz, yaw = shape.pose
             add(part, "origin", xyz=text(*xyz), rpy=text(0, 0, yaw))
             key = {"box": "size", "mesh": "filename"}[shape.kind]
             add(add(part, "geometry"), shape.kind, **{key: shape.content})
@@ -58,7 +65,7 @@ def urdf(name: str, shapes: Sequence[Shape]) -> ET.Element:
 
 
 def sdf(name: str, shapes: Sequence[Shape]) -> ET.Element:
-    """One static model with one link, children in the order of SDFormat's own description files."""
+    """A static SDF model with one link, children in the order of SDFormat's own description files."""
     root = ET.Element("sdf", version="1.7")
     model = add(root, "model", name=name)
     add(model, "static").text = "true"
@@ -66,7 +73,7 @@ def sdf(name: str, shapes: Sequence[Shape]) -> ET.Element:
     for use in ("collision", "visual"):
         for shape in shapes:
             part = add(link, use, name=f"wall_{shape.name}_{use}")
-            *xyz, yaw = shape.place
+            *xyz, yaw = shape.pose
             add(part, "pose").text = text(*xyz, 0, 0, yaw)
             if use == "visual":
                 material = add(part, "material")
@@ -78,13 +85,16 @@ def sdf(name: str, shapes: Sequence[Shape]) -> ET.Element:
 
 
 def add(parent: ET.Element, tag: str, **attributes: str) -> ET.Element:
+    """Append an element to its parent and return it."""
     return ET.SubElement(parent, tag, attributes)
 
 
 def text(*numbers: float) -> str:
+    """Numbers as an attribute's text, to nine digits."""
     return " ".join(f"{number:.9g}" for number in numbers)
 
 
 def write_xml(path: Path, root: ET.Element) -> None:
+    """Write an element as an indented XML file."""
     ET.indent(root)
     ET.ElementTree(root).write(path, encoding="utf-8", xml_declaration=True)

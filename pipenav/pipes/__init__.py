@@ -1,14 +1,16 @@
-"""What a pipe is: one corner or a route of several, its walls, solids and named sets."""
+"""Pipes: one corner or a route of several, their walls, solids and named sets."""
 
 from pipenav.pipes.centre_lines import CentreLines, LegCoordinates
-from pipenav.pipes.corner import PipeCorner, Turn
-from pipenav.pipes.corner_sets import parse_pipes, pipe_set_names
+from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.corner_sets import corner_set_names, parse_corners
 from pipenav.pipes.corner_solids import Box, Mesh, boards_mesh, tube_mesh, wall_boxes
 from pipenav.pipes.json_keys import PipeInFile
-from pipenav.pipes.pipe import LegFrames, Pipe, WallSide
-from pipenav.pipes.route import Corner, CrossesItself, PipeRoute
+from pipenav.pipes.pipe import LegFrames, Pipe, Turn, WallSide
+from pipenav.pipes.route import PipeRoute, as_route
+from pipenav.pipes.route_checks import CrossesItself
+from pipenav.pipes.route_corner import Corner
 from pipenav.pipes.route_legs import about_x
-from pipenav.pipes.route_sets import parse_any, parse_routes, route_set_names
+from pipenav.pipes.route_sets import NamedRoute, parse_pipes, parse_routes, route_set_names
 from pipenav.pipes.route_solids import route_boards_mesh, route_tube_mesh, wall_prisms
 
 __all__ = [
@@ -19,6 +21,7 @@ __all__ = [
     "LegCoordinates",
     "LegFrames",
     "Mesh",
+    "NamedRoute",
     "Pipe",
     "PipeCorner",
     "PipeInFile",
@@ -26,11 +29,12 @@ __all__ = [
     "Turn",
     "WallSide",
     "about_x",
+    "as_route",
     "boards_mesh",
-    "parse_any",
+    "corner_set_names",
+    "parse_corners",
     "parse_pipes",
     "parse_routes",
-    "pipe_set_names",
     "route_boards_mesh",
     "route_set_names",
     "route_tube_mesh",

@@ -1,24 +1,26 @@
-"""Which leg of its pipe a point belongs to, and how far along: the one answer, for n pipes at once, in plane or space."""
+"""Centre lines of n pipes at once, in plane or space: the leg that a point belongs to, and its distance along."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from pipenav.arrays import Floats, Ints
-from pipenav.pipes.pipe import Pipe
+
+if TYPE_CHECKING:
+    from pipenav.pipes.pipe import Pipe
 
 
 class LegCoordinates(NamedTuple):
     """Points of n pipes' frames, m of each, seen from the legs that they belong to.
 
     Attributes:
-        leg: the leg, counted from 0, (n, m).
+        leg: leg of each point, counted from 0, (n, m).
         local: position from the leg's start: along it, to its left and, in space, upwards, (n, m, dimensions) [m].
-        beyond: how far past an open end the point lies, 0 for most points, (n, m) [m].
+        beyond: distance past an open end, 0 for most points, (n, m) [m].
     """
 
     leg: Ints
@@ -30,18 +32,19 @@ class CentreLines(NamedTuple):
     """The centre lines of n pipes of at most `legs` straight legs, in the plane (dimensions 2) or in space (3).
 
     Rows that a shorter pipe leaves over are 0. A row of `mitre`, `end` and `turn_sign` describes the corner at the
-    leg's end, of which the last leg has none.
+    leg's end; for the last leg, which ends in no corner, it is 0.
 
     Attributes:
-        start: where each leg begins, (n, legs, dimensions) [m].
+        start: points where the legs begin, (n, legs, dimensions) [m].
         axes: unit vectors along the leg, to its left and upwards as columns, (n, legs, dimensions, dimensions).
-        mitre: normals of the planes that part each leg from the next, forwards, (n, legs, dimensions).
+        mitre: normals of the planes that part each leg from the next, forwards, (n, legs, dimensions); the planes
+            halve the angle between the legs, whatever fitting joins them.
         offset: distance along the centre line at which each leg begins; 0 is the first corner, (n, legs) [m].
         low, high: the part of the centre line that is the leg's, from its start, (n, legs) [m].
         ahead, behind: distance from the leg's start to an open end; far away where there is none, (n, legs) [m].
         end: distance along the centre line at which each corner's inner wall stops bending, (n, legs) [m].
-        turn_sign: +1 for each corner that turns left, -1 for a right one; of pipes in the plane, (n, legs).
-        radius: radius of the bore, (n, 1) [m].
+        turn_sign: +1 for each corner that turns left, -1 for a right one, 0 for all in space, (n, legs).
+        radius: radius of the bore, (n, legs) [m].
     """
 
     start: Floats
@@ -80,14 +83,11 @@ class CentreLines(NamedTuple):
         return mine
 
     def _with_room(self, legs: int) -> CentreLines:
+        """The same centre lines with rows for so many legs."""
         more = legs - self.offset.shape[1]
         if not more:
             return self
-        columns = self._asdict()
-        for name, column in columns.items():
-            if name != "radius":
-                columns[name] = np.pad(column, [(0, 0), (0, more), *[(0, 0)] * (column.ndim - 2)])
-        return CentreLines(**columns)
+        return CentreLines(*(np.pad(field, [(0, 0), (0, more), *[(0, 0)] * (field.ndim - 2)]) for field in self))
 
     @property
     def corners(self) -> Ints:
@@ -95,12 +95,16 @@ class CentreLines(NamedTuple):
         return np.asarray(np.count_nonzero(self.turn_sign, axis=1))
 
     def turn_signs(self, corner: Ints) -> Floats:
-        """+1 or -1 for a corner (n,) of each pipe, the one before and the one after; 0 where there is none, (n, 3)."""
+        """Turns around one corner of each pipe: +1 or -1 for the corner, the one before and the one after; (n, 3).
+
+        Args:
+            corner: corner of each pipe, counted from 0, (n,). Where the pipe has no corner the turn is 0.
+        """
         around = np.pad(self.turn_sign, [(0, 0), (1, 0)])  # the last leg's 0 stands behind the last corner
         return np.asarray(np.take_along_axis(around, corner[:, None] + np.array([1, 0, 2]), axis=1))
 
     def locate(self, points: Floats) -> LegCoordinates:
-        """The legs of points (n, m, dimensions) [m], and where they lie in them.
+        """Legs of points (n, m, dimensions) [m], and the points' coordinates in them.
 
         A point belongs to the leg in whose bore it lies, and where it lies in none to the nearest of those between
         whose mitres it lies. The first and the last leg have one mitre, and go on past their open ends. A point in a
@@ -119,15 +123,15 @@ class CentreLines(NamedTuple):
         away = np.where(between, np.where(in_bore, 0.0, np.hypot(off_axis, beyond)), np.inf)
         leg = away.argmin(axis=-1)  # (n, m)
 
-        def chosen(values: Floats) -> Floats:
+        def in_leg(values: Floats) -> Floats:
             return np.asarray(np.take_along_axis(values, leg[..., None], axis=-1)[..., 0])
 
-        return LegCoordinates(leg, np.stack([chosen(along) for along in local], axis=-1), chosen(beyond))
+        return LegCoordinates(leg, np.stack([in_leg(values) for values in local], axis=-1), in_leg(beyond))
 
     def distance(self, points: Floats) -> Floats:
         """Distance along the centre line of points (n, m, dimensions) [m], 0 at the first corner: (n, m) [m].
 
-        A point counts to the nearest place of its leg's part of the centre line, which goes on past the open ends. So
+        A point counts to the nearest point of its leg's part of the centre line, which goes on past the open ends. So
         the distance jumps where a point passes a mitre by its inner edge, and rests where it passes farther out.
         """
         leg, local, _ = self.locate(points)
@@ -140,8 +144,8 @@ class CentreLines(NamedTuple):
 def _centre_line(pipe: Pipe, dimensions: int) -> CentreLines:
     """The centre line of one pipe, n = 1."""
     if dimensions == 2:
-        _ = pipe.segments  # which only a pipe in the plane has
-    start, axes, length = pipe.leg_frames
+        _ = pipe.segments  # raises where the pipe leaves the plane
+    start, axes, length, radius = pipe.leg_frames
     legs, d = len(length), dimensions
     direction = axes[:, :d, 0]
     first, last = np.arange(legs) == 0, np.arange(legs) == legs - 1
@@ -158,5 +162,5 @@ def _centre_line(pipe: Pipe, dimensions: int) -> CentreLines:
         behind=np.where(first, 0.0, -np.inf)[None],
         end=np.append(np.cumsum(length)[:-1] - length[0] + pipe.inner_edges, 0.0)[None],
         turn_sign=np.append(turn_signs, 0.0)[None],
-        radius=np.array([[pipe.radius]]),
+        radius=radius[None],
     )

@@ -7,14 +7,14 @@ import numpy as np
 from pipenav.arrays import Floats
 
 ROUNDS = 1000
-"""Rounds until two bodies count as too near: only those whose distance is the asked one to a hair need so many."""
+"""Rounds after which two bodies count as too near: only bodies at almost exactly the asked distance need so many."""
 
 
 def apart(a: Floats, b: Floats, distance: float) -> bool:
     """Whether the convex hulls of points (n, 3) and (m, 3) are farther apart than a distance above 0 [m].
 
-    Gilbert's method: `between` is the shortest known vector from one hull to the other. The hulls are as far apart as
-    their farthest points towards each other along it, at least; and no farther than it is long.
+    Gilbert's method: `between` is the shortest known vector from one hull to the other. Along it, the hulls are at
+    least as far apart as their farthest points towards each other, and at most as far as it is long.
     (E. G. Gilbert, "An iterative procedure for computing the minimum of a quadratic form on a convex set", 1966.)
     """
     between = a.mean(axis=0) - b.mean(axis=0)

@@ -15,35 +15,16 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import TYPE_CHECKING, Literal, NamedTuple, Self, cast
+from typing import NamedTuple, Self
 
 import numpy as np
 from pydantic import model_validator
 
 from pipenav.arrays import Flags, Floats
-from pipenav.errors import OutOfRange, PipenavError
-from pipenav.pipes.pipe import DEFAULT_WALL, LegFrames, Pipe, WallSide
+from pipenav.pipes.corner_checks import LEG_MAX_MM, check_corner, check_range, check_turn, default_leg, shortest_leg
+from pipenav.pipes.corner_lines import arc_chords, fillet_radius, tangent_length
+from pipenav.pipes.pipe import DEFAULT_WALL, LegFrames, Pipe, Turn, WallSide
 from pipenav.units import deg_to_rad, m_to_mm, mm_to_m, rad_to_deg
-
-if TYPE_CHECKING:
-    from pipenav.pipes.route import PipeRoute
-
-Turn = Literal["left", "right"]
-
-DIAMETER_RANGE_MM = (40.0, 300.0)
-ANGLE_RANGE_DEG = (30.0, 180.0)
-BEND_RADIUS_MAX_MM = 3000.0
-WALL_RANGE_MM = (0.5, 50.0)
-LEG_MAX_MM = 20000.0
-
-MIN_DEFAULT_LEG = 0.6
-"""Shortest default leg [m]: the longest half robot (0.39 m) and its way to the corner fit in it."""
-
-ARC_TOLERANCE = 1e-4
-"""Largest distance [m] between an arc and the chords that stand for it."""
-
-SHARP = 1e-6
-"""An arc of a smaller radius than this [m] is drawn as a corner: its chords would be shorter than any tool resolves."""
 
 
 class Lines(NamedTuple):
@@ -54,12 +35,12 @@ class Lines(NamedTuple):
 
 
 class PipeCorner(Pipe):
-    """One corner. All lengths in metres, angles in radians; `PipeCorner.of` takes millimetres and degrees.
+    """A single corner. All lengths in metres, angles in radians; `PipeCorner.of` takes millimetres and degrees.
 
     Attributes:
         diameter: inner diameter of both legs [m].
         angle: interior angle between the legs [rad]; pi is a straight pipe.
-        turn: the side that the pipe turns to, seen by the robot.
+        turn: side that the pipe turns to, seen by the robot.
         bend_radius: radius of the centre line's bend [m]; 0 is a mitre.
         leg: length of each leg along its centre line, from the corner [m].
         wall: wall thickness [m].
@@ -80,34 +61,34 @@ class PipeCorner(Pipe):
         leg_mm: float | None = None,
         wall_mm: float | None = None,
     ) -> Self:
-        """A pipe from the numbers that people use.
+        """A corner from the numbers that people use.
 
         Raises:
             OutOfRange: a number outside its allowed range; for the leg that range begins past the bend.
             PipenavError: an unknown turn.
         """
-        turn_sign = check_turn(turn)
+        side = check_turn(turn)
         wall = DEFAULT_WALL if wall_mm is None else mm_to_m(wall_mm)
         diameter, angle, bend = mm_to_m(diameter_mm), deg_to_rad(angle_deg), mm_to_m(bend_radius_mm)
-        _check_corner(diameter, angle, bend, wall)  # before the leg, whose default follows from these
-        shortest = _shortest_leg(diameter, angle, bend, wall)
+        check_corner(diameter, angle, bend, wall)  # before the leg, whose default follows from these
+        shortest = shortest_leg(diameter, angle, bend, wall)
         leg = default_leg(shortest, diameter) if leg_mm is None else mm_to_m(leg_mm)
-        return cls(diameter=diameter, angle=angle, turn=turn_sign, bend_radius=bend, leg=leg, wall=wall)
+        return cls(diameter=diameter, angle=angle, turn=side, bend_radius=bend, leg=leg, wall=wall)
 
     @model_validator(mode="after")
     def _within_ranges(self) -> Self:
-        _check_corner(self.diameter, self.angle, self.bend_radius, self.wall)
-        shortest = m_to_mm(_shortest_leg(self.diameter, self.angle, self.bend_radius, self.wall))
+        check_corner(self.diameter, self.angle, self.bend_radius, self.wall)
+        shortest = m_to_mm(shortest_leg(self.diameter, self.angle, self.bend_radius, self.wall))
         check_range("leg length", m_to_mm(self.leg), math.ceil(shortest - 1e-9), LEG_MAX_MM, "mm")
         return self
 
     def __hash__(self) -> int:
-        """As pydantic would, ten times faster: pipes are keys of what is worked out once for each."""
+        """Hash over all fields, ten times faster than pydantic's: pipes are keys of caches."""
         return hash((self.diameter, self.angle, self.turn, self.bend_radius, self.leg, self.wall))
 
     @property
     def turn_sign(self) -> float:
-        """+1 for a left turn, -1 for a right one: y of a left-turn frame times this is y of the pipe's frame."""
+        """+1 for a left turn, -1 for a right one: y of the canonical frame times this is y of the pipe's frame."""
         return 1.0 if self.turn == "left" else -1.0
 
     @property
@@ -122,7 +103,7 @@ class PipeCorner(Pipe):
 
     @property
     def inner_edge(self) -> float:
-        """How far before and after the corner, along either leg, the inner wall's bend ends [m]."""
+        """Distance along either leg from the corner to where the inner wall's bend ends [m]."""
         return self.tangent_length(self.radius)
 
     @property
@@ -132,22 +113,21 @@ class PipeCorner(Pipe):
 
     @property
     def name(self) -> str:
-        """`corner-d100-a75-left`; a bend radius is added where there is one."""
+        """`corner-d100-a75-left`: diameter [mm], interior angle [deg], turn; a bend radius [mm] before the turn."""
         bend = f"-r{m_to_mm(self.bend_radius):g}" if self.bend_radius else ""
         return f"corner-d{m_to_mm(self.diameter):g}-a{rad_to_deg(self.angle):g}{bend}-{self.turn}"
 
     @property
     def label(self) -> str:
-        """The pipe in words, for tables and messages."""
         return f"{m_to_mm(self.diameter):g} mm, {rad_to_deg(self.angle):g} deg, {self.turn}"
 
     def tangent_length(self, offset: float) -> float:
         """Distance along a leg from the corner to where the line at `offset` starts to bend [m]."""
-        return (offset + _fillet(offset, self.bend_radius)) / math.tan(self.angle / 2)
+        return tangent_length(offset, self.bend_radius, self.angle)
 
     def apex(self, offset: float) -> float:
-        """Where the line at `offset` crosses the corner's bisector [m], positive towards the inside of the turn."""
-        fillet = _fillet(offset, self.bend_radius)
+        """Position at which the line at `offset` crosses the corner's bisector [m], positive towards the inside."""
+        fillet = fillet_radius(offset, self.bend_radius)
         return (offset + fillet) / math.sin(self.angle / 2) - fillet
 
     def line(self, offset: float, arc_segments: int | None = None) -> Floats:
@@ -155,14 +135,14 @@ class PipeCorner(Pipe):
 
         Args:
             offset: distance from the centre line.
-            arc_segments: chords that stand for the arc, 0 for a corner; by default as few as `ARC_TOLERANCE` allows.
+            arc_segments: chords that stand for the arc, 0 for a corner; by default as few as the tolerance allows.
         """
         half = self.angle / 2
-        radius = _fillet(offset, self.bend_radius)
+        radius = fillet_radius(offset, self.bend_radius)
         start = self.tangent_length(offset)
         turn_angle = math.pi - self.angle
         if arc_segments is None:
-            arc_segments = _arc_segments(radius, turn_angle)
+            arc_segments = arc_chords(radius, turn_angle)
         phi = np.linspace(0.0, turn_angle, arc_segments + 1) if arc_segments else np.zeros(1)  # (k,)
         centre = np.array([-start, offset + radius])
         arc = centre + radius * np.stack([np.sin(phi), -np.cos(phi)], axis=1)
@@ -182,17 +162,15 @@ class PipeCorner(Pipe):
 
     @property
     def segments(self) -> Floats:
-        """Wall segments `[[x1, y1], [x2, y2]]`, free space on the left of each: (s, 2, 2) [m], read-only."""
         return _segments(self)
 
     @property
     def edges(self) -> Flags:
-        """Which ends of the segments lie at an inner edge, (s, 2); an open end counts as its segment's other end."""
         inner = np.arange(len(self.segments)) >= len(self.walls.outer) - 1
         return np.stack([inner, inner], axis=1)
 
     def contains(self, points: Floats) -> Flags:
-        """Whether points (..., 2) lie inside the pipe (not in or beyond a wall, nor beyond an open end): (...)."""
+        """Flags of points (..., 2) inside the pipe, not in or beyond a wall, nor beyond an open end: (...)."""
         outline = np.concatenate([self.walls.outer, self.walls.inner[::-1]])
         x, y = np.moveaxis(np.asarray(points, float), -1, 0)
         inside = np.zeros(x.shape, bool)
@@ -210,7 +188,7 @@ class PipeCorner(Pipe):
 
     @property
     def planar(self) -> bool:
-        """True: a corner lies in the plane."""
+        """Always True: a corner lies in the plane."""
         return True
 
     @property
@@ -238,20 +216,14 @@ class PipeCorner(Pipe):
     def corner(self) -> Self:
         return self
 
-    @property
-    def route(self) -> PipeRoute:
-        from pipenav.pipes.route import PipeRoute
-
-        return PipeRoute.from_corner(self)
-
     def with_ends(self, first: float, last: float) -> Self:
-        """The corner with legs as long as the longer of the two; they stay alike."""
+        """The corner with legs of one length: at least the longer of the two [m]."""
         need = max(first, last)
         return self if self.leg >= need else self.model_copy(update={"leg": need})
 
 
-# Kept beside the pipes and not in them: a cached array inside a model breaks its equality and outlives a copy's update.
-# Large enough for every pipe of the largest shipped training set.
+# Caches lie beside the pipes: a cached array inside a model breaks its equality and outlives a copy's update.
+# They hold every pipe of the largest shipped training set.
 @lru_cache(maxsize=4096)
 def _walls(pipe: PipeCorner) -> Lines:
     lines = Lines(pipe.line(pipe.radius), pipe.line(-pipe.radius))
@@ -262,12 +234,12 @@ def _walls(pipe: PipeCorner) -> Lines:
 
 @lru_cache(maxsize=4096)
 def _leg_frames(pipe: PipeCorner) -> LegFrames:
-    (x, y), length = pipe.second_leg, np.array([pipe.leg, pipe.leg])
+    (x, y), length, radius = pipe.second_leg, np.full(2, pipe.leg), np.full(2, pipe.radius)
     start = np.array([[-pipe.leg, 0.0, 0.0], [0.0, 0.0, 0.0]])
     axes = np.stack([np.eye(3), np.array([[x, -y, 0.0], [y, x, 0.0], [0.0, 0.0, 1.0]])])
-    for array in (start, axes, length):
+    for array in (start, axes, length, radius):
         array.setflags(write=False)
-    return LegFrames(start, axes, length)
+    return LegFrames(start, axes, length, radius)
 
 
 @lru_cache(maxsize=4096)
@@ -279,59 +251,3 @@ def _segments(pipe: PipeCorner) -> Floats:
         stacked = stacked[:, ::-1]
     stacked.setflags(write=False)
     return stacked
-
-
-def _fillet(offset: float, bend_radius: float) -> float:
-    return bend_radius - min(max(offset, -bend_radius), bend_radius)
-
-
-def _arc_segments(radius: float, turn_angle: float) -> int:
-    if radius < SHARP or turn_angle < 1e-9:
-        return 0
-    step = 2 * math.acos(1 - min(ARC_TOLERANCE / radius, 1.0))
-    return max(1, math.ceil(turn_angle / step))
-
-
-def _shortest_leg(diameter: float, angle: float, bend_radius: float, wall: float) -> float:
-    """The legs must reach past every bend, of the outer surface too, by a tenth of the diameter."""
-    outside = diameter / 2 + wall
-    reach = max((o + _fillet(o, bend_radius)) / math.tan(angle / 2) for o in (-outside, outside))
-    return max(reach, 0.0) + 0.1 * diameter
-
-
-def check_turn(turn: str) -> Turn:
-    """The turn of that name.
-
-    Raises:
-        PipenavError: there is none.
-    """
-    if turn not in ("left", "right"):
-        raise PipenavError(f"turn {turn!r} is unknown: choose 'left' or 'right'.")
-    return cast(Turn, turn)
-
-
-def default_leg(shortest: float, diameter: float) -> float:
-    """A leg's length where none is given, in whole centimetres [m].
-
-    Args:
-        shortest: the shortest that is allowed [m].
-        diameter: inner diameter [m].
-    """
-    return max(MIN_DEFAULT_LEG, math.ceil((shortest + diameter) * 100) / 100)
-
-
-def _check_corner(diameter: float, angle: float, bend_radius: float, wall: float) -> None:
-    check_range("diameter", m_to_mm(diameter), *DIAMETER_RANGE_MM, "mm")
-    check_range("interior angle", rad_to_deg(angle), *ANGLE_RANGE_DEG, "deg")
-    check_range("bend radius", m_to_mm(bend_radius), 0.0, BEND_RADIUS_MAX_MM, "mm")
-    check_range("wall thickness", m_to_mm(wall), *WALL_RANGE_MM, "mm")
-
-
-def check_range(what: str, given: float, low: float, high: float, unit: str) -> None:
-    """Refuse a number outside its range, NaN too.
-
-    Raises:
-        OutOfRange: with what was given and what is allowed.
-    """
-    if not low - 1e-9 <= given <= high + 1e-9:  # also false for NaN
-        raise OutOfRange(what, given, low, high, unit)

@@ -1,4 +1,4 @@
-"""Sets of pipes: shipped ones by name, a TOML file, or one pipe typed as `d=90,angle=60,turn=right`."""
+"""Sets of single corners: shipped ones by name, a TOML file, or one corner typed as `d=90,angle=60,turn=right`."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from pipenav.storage.atomic_files import read_toml
 _File = TypeVar("_File", bound=BaseModel)
 
 MAX_STEPS = 1000
-"""Steps of a range: more is a slip of the keyboard."""
+"""Most steps of a range: more is a slip of the keyboard."""
 
 
 class _Range(BaseModel):
@@ -49,13 +49,13 @@ class _Range(BaseModel):
 _List = Annotated[list[float], Field(min_length=1)]
 Values = Annotated[
     Annotated[_List, Tag("list")] | Annotated[_Range, Tag("range")],
-    Discriminator(lambda given: "range" if isinstance(given, dict | _Range) else "list"),  # one of them to complain
+    Discriminator(lambda given: "range" if isinstance(given, dict | _Range) else "list"),
 ]
-"""Numbers in a set's file: a list, or a range with both ends."""
+"""Numbers in a set's file: a list, or a range with both ends. Only the kind that was meant reports a problem."""
 
 
-class PipeSetFile(BaseModel):
-    """A pipe set as TOML: every diameter with every angle and turn."""
+class CornerSetFile(BaseModel):
+    """A set of corners as TOML: every diameter with every angle and turn."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -65,8 +65,8 @@ class PipeSetFile(BaseModel):
     turns: list[str] = Field(["left"], min_length=1)
     bend_radius_mm: float = 0.0
 
-    def pipes(self) -> list[PipeCorner]:
-        """Every diameter with every angle, first to one side, then to the other."""
+    def make(self) -> list[PipeCorner]:
+        """The corners: every diameter with every angle, first to one side, then to the other."""
         diameters, angles = values_of(self.diameters_mm), values_of(self.angles_deg)
         return [
             PipeCorner.of(d, a, turn, self.bend_radius_mm) for turn in self.turns for d in diameters for a in angles
@@ -78,13 +78,15 @@ def values_of(given: Values) -> list[float]:
     return given.values() if isinstance(given, _Range) else given
 
 
-def pipe_set_names() -> list[str]:
-    """The shipped pipe sets."""
+def corner_set_names() -> list[str]:
+    """Names of the shipped sets of corners."""
     return sorted(path.stem for path in shipped.pipes_dir().glob("*.toml"))
 
 
-def parse_pipes(given: Sequence[str]) -> list[PipeCorner]:
-    """All pipes of the given sets, in order, each once.
+def parse_corners(given: Sequence[str]) -> list[PipeCorner]:
+    """All single corners of the given sets, in order, each once.
+
+    `pipenav.pipes.route_sets.parse_pipes` takes routes too.
 
     Args:
         given: shipped names, TOML files, or `d=90,angle=60[,turn=right][,bend_radius=100]` (mm, deg).
@@ -92,21 +94,21 @@ def parse_pipes(given: Sequence[str]) -> list[PipeCorner]:
     Raises:
         PipenavError: something that is none of these, or a pipe that is out of range.
     """
-    pipes = [pipe for text in given for pipe in _parse_one(text)]
-    return list(dict.fromkeys(pipes))
+    corners = [corner for text in given for corner in _parse_one(text)]
+    return list(dict.fromkeys(corners))
 
 
 def _parse_one(text: str) -> list[PipeCorner]:
     if text.endswith(".toml"):
         return _read(Path(text))
     if "=" in text:
-        return [_typed_pipe(text)]
-    if text not in pipe_set_names():
-        raise UnknownName("pipe set", text, [*pipe_set_names(), "FILE.toml", "d=90,angle=60"])
+        return [_typed_corner(text)]
+    if text not in corner_set_names():
+        raise UnknownName("pipe set", text, [*corner_set_names(), "FILE.toml", "d=90,angle=60"])
     return _read(shipped.pipes_dir() / f"{text}.toml")
 
 
-def _typed_pipe(text: str) -> PipeCorner:
+def _typed_corner(text: str) -> PipeCorner:
     allowed = {"d": None, "angle": None, "turn": "left", "bend_radius": "0"}
     values = {}
     for part in text.split(","):
@@ -123,16 +125,16 @@ def _typed_pipe(text: str) -> PipeCorner:
 
 
 def _read(path: Path) -> list[PipeCorner]:
-    return read_as(PipeSetFile, path).pipes()
+    return read_as(CornerSetFile, path).make()
 
 
 def read_as(kind: type[_File], path: Path, inner: type[BaseModel] = _Range) -> _File:
-    """A TOML file of a kind.
+    """A TOML file as a model.
 
     Args:
-        kind: what it must fit.
+        kind: model of the whole file.
         path: the file.
-        inner: what the tables in it are.
+        inner: model of the tables in it, for the keys that a message suggests.
 
     Raises:
         FileProblem: the file cannot be read.
@@ -142,7 +144,7 @@ def read_as(kind: type[_File], path: Path, inner: type[BaseModel] = _Range) -> _
     try:
         return kind.model_validate(table)
     except ValidationError as error:
-        table_of_key = [str(part) for part in error.errors()[0]["loc"][:-1]]
-        fields = (inner if table_of_key else kind).model_fields
-        known = [".".join([*table_of_key, field.alias or name]) for name, field in fields.items()]
+        prefix = [str(part) for part in error.errors()[0]["loc"][:-1]]
+        fields = (inner if prefix else kind).model_fields
+        known = [".".join([*prefix, field.alias or name]) for name, field in fields.items()]
         raise ConfigError.from_validation(str(path), error, known) from error

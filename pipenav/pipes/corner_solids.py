@@ -1,4 +1,4 @@
-"""The pipe as solids: meshes of its boards and of its tube, and its walls as boxes.
+"""A corner as solids: meshes of its boards and of its tube, and its walls as boxes.
 
 Simulators collide a concave mesh as its convex hull, so scenes are made of boxes. Each has one face flush with its
 wall segment and lies in the wall's material entirely: nothing stands out into free space, however sharp the corner.
@@ -14,20 +14,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipenav.arrays import Floats
-from pipenav.pipes.corner import ARC_TOLERANCE, PipeCorner
+from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.corner_lines import ARC_TOLERANCE
 from pipenav.units import m_to_mm
 
 MESH_GRID_MM = 1e-3
-"""Mesh points are rounded to this, so that the 32-bit numbers of an STL never part or join them by chance."""
+"""Grid to which mesh points are rounded [mm]: the 32-bit numbers of an STL must not part or join them by chance."""
 
 THINNING = 8.0
-"""Towards a sharp inner edge each box is this many times thinner than the one before it."""
+"""Ratio of the thicknesses of two neighbouring boxes towards a sharp inner edge."""
 
 EDGE_TOLERANCE = 5e-5
 """Length [m] at the very tip of a sharp inner edge that no box needs to fill."""
 
 OVERLAP = 2e-3
-"""How far boxes run past each other at least, where they can [m]: Bullet rounds every box by 1 mm."""
+"""Least length by which neighbouring boxes overlap, where they can [m]: Bullet rounds every box by 1 mm."""
 
 Faces = NDArray[np.int64]
 
@@ -40,7 +41,7 @@ class Mesh(NamedTuple):
 
 
 class Box(NamedTuple):
-    """A part of a wall, as high as the pipe, centred on the pipe's plane: place and size [m], yaw [rad]."""
+    """A part of a wall, as high as the pipe, centred on the pipe's plane: position and size [m], yaw [rad]."""
 
     name: str
     x: float
@@ -51,7 +52,7 @@ class Box(NamedTuple):
 
 
 class Stair(NamedTuple):
-    """From where to where along a face a box may be how thick [m]."""
+    """Thickness that a box may have on a part of a face, from low to high along it [m]."""
 
     low: float
     high: float
@@ -82,8 +83,8 @@ def boards_between(boards: list[tuple[Floats, Floats]], half_height: float, mirr
     """Boards that stand on the plane's lower side, half above and half below it.
 
     Args:
-        boards: the right and the left side of each, seen along the pipe, points (k, 2) [m].
-        half_height: half of their height [m].
+        boards: right and left side of each board, seen along the pipe, points (k, 2) [m].
+        half_height: half of the boards' height [m].
         mirrored: whether right and left are exchanged.
     """
     caps = np.array([[0, 1, 2], [0, 2, 3]])
@@ -106,26 +107,26 @@ def tube_between(inner: Floats, outer: Floats, mirrored: bool = False) -> Mesh:
         inner, outer: lines along the surfaces, in order around them from left upwards, (lines, stations, 3) [m].
         mirrored: whether right and left are exchanged.
     """
-    # There along the inner surface and back along the outer one: that closes the ends of the wall.
+    # A ring goes along the inner surface and back along the outer one, which closes the ends of the wall.
     grid = np.concatenate([inner, outer[:, ::-1]], axis=1).swapaxes(0, 1)  # (2 stations, lines, 3)
     return _mesh(grid.reshape(-1, 3), _grid_faces(len(grid), len(inner), closed=True), mirrored)
 
 
 def round_angles(radius: float) -> Floats:
-    """Where lines stand for a circle of a radius [m], within half the tolerance of arcs, (lines,) [rad]."""
+    """Angles of lines that stand for a circle of a radius [m], within half the tolerance of arcs, (lines,) [rad]."""
     count = 4 * math.ceil(math.pi / 4 / math.acos(1 - ARC_TOLERANCE / 2 / radius))
     return np.asarray(np.arange(count) * (2 * math.pi / count))
 
 
 def at_height(line: Floats, z: float) -> Floats:
-    """Points (k, 2) of the plane at a height, (k, 3)."""
+    """Points (k, 2) of the plane, raised to a height, (k, 3)."""
     return np.column_stack([line, np.full(len(line), z)])
 
 
 def wall_boxes(pipe: PipeCorner) -> list[Box]:
     """The walls as boxes; only the last `EDGE_TOLERANCE` of a sharp inner edge stays unfilled."""
     count = len(pipe.walls.outer) - 1
-    order = 1 if pipe.turn == "left" else -1  # segments keep the pipe on their left: those of a right turn run back
+    order = 1 if pipe.turn == "left" else -1  # segments have the pipe on their left: those of a right turn run back
     outer, inner = pipe.segments[:count][::order], pipe.segments[count:][::order]
     if pipe.angle == math.pi:
         outer, inner = (np.array([[chain[0, 0], chain[-1, 1]]]) for chain in (outer, inner))
@@ -133,7 +134,7 @@ def wall_boxes(pipe: PipeCorner) -> list[Box]:
 
 
 def _chords(pipe: PipeCorner) -> int:
-    """Chords for every arc of a mesh: twice as many as the largest arc needs, for a quarter of the tolerance."""
+    """Number of chords for every arc of a mesh: twice that of the largest arc, for a quarter of the tolerance."""
     return 2 * (len(pipe.line(-pipe.radius - pipe.wall)) - 3)
 
 
@@ -158,7 +159,7 @@ def _mesh(points: Floats, triangles: Faces, mirrored: bool) -> Mesh:
 
 def _outer_boxes(chain: Floats, wall: float) -> list[Box]:
     """Boxes behind a chain of segments (s, 2, 2) that bends towards free space, lengthened to close the outside."""
-    along, length = _directions(chain)
+    along, length = _steps(chain)
     cosine = np.sum(along[:-1] * along[1:], axis=1)
     mitre = np.maximum(wall * np.minimum(np.sqrt((1 - cosine) / (1 + cosine)), 1.0), OVERLAP)
     before, after = np.append(0.0, mitre), np.append(mitre, 0.0)
@@ -172,7 +173,7 @@ def _inner_boxes(chain: Floats, wall: float) -> list[Box]:
     A box as thick as the wall would come out on the other side of a sharp edge. So where the material thins out, a
     staircase of ever thinner boxes follows the face.
     """
-    along, length = _directions(chain)
+    along, length = _steps(chain)
     boxes: list[Box] = []
     for start, direction, reach in zip(chain[:, 0], along, length, strict=True):
         for stair in _stairs(start, direction, reach, chain[:, 0], along, wall):
@@ -209,11 +210,18 @@ def _stairs(
             return
 
 
-def _directions(chain: Floats) -> tuple[Floats, Floats]:
-    """Unit vectors (s, 2) and lengths (s,) of segments (s, 2, 2)."""
+class _Steps(NamedTuple):
+    """Unit vectors (s, 2) and lengths (s,) [m] of segments."""
+
+    along: Floats
+    length: Floats
+
+
+def _steps(chain: Floats) -> _Steps:
+    """Directions and lengths of segments (s, 2, 2)."""
     step = chain[:, 1] - chain[:, 0]
     length = np.linalg.norm(step, axis=1)
-    return step / length[:, None], length
+    return _Steps(step / length[:, None], length)
 
 
 def _right(direction: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""The keys under which pipes stand in JSON files, and a pipe's fields from them."""
+"""Keys under which pipes stand in JSON files, and a pipe's fields from them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Discriminator, PlainSerializer, Tag
 
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.pipe import Pipe
-from pipenav.pipes.route import PipeRoute
+from pipenav.pipes.route import PipeRoute, as_route
 
 CORNER_KEYS = {
     "turn": "turn",
@@ -19,13 +19,13 @@ CORNER_KEYS = {
     "leg": "leg_m",
     "wall": "wall_m",
 }
-"""The field of a `PipeCorner` behind each key of pipe.json that it is read from; the other keys follow from these."""
+"""Keys of pipe.json from which a `PipeCorner` is read, by field; the other keys follow from these."""
 
 ROUTE_KEYS = {"diameter": "diameter_m", "wall": "wall_m", "corners": "corners", "straights": "straights_m"}
-"""The field of a `PipeRoute` behind each key of run.json that it is read from."""
+"""Keys of run.json from which a `PipeRoute` is read, by field."""
 
 ROUTE_CORNER_KEYS = {"turn": "turn", "angle": "angle_rad", "roll": "roll_rad"}
-"""The field of a route's corner behind each key of its entry in run.json."""
+"""Keys of an entry under `corners` in run.json from which a route's corner is read, by field."""
 
 
 def route_fields(record: Mapping[str, Any]) -> dict[str, Any]:
@@ -36,10 +36,10 @@ def route_fields(record: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def keys_of_pipe(pipe: Pipe) -> dict[str, Any]:
-    """A pipe under the keys of pipe.json or, where it is a route, of run.json, in SI units alone."""
+    """A pipe under the keys of pipe.json or, for a route, of run.json, in SI units alone."""
     if isinstance(pipe, PipeCorner):
         return {key: getattr(pipe, field) for field, key in CORNER_KEYS.items()}
-    route = pipe.route
+    route = as_route(pipe)
     corners = [{key: getattr(corner, field) for field, key in ROUTE_CORNER_KEYS.items()} for corner in route.corners]
     return {
         "diameter_m": route.diameter,
@@ -60,13 +60,12 @@ def _pipe_fields(given: Any) -> Any:
 
 
 def _tag(given: Any) -> str:
-    return (
-        "<run>" if isinstance(given, PipeRoute) or (isinstance(given, Mapping) and "corners" in given) else "<corner>"
-    )
+    is_route = isinstance(given, PipeRoute) or (isinstance(given, Mapping) and "corners" in given)
+    return "<route>" if is_route else "<corner>"
 
 
 PipeInFile = Annotated[
-    Annotated[Annotated[PipeCorner, Tag("<corner>")] | Annotated[PipeRoute, Tag("<run>")], Discriminator(_tag)],
+    Annotated[Annotated[PipeCorner, Tag("<corner>")] | Annotated[PipeRoute, Tag("<route>")], Discriminator(_tag)],
     BeforeValidator(_pipe_fields),
     PlainSerializer(keys_of_pipe),
 ]
@@ -74,7 +73,7 @@ PipeInFile = Annotated[
 
 
 def _tuple(given: Any, convert: Callable[[Any], Any]) -> Any:
-    """A tuple of a JSON list's converted entries; what is no list is left for the model to complain about."""
+    """A JSON list as a tuple of its converted entries; what is no list is left for the model to complain about."""
     return tuple(map(convert, given)) if isinstance(given, list) else given
 
 

@@ -1,39 +1,45 @@
-"""What a robot travels through: the one interface of every kind of pipe."""
+"""The interface of every kind of pipe that a robot travels through."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, NamedTuple, Self
+from typing import TYPE_CHECKING, Literal, NamedTuple, Self
 
 import numpy as np
+from pydantic import ConfigDict
 
 from pipenav.arrays import Flags, Floats, Table
 from pipenav.errors import PipenavError
+from pipenav.pipes.centre_lines import CentreLines
 
 if TYPE_CHECKING:
     from pipenav.pipes.corner import PipeCorner
-    from pipenav.pipes.route import PipeRoute
+
+Turn = Literal["left", "right"]
+"""Side that a corner turns to, seen by the robot that comes to it."""
 
 DEFAULT_WALL = 0.003
 """Wall thickness [m]: a common PVC gas pipe of 90-110 mm has about 3 mm."""
 
 
 class LegFrames(NamedTuple):
-    """The straight legs of one pipe.
+    """The straight legs of one pipe, without twist from one to the next.
 
     Attributes:
-        start: where each leg begins on the centre line, (legs, 3) [m]; the second one begins at the origin.
+        start: points where the legs begin on the centre line, (legs, 3) [m]; the second leg begins at the origin.
         axes: unit vectors along the leg, to its left and upwards as columns, (legs, 3, 3).
         length: lengths along the centre line, from open end or corner to corner or open end, (legs,) [m].
+        radius: radius of the bore in each leg, (legs,) [m].
     """
 
     start: Floats
     axes: Floats
     length: Floats
+    radius: Floats
 
 
 class WallSide(NamedTuple):
-    """One wall of a pipe in the plane, as polylines from the first open end to the last, (k, 2) [m] each.
+    """A wall of a pipe in the plane, as polylines from the first open end to the last, (k, 2) [m] each.
 
     Attributes:
         face: the surface that the robot can touch.
@@ -45,23 +51,29 @@ class WallSide(NamedTuple):
 
 
 class Pipe(Table, ABC):
-    """A pipe: straight legs of one bore, joined by corners, and walls around them.
+    """A pipe: straight legs one after the other, a corner between any two, and walls around them.
 
-    Tasks, simulators and pictures ask what is declared here and nothing else, so a new kind of fitting needs no change
-    outside `pipenav.pipes`. Frame: the first corner is the origin, the first leg lies along -x, the robot comes from -x
-    moving towards +x, a left turn of the first corner goes towards +y, z points up.
+    A corner is the crossing of two legs' axes, whatever fitting joins the legs there: a mitre and a bend are drawn
+    today. The centre line is the polyline from open end to open end through the corners, so in a bend it keeps to the
+    legs' axes. Frame: the first corner is the origin, the first leg lies along -x, the robot comes from -x moving
+    towards +x, a left turn of the first corner goes towards +y, z points up.
+
+    Tasks, simulators and scenes ask only what is declared here. File formats, meshes and drawings with dimensions are
+    written for one kind of pipe each, and an arm on a mount needs a single corner (`require_corner`).
 
     Attributes:
-        diameter: inner diameter [m].
+        diameter: inner diameter at the first open end, where the robot comes in [m].
         wall: wall thickness [m].
     """
+
+    model_config = ConfigDict(allow_inf_nan=True)  # ranges are checked by `check_range`, with a sentence of their own
 
     diameter: float
     wall: float = DEFAULT_WALL
 
     @property
     def radius(self) -> float:
-        """Radius of the bore [m]."""
+        """Radius of the bore at the first open end [m]; `leg_frames` has that of every leg."""
         return self.diameter / 2
 
     @property
@@ -81,23 +93,23 @@ class Pipe(Table, ABC):
 
     @property
     @abstractmethod
+    def leg_frames(self) -> LegFrames:
+        """The straight legs; the arrays are read-only."""
+
+    @property
+    @abstractmethod
     def interior_angles(self) -> Floats:
-        """Interior angle of each corner, (corners,) [rad]."""
+        """Interior angle between the legs at each corner, (corners,) [rad]; pi where the next leg goes straight on."""
 
     @property
     @abstractmethod
     def turn_signs(self) -> Floats:
-        """+1 for each corner that turns left, -1 for each that turns right, (corners,); of a planar pipe."""
+        """Turn of each corner, +1 to the left, -1 to the right, (corners,); without meaning outside of the plane."""
 
     @property
     @abstractmethod
     def inner_edges(self) -> Floats:
         """Distance along either leg from each corner to where the inner wall's bend ends, (corners,) [m]."""
-
-    @property
-    @abstractmethod
-    def leg_frames(self) -> LegFrames:
-        """The straight legs, without twist from one to the next; the arrays are read-only."""
 
     @property
     @abstractmethod
@@ -111,7 +123,7 @@ class Pipe(Table, ABC):
     @property
     @abstractmethod
     def edges(self) -> Flags:
-        """Which ends of the segments lie at an inner edge, (s, 2); an open end counts as its segment's other end."""
+        """Flags of segment ends that lie at an inner edge, (s, 2); an open end counts as its segment's other end."""
 
     @property
     @abstractmethod
@@ -125,39 +137,28 @@ class Pipe(Table, ABC):
     @property
     @abstractmethod
     def corner(self) -> PipeCorner | None:
-        """The pipe as a single corner; None where it is a route."""
+        """The pipe as a single corner; None where it is anything else."""
 
     def require_corner(self) -> PipeCorner:
         """The pipe as a single corner.
 
         Raises:
-            PipenavError: the pipe is a route.
+            PipenavError: the pipe is anything else.
         """
         if self.corner is None:
             count = len(self.interior_angles)
             raise PipenavError(f"{self.name} is a route of {count} corners, where a single corner is needed.")
         return self.corner
 
-    @property
-    @abstractmethod
-    def route(self) -> PipeRoute:
-        """The pipe as a route.
-
-        Raises:
-            PipenavError: a corner that no route can have.
-        """
-
     @abstractmethod
     def contains(self, points: Floats) -> Flags:
-        """Whether points (..., 2) of the plane, or (..., 3) where it is a route, lie in the free space: (...)."""
+        """Flags of points (..., 2) of the plane, or (..., 3) of a route, that lie in the free space: (...)."""
 
     def distance_along(self, points: Floats) -> Floats:
         """Distance along the centre line of points (..., 2) of the plane or (..., 3), 0 at the first corner: (...) [m].
 
         `CentreLines.distance` says which leg a point counts to, and asks the same of many pipes at once.
         """
-        from pipenav.pipes.centre_lines import CentreLines
-
         points = np.asarray(points, float)
         lines = CentreLines.of([self], points.shape[-1])
         return np.asarray(lines.distance(points.reshape(1, -1, points.shape[-1])).reshape(points.shape[:-1]))

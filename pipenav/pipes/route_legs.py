@@ -1,4 +1,4 @@
-"""The straight legs of a run of pipe in space: lines along them, which leg a point belongs to, whether legs meet.
+"""The straight legs of a route in space: lines along them, and whether legs meet.
 
 No leg is twisted against its neighbour: a line at one distance from the centre line and at one angle around it is a
 polyline with a point in each mitre. Angles around the centre line count from the left of the first leg upwards.
@@ -19,22 +19,22 @@ SPACING = 0.02
 """Least distance between the outsides of two legs [m]: the thickness of what simulators put behind a wall."""
 
 SHORT_SPACING = 0.25
-"""The same where one short leg joins the two, as a share of the shortest line along that leg: where its mitres are
-parallel, and as sharp as they may be, their distance is 0.26 of it."""
+"""Least distance between two legs that one short leg joins, as a share of the shortest line along that leg: where its
+mitres are parallel, and as sharp as they may be, their distance is 0.26 of it."""
 
 ROUND = 32
 """Sides of the prism around a leg, in the test whether legs are apart."""
 
 
 class Legs(NamedTuple):
-    """The legs; the arrays are read-only.
+    """Geometry of the straight legs, without twist; the arrays are read-only.
 
     Attributes:
-        length: along the centre line, (legs,) [m].
-        start: where each begins on the centre line, (legs, 3) [m]; the second one at the origin.
-        axes: unit vectors along the leg, to the left and upwards as columns, (legs, 3, 3); without twist.
-        inside: where the inside of each corner is, around the leg before and the leg after it alike, (corners,) [rad].
-        reach: how far before the corner a line turns that lies 1 m to its inside, (corners,) [m].
+        length: lengths along the centre line, (legs,) [m].
+        start: points where the legs begin on the centre line, (legs, 3) [m]; the second leg begins at the origin.
+        axes: unit vectors along the leg, to the left and upwards as columns, (legs, 3, 3).
+        inside: direction of each corner's inside, the same around the legs before and after it, (corners,) [rad].
+        reach: distance before the corner at which a line turns that lies 1 m to its inside, (corners,) [m].
         mitre: unit normals of the mitres, forwards, (corners, 3).
     """
 
@@ -49,8 +49,8 @@ class Legs(NamedTuple):
         """Lines with a point at each open end and in each mitre, (m, legs + 1, 3) [m].
 
         Args:
-            distance: from the centre line, one for all or (m,) [m].
-            around: angles around it, (m,) [rad].
+            distance: distance from the centre line, one for all or (m,) [m].
+            around: angles around the centre line, (m,) [rad].
         """
         along, left, up = np.moveaxis(self.axes, -1, 0)  # (legs, 3) each
         left_of, above = (distance * np.cos(around))[:, None, None], (distance * np.sin(around))[:, None, None]
@@ -74,11 +74,11 @@ class Legs(NamedTuple):
 
 
 def make_legs(angles: Floats, inside: Floats, straights: Floats) -> Legs:
-    """The legs of a run, the first one along x, the second one from the origin.
+    """The legs of a route, the first one along x, the second one from the origin.
 
     Args:
         angles: interior angles, (corners,) [rad].
-        inside: where the inside of each corner is, as in `Legs`, (corners,) [rad].
+        inside: direction of each corner's inside, as in `Legs`, (corners,) [rad].
         straights: lengths of the legs, (corners + 1,) [m].
     """
     axes = [np.eye(3)]
@@ -94,6 +94,7 @@ def make_legs(angles: Floats, inside: Floats, straights: Floats) -> Legs:
 
 
 def frozen(array: Floats) -> Floats:
+    """The array itself, made read-only."""
     array.setflags(write=False)
     return array
 

@@ -1,4 +1,4 @@
-"""Pipe runs from TOML: one run, corner by corner, or a set of runs drawn by a rule. Formats: docs/pipe-run.md."""
+"""Routes from TOML: one route, corner by corner, or a set drawn by a rule. Formats: docs/formats/route-folder.md."""
 
 from __future__ import annotations
 
@@ -6,14 +6,15 @@ import random
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Literal, TypeVar
+from typing import Literal, NamedTuple, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from pipenav.errors import ConfigError, PipenavError, UnknownName
-from pipenav.pipes.corner_sets import Values, parse_pipes, pipe_set_names, read_as, values_of
+from pipenav.pipes.corner_sets import Values, corner_set_names, parse_corners, read_as, values_of
 from pipenav.pipes.pipe import DEFAULT_WALL, Pipe
-from pipenav.pipes.route import MAX_CORNERS, CrossesItself, PipeRoute
+from pipenav.pipes.route import PipeRoute, as_route
+from pipenav.pipes.route_checks import MAX_CORNERS, CrossesItself
 from pipenav.storage import shipped
 from pipenav.storage.atomic_files import read_toml
 from pipenav.units import m_to_mm
@@ -21,12 +22,14 @@ from pipenav.units import m_to_mm
 T = TypeVar("T")
 
 MAX_ROUTES = 1000
+"""Most routes of a set."""
+
 MAX_DRAWS = 1000
-"""How often a run is drawn anew because it crosses itself, until the set is refused."""
+"""Draws of a route that crosses itself, until its set is refused."""
 
 
 class CornerEntry(BaseModel):
-    """One corner of a run as TOML, with the straight that follows it."""
+    """A corner of a route as TOML, with the straight that follows it."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -37,7 +40,7 @@ class CornerEntry(BaseModel):
 
 
 class RouteFile(BaseModel):
-    """A run as TOML."""
+    """A route as TOML."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -49,14 +52,18 @@ class RouteFile(BaseModel):
     corners: list[CornerEntry] = Field(min_length=1, max_length=MAX_CORNERS)
 
     def route(self) -> PipeRoute:
-        """Raises PipenavError where `PipeRoute.of` does."""
+        """The route that the file describes.
+
+        Raises:
+            PipenavError: the route is not possible.
+        """
         corners = [(corner.angle_deg, corner.turn, corner.roll_deg) for corner in self.corners]
         straights = [self.first_straight_mm, *(corner.straight_mm for corner in self.corners)]
         return PipeRoute.of(self.diameter_mm, corners, straights, self.wall_mm)
 
 
 class RouteSetFile(BaseModel):
-    """A set of runs as TOML: a rule by which they are drawn, always the same ones."""
+    """A set of routes as TOML: a rule by which they are drawn, always the same ones."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -73,10 +80,12 @@ class RouteSetFile(BaseModel):
     ends_mm: float
 
     def draw(self) -> list[PipeRoute]:
-        """The diameters take turns; all else of a run is drawn, and drawn anew where the run would cross itself.
+        """The routes of the set: diameters follow each other in order, all else is drawn.
+
+        A route that would cross itself is drawn anew.
 
         Raises:
-            PipenavError: a number out of range, or runs that cross themselves again and again.
+            PipenavError: a number out of range, or routes that cross themselves again and again.
         """
         draw = random.Random(self.seed).random  # the one stream that Python promises never to change
         diameters = values_of(self.diameters_mm)
@@ -89,65 +98,78 @@ class RouteSetFile(BaseModel):
         angles, rolls, straights = (values_of(given) for given in (self.angles_deg, self.rolls_deg, self.straights_mm))
         for _ in range(MAX_DRAWS):
             bends = [(one_of(angles), one_of(self.turns), one_of(rolls)) for _ in range(self.corners)]
-            bends[0] = (*bends[0][:2], 0.0)  # whose plane is the x-y plane
+            bends[0] = (*bends[0][:2], 0.0)  # the first corner's plane is the x-y plane
             lengths = [self.ends_mm, *(one_of(straights) for _ in bends[1:]), self.ends_mm]
             with suppress(CrossesItself):
                 return PipeRoute.of(diameter_mm, bends, lengths)
         raise PipenavError(
-            f"{MAX_DRAWS} runs of {self.corners} corners drawn one after the other cross themselves: "
+            f"{MAX_DRAWS} routes of {self.corners} corners drawn one after the other cross themselves: "
             "choose wider angles, other straights or fewer corners."
         )
 
 
+class NamedRoute(NamedTuple):
+    """A route and the name under which its folder is made."""
+
+    name: str
+    route: PipeRoute
+
+
 def route_set_names() -> list[str]:
-    """The shipped sets of runs."""
+    """Names of the shipped sets of routes."""
     return sorted(path.stem for path in _folder().glob("*.toml"))
 
 
-def parse_routes(given: Sequence[str]) -> list[PipeRoute]:
-    """All runs of the given sets, in order, each once; a corner counts as a run of one.
+def parse_pipes(given: Sequence[str]) -> list[Pipe]:
+    """All pipes of the given sets, single corners and routes, in order, each once.
 
     Args:
-        given: `runs-level` or another shipped name, `runs-level:3` for its third run, a TOML file of one run, of a set
-            of runs or of a set of pipes, or whatever else `pipenav.pipes.corner_sets.parse_pipes` takes.
+        given: `runs-level` or another shipped name, `runs-level:3` for its third route, a TOML file of one route, of a
+            set of routes or of a set of corners, or anything else that `pipenav.pipes.corner_sets.parse_corners` takes.
 
     Raises:
-        PipenavError: something that is none of these, or a run that is not possible.
+        PipenavError: something that is none of these, or a pipe that is not possible.
     """
-    pipes = parse_any(given)
-    return list(dict.fromkeys(pipe.route for pipe in pipes))
-
-
-def parse_any(given: Sequence[str]) -> list[Pipe]:
-    """As `parse_routes`, but a corner stays a pipe."""
     return list(dict.fromkeys(pipe for text in given for pipe in _parse_one(text)))
 
 
-def parse_route(text: str) -> tuple[str, PipeRoute]:
-    """One run and a name for it: that of its TOML file, or `runs-level-3` for the third run of that shipped set.
+def parse_routes(given: Sequence[str]) -> list[PipeRoute]:
+    """All pipes of the given sets as routes, in order, each once; a single corner counts as a route of one.
+
+    Args:
+        given: sets and pipes as `parse_pipes` takes them.
 
     Raises:
-        PipenavError: something that is neither, or a run that is not possible.
+        PipenavError: something that is none of these, or a route that is not possible.
+    """
+    return list(dict.fromkeys(as_route(pipe) for pipe in parse_pipes(given)))
+
+
+def parse_route(text: str) -> NamedRoute:
+    """A single route, named like its TOML file, or `runs-level-3` for the third route of that shipped set.
+
+    Raises:
+        PipenavError: something that is neither, or a route that is not possible.
     """
     name, colon, number = text.partition(":")
     if name in route_set_names():
         if not colon:
-            raise PipenavError(f"{text} is a set of runs: choose one of them by its number, as in {text}:1.")
-        return f"{name}-{number}", parse_routes([text])[0]
+            raise PipenavError(f"{text} is a set of routes: choose one of them by its number, as in {text}:1.")
+        return NamedRoute(f"{name}-{number}", parse_routes([text])[0])
     if not text.endswith(".toml"):
-        raise UnknownName("run", text, [*(f"{known}:1" for known in route_set_names()), "FILE.toml"])
-    return Path(text).stem, read_route(Path(text))
+        raise UnknownName("route", text, [*(f"{known}:1" for known in route_set_names()), "FILE.toml"])
+    return NamedRoute(Path(text).stem, read_route(Path(text)))
 
 
 def read_route(path: Path) -> PipeRoute:
-    """The run of a TOML file, corner by corner.
+    """The route of a TOML file, corner by corner.
 
     Raises:
         FileProblem: the file cannot be read.
-        ConfigError: it is no run, or no possible one.
+        ConfigError: it is no route, or not a possible one.
     """
     if not isinstance(read_toml(path).get("corners"), list):
-        raise ConfigError(f"{path} is not one run: that is a file with a [[corners]] table for each corner.")
+        raise ConfigError(f"{path} is not one route: that is a file with a [[corners]] table for each corner.")
     file = read_as(RouteFile, path, CornerEntry)
     try:
         return file.route()
@@ -164,16 +186,16 @@ def _parse_one(text: str) -> Sequence[Pipe]:
         table = read_toml(Path(text))
         if "corners" in table:
             return _read_set(Path(text)) if "runs" in table else [read_route(Path(text))]
-    elif "=" not in text and text not in pipe_set_names():
+    elif "=" not in text and text not in corner_set_names():
         raise UnknownName(
-            "set of pipes or runs", text, [*route_set_names(), *pipe_set_names(), "FILE.toml", "d=90,angle=60"]
+            "set of pipes or routes", text, [*route_set_names(), *corner_set_names(), "FILE.toml", "d=90,angle=60"]
         )
-    return parse_pipes([text])
+    return parse_corners([text])
 
 
 def _index(text: str, number: str, count: int) -> int:
     if not (number.isascii() and number.isdigit() and 1 <= int(number) <= count):
-        raise PipenavError(f"{text!r} names no run of the set: write a number from 1 to {count} after the colon.")
+        raise PipenavError(f"{text!r} names no route of the set: write a number from 1 to {count} after the colon.")
     return int(number) - 1
 
 

@@ -1,4 +1,4 @@
-"""A pipe run as solids: its tube, its boards, and its wall as convex prisms that a simulator can collide with.
+"""A route as solids: its tube, its boards, and its wall as convex prisms that a simulator can collide with.
 
 The bore of the prisms is a prism itself: a regular polygon whose sides touch the round bore from outside, so that what
 fits into the tube fits between them. A side faces the left of the first leg, and with it the inside or the outside of
@@ -29,16 +29,16 @@ PRISM_FACES: Faces = np.array(
 
 
 def wall_prisms(route: PipeRoute, facets: int = FACETS, thickness: float | None = None) -> Floats:
-    """The wall as convex prisms, (legs, facets, 8, 3) [m] in the run's frame.
+    """The wall as convex prisms, (legs, facets, 8, 3) [m] in the route's frame.
 
-    Each lies behind one side of the polygon, from mitre to mitre or to an open end. Its corners: on the bore and
-    behind it, first at the leg's start and then at its end, each time around the section. Neighbours share a face, in a
-    mitre too; so they leave no gap, and none reaches into the bore of another leg.
+    Each prism lies behind one side of the polygon, from mitre to mitre or to an open end. Its corners lie on the bore
+    and behind it, first at the leg's start and then at its end, each time around the section. Neighbours share a face,
+    in a mitre too; so they leave no gap, and no prism reaches into the bore of another leg.
 
     Args:
-        route: the run.
+        route: the route.
         facets: sides of the polygon.
-        thickness: of the wall [m], by default the run's own.
+        thickness: thickness of the wall [m], by default the route's own.
 
     Raises:
         PipenavError: a wall so thick that those of the legs before and after a short one would meet.
@@ -59,17 +59,17 @@ def wall_prisms(route: PipeRoute, facets: int = FACETS, thickness: float | None 
 
 
 def route_tube_mesh(route: PipeRoute) -> Mesh:
-    """The hollow tube."""
+    """The hollow tube of a route."""
     outside = route.radius + route.wall
     inner, outer = (route.legs.lines(r, round_angles(outside)) for r in (route.radius, outside))
     return tube_between(inner, outer)
 
 
 def route_boards_mesh(route: PipeRoute) -> Mesh:
-    """The two boards of a planar run: its left and its right wall, as high as the diameter.
+    """The two boards of a planar route: its left and its right wall, as high as the diameter.
 
     Raises:
-        PipenavError: the run leaves the plane.
+        PipenavError: the route leaves the plane.
     """
     left, right = route.walls
     behind_left, behind_right = route.legs.lines(route.radius + route.wall, np.array([0.0, math.pi]))[..., :2]

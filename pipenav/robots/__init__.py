@@ -1,4 +1,4 @@
-"""What a robot is: its description, where its links are, what its laser reads."""
+"""Robots: their description, the poses of their links, the readings of their laser."""
 
 from pipenav.robots import frames, kinematics, laser
 from pipenav.robots.kinematics import ChainPose

@@ -1,10 +1,10 @@
-"""Points in the three frames of a planar robot, and the ways between them.
+"""Points in the three frames of a planar robot, and the conversions between them.
 
 - Pipe frame: the first corner is the origin, the first leg lies along -x, a left turn goes towards +y.
 - Robot frame: its origin is the rear end of the first link at rest, `base` along the pipe frame's x axis.
 - Canonical frame: the robot frame with every turn a left turn; for a right turn y changes its sign.
 
-Arrays of points are (..., 2) [m]; `base` and `turn_sign` are one for all or (...).
+Arrays of points are (..., 2) [m]; `base` and `turn_sign` are one number for all points or (...).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ def robot_to_canonical(points: ArrayLike, turn_sign: ArrayLike) -> Floats:
 
 
 def canonical_to_robot(points: ArrayLike, turn_sign: ArrayLike) -> Floats:
-    """Points of the canonical frame in the robot frame: the reflection is its own inverse."""
+    """Points of the canonical frame in the robot frame; the reflection is its own inverse."""
     return robot_to_canonical(points, turn_sign)
 
 

@@ -1,4 +1,4 @@
-"""What the laser fan reads in a pipe, for n robots at once: ray against wall segment, then the sensor's own limits."""
+"""Readings of the laser fan in a pipe, for n robots at once: ray against wall segment, then the sensor's own limits."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pipenav.robots.parts import Laser
 
 
 def cast(origins: Floats, headings: Floats, segments: Floats) -> Floats:
-    """True distance along each ray to the nearest wall; inf where it meets none.
+    """True distance along each ray to the nearest wall; inf for a ray that meets no wall.
 
     Solves `origin + t u = a + s (b - a)` by cross products; a hit has t >= 0 and 0 <= s <= 1.
 
@@ -21,7 +21,7 @@ def cast(origins: Floats, headings: Floats, segments: Floats) -> Floats:
     Returns:
         (n, beams) [m].
     """
-    # Robots come last, the long axis along which numpy is fast; no copy is made where they do so in memory already.
+    # Robots come last, the long axis along which numpy is fast; arrays that lie so in memory already are not copied.
     heading, (start, end) = np.ascontiguousarray(headings.T), segments.T.swapaxes(0, 1)  # (beams, n), (2, s, n) each
     ux, uy = np.cos(heading), np.sin(heading)
     ax, ay = np.ascontiguousarray(start - origins.T[:, None])[:, :, None]  # (s, 1, n) each
@@ -35,6 +35,6 @@ def cast(origins: Floats, headings: Floats, segments: Floats) -> Floats:
 
 
 def measure(laser: Laser, distances: Floats) -> Floats:
-    """What the sensor returns for true distances: rounded to its resolution, clipped to its range. Any shape [m]."""
+    """Readings of the sensor for true distances of any shape [m]: rounded to its resolution, clipped to its range."""
     reachable = np.asarray(distances).clip(laser.range_min, laser.range_max)
     return np.asarray((np.rint(reachable / laser.resolution) * laser.resolution).clip(laser.range_min, laser.range_max))

@@ -18,7 +18,7 @@ ROUND_SECTIONS = 96
 
 
 def link_mesh(link: Link) -> trimesh.Trimesh:
-    """A link's parts as closed shells, in the link's frame: x from its joint along the link, z across the plane [m]."""
+    """Parts of a link as closed shells [m] in the link's frame: x from the joint along the link, z across the plane."""
     import trimesh
 
     shells = []

@@ -1,4 +1,4 @@
-"""The robot's outline in its plane, for many poses at once."""
+"""Outline of a robot in its plane, for many poses at once."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ DISC_POINTS = 48
 
 
 def link_outlines(robot: RobotSpec, q: Floats) -> list[list[Floats]]:
-    """For every link the convex polygons of its parts and its wheel, each (n, points, 2) [m] in the robot's frame.
+    """Convex polygons of the parts and the wheel of every link, each (n, points, 2) [m] in the robot's frame.
 
     Args:
-        robot: the robot.
+        robot: description of the robot.
         q: configurations, (n, coordinates) [rad or m].
     """
     pose = kinematics.forward(robot, q)
@@ -27,16 +27,16 @@ def link_outlines(robot: RobotSpec, q: Floats) -> list[list[Floats]]:
     across = np.stack([-along[..., 1], along[..., 0]], axis=-1)
     outlines = []
     for i, link in enumerate(robot.links):
-        placed = []
+        polygons = []
         for x, y in map(_part_outline, link.outline):
-            sideways = x[:, None] * along[:, i, None] + y[:, None] * across[:, i, None]
-            placed.append(pose.joints[:, i, None] + sideways)  # (n, points, 2)
-        outlines.append(placed)
+            from_joint = x[:, None] * along[:, i, None] + y[:, None] * across[:, i, None]
+            polygons.append(pose.joints[:, i, None] + from_joint)  # (n, points, 2)
+        outlines.append(polygons)
     return outlines
 
 
 def _part_outline(part: BoxPart | DiscPart) -> Floats:
-    """A part's corners in its link's frame, x and y, (2, points) [m], counter-clockwise."""
+    """Corners of a part in its link's frame, x and y, (2, points) [m], counter-clockwise."""
     if isinstance(part, BoxPart):
         corners = np.array([[-1, 1, 1, -1], [-1, -1, 1, 1]]) / 2 * [[part.length], [part.width]]
     else:
@@ -46,6 +46,6 @@ def _part_outline(part: BoxPart | DiscPart) -> Floats:
 
 
 def foremost(robot: RobotSpec, q: Floats) -> Floats:
-    """The largest x of any point of the robot, in its own frame, (n,) [m]."""
+    """Largest x of any point of the robot, in its own frame, (n,) [m]."""
     polygons = [polygon for link in link_outlines(robot, q) for polygon in link]
     return np.asarray(np.max([polygon[..., 0].max(axis=1) for polygon in polygons], axis=0))

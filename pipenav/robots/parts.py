@@ -1,4 +1,4 @@
-"""What a robot is made of: links, joints, wheels, their actuators and the laser, as `robot.toml` describes them."""
+"""Parts of a robot: links, joints, wheels, their actuators and the laser, as `robot.toml` describes them."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from pipenav.arrays import Floats, Table
 
 
 class Actuator(Table):
-    """A geared DC motor under a voltage limit: effort = limit * (drive - speed / speed limit), drive in [-1, 1].
+    """A geared DC motor under a voltage limit: effort = limit * (duty - speed / speed limit), duty in [-1, 1].
 
-    That is the straight torque-speed line of a brushed motor: full effort only at standstill, none at the no-load
-    speed. The on-board controller drives in proportion to the error, saturated: of the position of a joint, of the
-    speed of a wheel.
+    The torque-speed line is the straight one of a brushed motor: full effort only at standstill, none at the no-load
+    speed. The duty that the on-board controller asks for is proportional to the error, saturated: a joint's error is
+    one of position, a wheel's one of speed.
     """
 
     source: str
@@ -54,7 +54,7 @@ class Actuator(Table):
 
 
 class Joint(Table):
-    """A joint and its actuator; a slide moves along its parent's x axis, a hinge turns about z."""
+    """A joint and its actuator; a slide moves along the x axis of the link before it, a hinge turns about z."""
 
     name: str
     type: Literal["slide", "hinge"]
@@ -74,15 +74,15 @@ class BoxPart(Table):
     """A box, its sides along the link's axes."""
 
     shape: Literal["box"] = "box"
-    x: float = Field(description="of its middle, along the link from its joint [m]")
-    y: float = Field(0.0, description="of its middle, to the left [m]")
-    length: float = Field(gt=0, description="along x [m]")
-    width: float = Field(gt=0, description="along y, in the robot's plane [m]")
-    height: float = Field(gt=0, description="across the robot's plane, half of it on either side [m]")
+    x: float = Field(description="position of the middle along the link, from the link's joint [m]")
+    y: float = Field(0.0, description="position of the middle to the left [m]")
+    length: float = Field(gt=0, description="size along x [m]")
+    width: float = Field(gt=0, description="size along y, in the robot's plane [m]")
+    height: float = Field(gt=0, description="size across the robot's plane, half of it on either side [m]")
 
     @property
     def volume(self) -> float:
-        """[m^3]."""
+        """Volume [m^3]."""
         return self.length * self.width * self.height
 
 
@@ -90,19 +90,19 @@ class DiscPart(Table):
     """A round part, its axis across the robot's plane: a wheel, or the end of a link around a joint."""
 
     shape: Literal["disc"]
-    x: float = Field(description="of its middle, along the link from its joint [m]")
-    y: float = Field(0.0, description="of its middle, to the left [m]")
-    diameter: float = Field(gt=0, description="in the robot's plane [m]")
-    height: float = Field(gt=0, description="across the robot's plane, half of it on either side [m]")
+    x: float = Field(description="position of the middle along the link, from the link's joint [m]")
+    y: float = Field(0.0, description="position of the middle to the left [m]")
+    diameter: float = Field(gt=0, description="diameter in the robot's plane [m]")
+    height: float = Field(gt=0, description="size across the robot's plane, half of it on either side [m]")
 
     @property
     def volume(self) -> float:
-        """[m^3]."""
+        """Volume [m^3]."""
         return math.pi / 4 * self.diameter**2 * self.height
 
     @property
     def width(self) -> float:
-        """Across the link [m]."""
+        """Width across the link, the diameter [m]."""
         return self.diameter
 
 
@@ -110,22 +110,22 @@ class Wheel(Table):
     """A driven wheel, its axle across the robot's plane; its on-board controller keeps a speed."""
 
     name: str
-    x: float = Field(0.0, description="of the axle, along the link from its joint [m]")
-    diameter: float = Field(gt=0, description="[m]")
-    height: float = Field(gt=0, description="of the tread, across the robot's plane [m]")
-    mass: float = Field(gt=0, description="[kg]")
+    x: float = Field(0.0, description="position of the axle along the link, from the link's joint [m]")
+    diameter: float = Field(gt=0, description="diameter [m]")
+    height: float = Field(gt=0, description="height of the tread, across the robot's plane [m]")
+    mass: float = Field(gt=0, description="mass [kg]")
     friction: float = Field(ge=0, le=2, description="Coulomb friction coefficient between tread and pipe")
     friction_source: str
     actuator: str = Field(description="key of the actuator in the file's [actuators]")
 
     @property
     def radius(self) -> float:
-        """[m]."""
+        """Radius [m]."""
         return self.diameter / 2
 
     @property
     def disc(self) -> DiscPart:
-        """What it looks like."""
+        """Shape of the wheel as a part of its link."""
         return DiscPart(shape="disc", x=self.x, diameter=self.diameter, height=self.height)
 
 
@@ -133,16 +133,20 @@ Part = Annotated[BoxPart | DiscPart, Field(discriminator="shape")]
 
 
 class Link(Table):
-    """One link from its joint (x = 0) to the next joint (x = length): its parts, or one box where none are given."""
+    """A link from its joint (x = 0) to the next joint (x = length): its parts, or one box where none are given."""
 
     name: str
-    length: float = Field(gt=0, description="along x, to the next joint or the tip [m]")
-    width: float = Field(gt=0, description="across, in the robot's plane; no part is wider [m]")
-    height: float = Field(gt=0, description="across the robot's plane; no part is higher [m]")
-    mass: float = Field(gt=0, description="[kg]")
-    joint: Joint | None = Field(None, description="none at the first link of a robot that stands on no mount")
+    length: float = Field(gt=0, description="length along x, to the next joint or the tip [m]")
+    width: float = Field(gt=0, description="width across the link, in the robot's plane; no part is wider [m]")
+    height: float = Field(gt=0, description="height across the robot's plane; no part is higher [m]")
+    mass: float = Field(gt=0, description="mass [kg]")
+    joint: Joint | None = Field(
+        None, description="joint at the rear end; only the first link of a robot without a mount has none"
+    )
     wheel: Wheel | None = None
-    shape: tuple[Part, ...] = Field((), strict=False, description="the parts that it is made of")
+    shape: tuple[Part, ...] = Field(
+        (), strict=False, description="parts of the link; one box of the link's size where none are given"
+    )
 
     @model_validator(mode="after")
     def _parts_fit(self) -> Self:
@@ -153,24 +157,24 @@ class Link(Table):
 
     @property
     def parts(self) -> tuple[BoxPart | DiscPart, ...]:
-        """What it is made of, at least one part."""
-        whole = BoxPart(x=self.length / 2, length=self.length, width=self.width, height=self.height)
-        return self.shape or (whole,)
+        """Parts of the link, at least one."""
+        box = BoxPart(x=self.length / 2, length=self.length, width=self.width, height=self.height)
+        return self.shape or (box,)
 
     @property
     def outline(self) -> tuple[BoxPart | DiscPart, ...]:
-        """What is seen of it from above: its parts and its wheel."""
+        """Parts that are seen from above: the parts of the link, and its wheel."""
         return self.parts if self.wheel is None else (*self.parts, self.wheel.disc)
 
 
 class Roll(Table):
-    """A joint that turns all that comes after it about the axis of the link that it divides.
+    """A joint that turns everything after it about the axis of the link that it divides.
 
-    It brings the robot's plane into that of a corner. In a plane it stands still, so planar models hold it at 0.
+    It brings the robot's plane into the plane of a corner. In a plane it stands still, so planar models hold it at 0.
     """
 
-    link: str = Field(description="name of the link that it divides")
-    x: float = Field(ge=0, description="where, along that link from its joint [m]")
+    link: str = Field(description="name of the link that the joint divides")
+    x: float = Field(ge=0, description="position along that link, from the link's joint [m]")
     joint: Joint
 
 
@@ -178,20 +182,20 @@ class Laser(Table):
     """A fan of beams at the tip, symmetric about the tip link's axis."""
 
     source: str
-    beams: int = Field(ge=2, le=1081)
-    fan_deg: float = Field(gt=0, le=360)
+    beams: int = Field(ge=2, le=1081, description="number of beams")
+    fan_deg: float = Field(gt=0, le=360, description="width of the fan [deg]")
     fan: Literal["centred", "printed"] = Field(
         "centred", description="beams at the centres of equal sectors, or as the thesis's eq 3.16 prints them"
     )
     range_min: float = Field(ge=0, description="smallest reading [m]")
-    range_max: float = Field(gt=0, description="largest reading, also that of a beam that meets nothing [m]")
-    resolution: float = Field(gt=0, description="readings are multiples of this [m]")
+    range_max: float = Field(gt=0, description="largest reading, which a beam that meets nothing has too [m]")
+    resolution: float = Field(gt=0, description="step between two readings [m]")
 
     @cached_property
     def angles(self) -> Floats:
         """Angle of each beam from the tip link's axis, from right to left [rad], (beams,).
 
-        Eq 3.16 puts beam 1 on the fan's right edge and the last one a sector short of the left edge; `centred` turns
+        Eq 3.16 puts beam 1 on the fan's right edge and the last beam a sector short of the left edge; `centred` turns
         the same fan by half a sector, so that left and right see the same.
         """
         fan = math.radians(self.fan_deg)

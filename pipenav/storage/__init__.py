@@ -1,1 +1,1 @@
-"""Files and folders that appear whole or not at all, and where shipped data lies."""
+"""Files and folders that appear complete or not at all, and the place of shipped data."""

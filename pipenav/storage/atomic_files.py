@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all: a killed run or a full disk leaves the earlier file as it was. TOML files."""
+"""Files that appear complete or not at all: a killed process or a full disk leaves the earlier file as it was. TOML."""
 
 from __future__ import annotations
 
@@ -14,28 +14,28 @@ from typing import Any
 from pipenav.errors import ConfigError, FileProblem
 
 Content = Callable[[Path], None] | bytes | str
-"""What a file shall hold: its bytes, its text (UTF-8), or a function that writes it to the path that it is given."""
+"""Content of a file: bytes, text (UTF-8), or a function that writes the file at the path that it is given."""
 
 
 def atomic_write(path: Path, write: Content) -> None:
-    """Write one file, whole or not at all.
+    """Write one file, complete or not at all.
 
     Args:
-        path: the file; its folder must exist.
-        write: the content. A function gets a temporary path with the same suffix, in the same folder. It must raise
-            OSError when the disk fails; what a library reports otherwise is better handed over as bytes.
+        path: path of the file; its folder must exist.
+        write: content of the file. A function gets a temporary path with the same suffix, in the same folder. It must
+            raise OSError when the disk fails; where a library reports that otherwise, hand over bytes.
 
     Raises:
-        FileProblem: the file cannot be written; an earlier file of that name is whole.
+        FileProblem: the file cannot be written; an earlier file of that name is untouched.
     """
     atomic_write_all({path: write})
 
 
 def atomic_write_all(files: Mapping[Path, Content]) -> None:
-    """Write several files. None of them is replaced before the last one has reached the disk.
+    """Write several files; no earlier file is replaced before the last new one has reached the disk.
 
     Raises:
-        FileProblem: a file cannot be written; earlier files of those names are whole.
+        FileProblem: a file cannot be written; earlier files of those names are untouched.
     """
     drafts: dict[Path, Path] = {}
     path = Path()
@@ -93,7 +93,7 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def _refuse_special(path: Path) -> None:
-    """A device such as /dev/null would be replaced by a plain file."""
+    """Refuse a folder, and a device such as /dev/null, which would be replaced by a plain file."""
     if path.is_dir():
         raise IsADirectoryError(errno.EISDIR, "it is a folder")
     if path.exists() and not path.is_file():

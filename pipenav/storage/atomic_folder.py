@@ -1,4 +1,4 @@
-"""Folders that are written whole or not at all, with a JSON record in them that says all in SI units and for people."""
+"""Folders that appear complete or not at all, and their JSON record, in SI units and in units for people."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from pipenav.errors import ConfigError, FileProblem, PipenavError
 
 
 def write_folder(folder: Path, kind: str, record: str, files: Collection[str], write: Callable[[Path], None]) -> None:
-    """Write a folder, whole or not at all, in place of an older one of its kind.
+    """Write a folder, complete or not at all, in place of an older one of its kind.
 
     Files that others put into the older folder are kept.
 
     Args:
-        folder: where it shall be; folders above it are made.
-        kind: what it is, for messages: `pipe folder`.
-        record: the file that every folder of this kind has.
-        files: the names of all files that folders of this kind may have; those of the older folder go.
-        write: writes the files into the empty folder that it is given.
+        folder: path of the folder; folders above it are made.
+        kind: word for the folder in messages: `pipe folder`.
+        record: name of the file that every folder of this kind has.
+        files: names of all files that folders of this kind may have; the older folder's files of these names go.
+        write: function that writes the files into the empty folder that it is given.
 
     Raises:
         FileProblem: the folder cannot be written.
@@ -44,7 +44,7 @@ def write_folder(folder: Path, kind: str, record: str, files: Collection[str], w
 
 
 def _swap(draft: Path, folder: Path, old: Path, files: Collection[str]) -> None:
-    """Put the finished draft in the folder's place; what was there passes through `old`."""
+    """Put the finished draft in the folder's place; the older folder passes through `old`."""
     if not folder.exists():
         draft.rename(folder)
         return
@@ -61,6 +61,7 @@ def _swap(draft: Path, folder: Path, old: Path, files: Collection[str]) -> None:
 
 
 def write_record(file: Path, record: dict[str, Any]) -> None:
+    """Write the JSON record of a folder."""
     file.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
 
 
@@ -68,10 +69,10 @@ def read_record(file: Path, kind: str, schema: int, keys: Sequence[str]) -> dict
     """The JSON record of a folder, with a version and some keys that it must have.
 
     Args:
-        file: the record.
-        kind: what it is, for messages: `pipe file`.
-        schema: the version that can be read.
-        keys: what must be there.
+        file: path of the record.
+        kind: word for the file in messages: `pipe file`.
+        schema: version that can be read.
+        keys: keys that the record must have.
 
     Raises:
         FileProblem: the file cannot be read.
@@ -94,12 +95,12 @@ def read_record(file: Path, kind: str, schema: int, keys: Sequence[str]) -> dict
 
 
 def refuse_contradictions(file: Path, record: Any, expected: Any) -> None:
-    """Someone who edits `diameter_mm` by hand must not get the pipe of `diameter_m` without a word.
+    """Refuse a record that was edited by hand in the units for people alone, as in `diameter_mm` beside `diameter_m`.
 
     Args:
-        file: for the message.
-        record: what was read.
-        expected: the record as it is written for what was read from it.
+        file: path of the record, for the message.
+        record: record as it was read.
+        expected: record as it is written for the pipe that was read from it.
 
     Raises:
         ConfigError: numbers in mm or deg that are not those in SI units.

@@ -1,4 +1,4 @@
-"""Where the data that pipenav ships lies: beside the package in a checkout, inside it when installed."""
+"""Place of the data that pipenav ships: beside the package in a checkout, inside it when installed."""
 
 from __future__ import annotations
 
@@ -14,20 +14,25 @@ def data_root() -> Path:
 
 
 def pipes_dir() -> Path:
+    """Folder of the shipped sets of corners; `runs/` in it holds the sets of routes."""
     return data_root() / "pipes"
 
 
 def robots_dir() -> Path:
+    """Folder that holds one folder per shipped robot, with its robot.toml."""
     return data_root() / "models" / "robots"
 
 
 def policies_dir() -> Path:
+    """Folder of the shipped policies."""
     return data_root() / "models" / "policies"
 
 
 def presets_dir() -> Path:
+    """Folder of the training presets."""
     return _PACKAGE / "learning" / "presets"
 
 
 def disturbances_dir() -> Path:
+    """Folder of the named disturbances."""
     return _PACKAGE / "disturbances"

@@ -1,4 +1,4 @@
-"""The hardware backend: one arm of AX-12A servos with its range sensors, and an emulator of them."""
+"""The hardware backend: an arm of AX-12A servos with its range sensors, and an emulator of them."""
 
 from pipenav_hardware.backend import HardwareBackend
 

@@ -1,10 +1,9 @@
-"""One real arm behind the backend seam: read, told and waited for at a fixed rate, stopped when a rule is broken."""
+"""The real arm behind the backend seam: read and commanded at a fixed rate, stopped when a rule is broken."""
 
 from __future__ import annotations
 
 import contextlib
 import math
-import select
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -16,6 +15,7 @@ from pydantic import Field
 from pipenav.arrays import Floats, Ints
 from pipenav.backends import (
     CONTROL_PERIOD,
+    ArmStart,
     BackendOptions,
     Calibrator,
     Command,
@@ -26,30 +26,26 @@ from pipenav.backends import (
     RealRobot,
     Recoder,
     Sent,
-    Stopped,
-    Truth,
 )
 from pipenav.errors import PipenavError
 from pipenav.pipes import Pipe, PipeCorner
 from pipenav.robots import RobotSpec
-from pipenav_hardware import packets, table
-from pipenav_hardware.arm_config import ArmConfig, load_arm
+from pipenav_hardware import table
+from pipenav_hardware.arm_config import load_arm
+from pipenav_hardware.beam_filter import BeamFilter
 from pipenav_hardware.calibrate import Calibration
 from pipenav_hardware.check import findings
-from pipenav_hardware.codec import Codec, Encoded, Raw
+from pipenav_hardware.codec import Codec, Raw
 from pipenav_hardware.dynamixel import Bus
-from pipenav_hardware.front_sensor import FrontSensor
-from pipenav_hardware.ranging import BeamFilter, RangeScan, RangeSensor, SensorLost, await_scan, late_for_scan
-from pipenav_hardware.scip2 import open_scanner
-from pipenav_hardware.servos import Servos, Told
+from pipenav_hardware.ranging import late_for_scan
+from pipenav_hardware.recording import arm_description, recorded_arithmetic, sent_command, tick_record
+from pipenav_hardware.sensors import Sensors
+from pipenav_hardware.servos import ServoAnswers, Servos
 from pipenav_hardware.trips import SensorRules, ServoRules
 from pipenav_hardware.watchdog import Watchdog
 
 START_TOLERANCE = 0.02
-"""Farthest that a joint may be from where `reset` is told that it is [rad or m]: nothing moves on a reset."""
-
-FRESH_TIMEOUT = 1.0
-"""Longest wait for two scans that were taken after a pause [s]."""
+"""Farthest that a joint may be from the start that `reset` is given [rad or m]: nothing moves on a reset."""
 
 
 class HardwareOptions(BackendOptions):
@@ -64,7 +60,11 @@ class HardwareOptions(BackendOptions):
 
 
 class HardwareBackend(RealRobot):
-    """See `pipenav.backends.real_robot.Machine`. Connecting only asks; `reset` switches torque on where the arm is."""
+    """The real arm, see `RealRobot`. Connecting only asks; `reset` switches torque on where the arm is.
+
+    Attributes:
+        arm: the arm's description.
+    """
 
     Options = HardwareOptions
 
@@ -85,11 +85,8 @@ class HardwareBackend(RealRobot):
             self._bus = Bus(self.arm.port, self.arm.baud, options.patience)
             opened.callback(self._bus.close)
             self._servos = Servos(self.arm, self._bus, options.allow_slow_bus)
-            self._scanner: RangeSensor = open_scanner(self.arm.scanner, math.radians(robot.laser.fan_deg))
-            opened.callback(self._scanner.close)
-            self._front = FrontSensor(self.arm.front_sensor) if self.arm.front_sensor else None
-            if self._front is not None:
-                opened.callback(self._front.close)
+            self._sensors = Sensors(self.arm, robot)
+            opened.callback(self._sensors.close)
             self._watchdog = None if options.listen_only else Watchdog(self._bus.descriptor, options.patience)
             self._opened = opened.pop_all()
         self._begin()
@@ -123,19 +120,19 @@ class HardwareBackend(RealRobot):
 
     def read(self) -> Reading:
         if math.isnan(self._due):
-            await_scan(self._scanner, self._listen, 1.5 * CONTROL_PERIOD)
+            self._sensors.await_scan(1.5 * CONTROL_PERIOD)
             self._due = self._start = time.monotonic()
         self._beat()
         begun, self._seconds = time.monotonic(), {}
-        told = self._servos.read()
+        answers = self._servos.read()
         self._seconds["bus"] = time.monotonic() - begun
-        self._listen(time.monotonic())
-        reading = self._judge(told)
+        self._sensors.listen(time.monotonic())
+        reading = self._reading_of(answers)
         self.complete = reading is not None
         if reading is not None:
             self._reading = reading
         if self._enabled:
-            self._servos.verify(told.settings)
+            self._servos.verify(answers.settings)
         self._seconds["read"] = time.monotonic() - begun
         if self._reading is None:
             self._reading, self.complete = self._first_reading(), True
@@ -149,39 +146,34 @@ class HardwareBackend(RealRobot):
         """Send set-points, limited.
 
         Raises:
-            Stopped: the tick is so late that they must not be sent, or they are none.
+            Stopped: the tick is so late that they must not be sent, or they are no usable set-points.
         """
         begun = time.monotonic()
         self._deadlines.check(begun - self._due)
         encoded = self._codec.encode(command)
         if encoded.goals and not self._options.listen_only:
-            self._servos.tell(encoded.goals)
+            self._servos.send_goals(encoded.goals)
         self._beat()
         self._seconds["send"] = time.monotonic() - begun
-        self._taken()
-        return _sent(self.arm, encoded)
+        self._note_taken()
+        return sent_command(self.arm, encoded)
 
     def hold(self) -> None:
         self._beat()
-        self._taken()
+        self._note_taken()
 
     def wait(self) -> None:
-        """See `RealRobot.wait`; raises `Stopped` where the tick, with its recording, was late twice in a row or much."""
+        """Wait until the next tick is due, listening to the sensors.
+
+        Raises:
+            Stopped: the tick, with its recording, was much too late, or late for the second time in a row.
+        """
         self._deadlines.check(time.monotonic() - self._due)
         self._deadlines.begin()
-        self._due += CONTROL_PERIOD - late_for_scan(self._due, self._scanner.latest())
+        self._due += CONTROL_PERIOD - late_for_scan(self._due, self._sensors.scanner.latest())
         if time.monotonic() - self._due > CONTROL_PERIOD / 2:
             self._due = time.monotonic()  # a late tick moves the schedule; it does not shorten the ticks after it
-        sensors = [sensor for sensor in (self._scanner, self._front) if sensor is not None]
-        descriptors = [sensor.fileno() for sensor in sensors if sensor.fileno() >= 0]
-        while (left := self._due - time.monotonic()) > 0:
-            select.select(descriptors, [], [], left)
-            self._listen(time.monotonic())
-            if len(descriptors) < len(sensors):
-                time.sleep(min(0.005, max(0.0, self._due - time.monotonic())))
-
-    def truth(self) -> Truth | None:
-        return None
+        self._sensors.listen_until(self._due)
 
     def cut(self) -> None:
         if not self._options.listen_only:
@@ -197,40 +189,19 @@ class HardwareBackend(RealRobot):
         return [servo.joint for servo in self.arm.servos if servo.id in silent]
 
     def raw(self) -> dict[str, Any]:
-        scan = self._raw.scan
         return {
-            "states": [None if data is None else data.hex() for data in self._raw.states],
-            "alarms": [int(alarm) for alarm in self._alarms],
-            "scan_mm": None if scan is None else list(scan.distances),
-            "scan_sequence": None if scan is None else scan.sequence,
-            "front_m": self._raw.front,
-            "time": self._raw.time,
+            **tick_record(self._raw, self._alarms),
             "problem": self._codec.problem,
             "late": self._deadlines.missed,
             "seconds": self._seconds,
         }
 
     def description(self) -> dict[str, Any]:
-        return {
-            "arm": self.arm.model_dump(mode="json"),
-            "scanner": {
-                "angles": self._scanner.angles.tolist(),
-                "range_min": self._scanner.range_min,
-                "range_max": self._scanner.range_max,
-            },
-            "start_goals": self._start_goals,
-            "latency": self.latency,
-        }
+        return arm_description(self.arm, self._sensors.scanner, self._start_goals, self.latency)
 
     @classmethod
     def recoder(cls, robot: RobotSpec, description: Mapping[str, Any]) -> Recoder:
-        arm = ArmConfig.model_validate(description["arm"])
-        scanner = description["scanner"]
-        beams = _beam_filter(robot, np.array(scanner["angles"]), scanner["range_min"], scanner["range_max"])
-        codec = Codec(robot, arm, beams)
-        if description["start_goals"] is not None:
-            codec.last = np.array(description["start_goals"], float)
-        return Recoder(lambda raw: codec.decode(_recorded(raw)), lambda command: _sent(arm, codec.encode(command)))
+        return recorded_arithmetic(robot, description)
 
     @classmethod
     def check(cls, options: BackendOptions) -> Iterator[Finding]:
@@ -244,19 +215,21 @@ class HardwareBackend(RealRobot):
     @classmethod
     @contextlib.contextmanager
     def emulate(
-        cls, robot: RobotSpec, pipe: PipeCorner, folder: Path, seed: int, faults: Sequence[Mapping[str, Any]]
+        cls,
+        robot: RobotSpec,
+        pipe: PipeCorner,
+        start: ArmStart,
+        folder: Path,
+        seed: int,
+        faults: Sequence[Mapping[str, Any]],
     ) -> Iterator[Emulated]:
-        from pipenav.tasks.reach import episode
-        from pipenav.tasks.reach.config import ReachConfig
         from pipenav_hardware.emulator.client import Emulator
-        from pipenav_hardware.emulator.faults import require_faults
+        from pipenav_hardware.emulator.config import EmulatorSettings
+        from pipenav_hardware.emulator.faults import fault_script
 
-        require_faults(faults)
-        start = episode.sample(robot, ReachConfig(), [pipe], np.random.default_rng(seed))
-        base = float(start.base[0])
-        settings: dict[str, Any] = {"seed": seed, "faults": [dict(fault) for fault in faults]}
-        with Emulator(robot, pipe, folder=folder, q=start.q[0], base=base, **settings) as emulator:
-            yield Emulated(HardwareOptions(arm=str(emulator.arm_path)), base, emulator.log_path)
+        settings = EmulatorSettings(seed=seed, faults=fault_script(faults))
+        with Emulator(robot, settings, pipe, start, folder) as emulator:
+            yield Emulated(HardwareOptions(arm=str(emulator.arm_path)), emulator.log_path)
 
     def close(self) -> None:
         self.off()
@@ -272,84 +245,53 @@ class HardwareBackend(RealRobot):
         self._reading = None
         self._raw, self._alarms, self._seconds = Raw((), None, None, 0.0), (), {}
         self._due, self._start = math.nan, time.monotonic()
-        self._fresh()
+        self._sensors.refresh()
 
     def _forget(self) -> None:
-        """Drop what was known of earlier ticks: what a run decides comes from its own ticks, which a replay has."""
-        scanner = self._scanner
-        self._beams = _beam_filter(self._robot, scanner.angles, scanner.range_min, scanner.range_max)
+        """Drop what was known of earlier ticks: a mission decides by its own ticks alone, which a replay has too."""
+        scanner = self._sensors.scanner
+        self._beams = BeamFilter(self._robot.laser, scanner.angles, scanner.range_min, scanner.range_max)
         self._codec = Codec(self._robot, self.arm, self._beams)
         self._sequence = -1
 
     def _first_reading(self) -> Reading:
         """A whole reading without a tick; a lost answer is asked for once more."""
         for _ in range(3):
-            reading = self._judge(self._servos.read())
+            reading = self._reading_of(self._servos.read())
             if reading is not None:
                 return reading
         raise PipenavError(f"no first reading: {self._codec.problem}; run pipenav hw-check.")
 
-    def _fresh(self) -> None:
-        """Drop what sensors sent during a pause and wait for news."""
-        self._listen(time.monotonic())
-        for _ in range(2):  # the first of them may have begun before
-            await_scan(self._scanner, self._listen, FRESH_TIMEOUT / 2)
-
-    def _listen(self, now: float) -> None:
-        try:
-            self._scanner.pump(now)
-            if self._front is not None:
-                self._front.pump(now)
-        except SensorLost as lost:
-            raise Stopped("sensor-lost", str(lost).rstrip("."), "then start again") from lost
-
-    def _judge(self, told: Told) -> Reading | None:
-        """The reading in this tick's answers.
+    def _reading_of(self, answers: ServoAnswers) -> Reading | None:
+        """The reading of this tick, judged by all rules; None where it is not whole.
 
         Raises:
-            Stopped: a rule of servos, sensors or positions is broken.
+            Stopped: a rule about servos, sensors or positions is broken.
         """
         now = time.monotonic()
-        newest = self._scanner.latest()
+        front_sensor, newest = self._sensors.front, self._sensors.scanner.latest()
         scan = newest if newest is not None and newest.sequence != self._sequence else None
-        front = None if self._front is None else self._front.distance
-        self._raw, self._alarms = Raw(told.states, scan, front, now - self._start), told.alarms
+        front = None if front_sensor is None else front_sensor.distance
+        self._raw, self._alarms = Raw(answers.states, scan, front, now - self._start), answers.alarms
         reading = self._codec.decode(self._raw)
-        self._rules.alarmed(told.alarms)
-        self._rules.answered([data is not None for data in told.states])
+        self._rules.alarmed(answers.alarms)
+        self._rules.answered([data is not None for data in answers.states])
         self._rules.check(self._codec.states, self._codec.last if self._enabled else None)
         self.warnings = [*self._servos.warnings, *self._rules.warnings]
         if scan is not None:
             self._sequence = scan.sequence
             self._sensor_rules.scanned(scan, self._beams.all_invalid)
         self._sensor_rules.aged("scanner", now - newest.stamp if newest else math.inf)
-        if self._front is not None:
-            self._sensor_rules.aged("front sensor", now - self._front.stamp)
+        if front_sensor is not None:
+            self._sensor_rules.aged("front sensor", now - front_sensor.stamp)
         return reading
 
-    def _taken(self) -> None:
-        """What the servos shall be told in this tick, they have been told."""
+    def _note_taken(self) -> None:
+        """Note how long the tick has taken until now, when all that it sends is sent."""
         self._seconds["taken"] = time.monotonic() - self._due
         self._deadlines.note(self._seconds["taken"])
 
     def _beat(self) -> None:
+        """Let the supervisor hear that the driver lives."""
         if self._watchdog is not None:
             self._watchdog.beat()
-
-
-def _beam_filter(robot: RobotSpec, angles: Floats, range_min: float, range_max: float) -> BeamFilter:
-    return BeamFilter(robot.laser, angles, range_min, range_max)
-
-
-def _sent(arm: ArmConfig, encoded: Encoded) -> Sent:
-    registers = {servo: packets.words(*values) for servo, values in encoded.goals.items()}
-    packet = packets.sync_write(table.GOAL_ADDRESS, registers).hex() if registers else ""
-    clamped = [servo.joint for servo, was in zip(arm.servos, encoded.clamped, strict=True) if was]
-    return Sent([float(value) for value in encoded.positions], clamped, packet)
-
-
-def _recorded(raw: Mapping[str, Any]) -> Raw:
-    """A tick as the telemetry holds it."""
-    states = tuple(None if text is None else bytes.fromhex(text) for text in raw["states"])
-    scan = None if raw["scan_mm"] is None else RangeScan(tuple(raw["scan_mm"]), 0.0, raw["scan_sequence"])
-    return Raw(states, scan, raw["front_m"], raw["time"])

@@ -1,4 +1,4 @@
-"""Finding out how an arm's servos are mounted: each moves a few degrees, and a person says what was seen."""
+"""Finding out how an arm's servos are mounted: each moves a few degrees, and a person says what it did."""
 
 from __future__ import annotations
 
@@ -18,19 +18,20 @@ from pipenav_hardware.arm_config import (
     ScannerConfig,
     arm_toml,
     default_arm,
-    reachable,
 )
-from pipenav_hardware.dynamixel import Bus, Mode
+from pipenav_hardware.dynamixel import Bus
+from pipenav_hardware.serial_port import Mode
+from pipenav_hardware.servo_config import reachable
 from pipenav_hardware.watchdog import Watchdog
 
 NUDGE = 40
-"""Counts of a nudge: 12 deg can be seen, and are less than a servo moves in a control period."""
+"""Size of a nudge [counts]: 12 deg can be seen, and are less than a servo moves in a control period."""
 
 NUDGE_SPEED = 30
-"""Moving Speed of a nudge: 20 deg/s."""
+"""Moving Speed of a nudge [counts]: 20 deg/s."""
 
 NUDGE_TORQUE = 256
-"""Torque Limit of a nudge, a quarter: enough to move the arm, not enough to break it."""
+"""Torque Limit of a nudge [counts], a quarter: enough to move the arm, not enough to break it."""
 
 NUDGE_TIME = 2.0
 """Longest time for a nudge [s]."""
@@ -38,13 +39,13 @@ NUDGE_TIME = 2.0
 STORED = {
     table.RETURN_DELAY: 0,
     table.RETURN_LEVEL: 2,
-    table.SHUTDOWN: table.Alarm.OVERLOAD | table.Alarm.OVERHEAT,
+    table.SHUTDOWN: table.SHUTDOWN_ALARMS,
 }
-"""What every servo's EEPROM shall hold besides its limits."""
+"""Content of every servo's EEPROM besides its limits."""
 
 
 class Calibration(Calibrator):
-    """See `pipenav.backends.real_robot.Calibrator`. Servos have the ids 1, 2, ... in joint order."""
+    """Calibration of an AX-12A arm, see `pipenav.backends.Calibrator`. Servos have the ids 1, 2, ... in joint order."""
 
     def __init__(self, robot: RobotSpec, ports: Mapping[str, str]) -> None:
         scanner = ScannerConfig(driver="scip2", port=ports["scanner"])
@@ -69,7 +70,7 @@ class Calibration(Calibrator):
     def nudge(self, joint: str) -> float:
         index = self.joints.index(joint)
         servo, start = self._arm.servos[index].id, self._position(index)
-        goal = min(start + NUDGE, table.COUNTS)
+        goal_counts = min(start + NUDGE, table.COUNTS)
         self._watchdog.armed()
         self._torque, self._bus.mode = True, Mode.DRIVE
         try:
@@ -82,9 +83,9 @@ class Calibration(Calibrator):
             for register, value in values.items():
                 if not self._bus.write_register(servo, register, value):
                     raise Stopped("comms", f"servo {servo} ({joint}) does not take a value", "check its cable")
-            self._bus.write_register(servo, table.GOAL_POSITION, goal)
+            self._bus.write_register(servo, table.GOAL_POSITION, goal_counts)
             deadline = time.monotonic() + NUDGE_TIME
-            while abs(goal - self._position(index)) > 2 and time.monotonic() < deadline:
+            while abs(goal_counts - self._position(index)) > 2 and time.monotonic() < deadline:
                 self._watchdog.beat()
                 time.sleep(0.05)
         finally:
@@ -136,6 +137,7 @@ class Calibration(Calibrator):
         self._watchdog.close()
 
     def _refuse_unfit(self, servo: int, joint: str) -> None:
+        """Refuse a servo that does not answer, or that could not be stopped by its angle limits."""
         model = self._bus.read_register(servo, table.MODEL)
         if model is None:
             raise PipenavError(
@@ -150,6 +152,7 @@ class Calibration(Calibrator):
             )
 
     def _position(self, index: int) -> int:
+        """Position of a joint's servo [counts]."""
         position = self._bus.read_register(self._arm.servos[index].id, table.PRESENT_POSITION)
         if position is None:
             raise PipenavError(f"servo {self._arm.servos[index].id} ({self.joints[index]}) does not answer any more.")
@@ -169,6 +172,6 @@ class Calibration(Calibrator):
                 "mount its horn so that the straight arm lies within its 300 deg."
             )
         values |= {f"lower_{name}": lower, f"upper_{name}": upper}
-        servos = [one.model_dump() for one in self._arm.servos]
+        servos = [mounted.model_dump() for mounted in self._arm.servos]
         servos[index] = values
         self._arm = ArmConfig.model_validate(self._arm.model_dump() | {"servos": servos})

@@ -1,4 +1,4 @@
-"""What `pipenav hw-check` looks at: every bus speed, every servo, every sensor. It asks and changes nothing."""
+"""The checks of `pipenav hw-check`: every bus speed, every servo, every sensor. They ask and change nothing."""
 
 from __future__ import annotations
 
@@ -10,21 +10,20 @@ from pipenav.backends import Finding
 from pipenav.errors import PipenavError
 from pipenav.units import m_to_mm, rad_to_deg
 from pipenav_hardware import table
-from pipenav_hardware.arm_config import ArmConfig, Servo
+from pipenav_hardware.arm_config import ArmConfig
 from pipenav_hardware.dynamixel import Bus
 from pipenav_hardware.front_sensor import FrontSensor
 from pipenav_hardware.scip2 import open_scanner
-from pipenav_hardware.servos import LATENCY_REMEDY, SLOW
+from pipenav_hardware.servo_config import Servo
+from pipenav_hardware.servos import LATENCY_REMEDY, PINGS, SLOW
 from pipenav_hardware.trips import HOT, LEAST_VOLTS, MOST_VOLTS, WARN_VOLTS
 
 OTHER_IDS = (0, 1, 2, 3, 4, 5, 6, 7, 8)
-"""Ids looked for besides the arm's own: those that people give to an arm's servos."""
-
-PINGS = 10
+"""Ids that are looked for besides the arm's own: people give these to an arm's servos."""
 
 
 def findings(arm: ArmConfig) -> Iterator[Finding]:
-    """Everything about an arm, in the order in which a person would look."""
+    """Everything about an arm, in the order in which a person would look at it."""
     try:
         bus = Bus(arm.port, arm.baud)
     except PipenavError as error:
@@ -41,6 +40,7 @@ def findings(arm: ArmConfig) -> Iterator[Finding]:
 
 
 def _servo_findings(arm: ArmConfig, bus: Bus) -> Iterator[Finding]:
+    """Everything about the servos: each of them, where missing ones may be, how fast they answer."""
     if bus.echoes():
         yield Finding("problem", "the adapter sends back what is sent", "use a USB2Dynamixel or a U2D2")
         return
@@ -58,66 +58,67 @@ def _servo_findings(arm: ArmConfig, bus: Bus) -> Iterator[Finding]:
 
 
 def _one_servo(servo: Servo, bus: Bus) -> Iterator[Finding]:
-    """What a servo says of itself; nothing if it does not answer."""
+    """Everything that a servo says about itself; nothing if it does not answer."""
     name = f"servo {servo.id} ({servo.joint})"
-    eeprom = bus.read(servo.id, 0, table.SHUTDOWN.end)
-    state = bus.read(servo.id, table.STATE_ADDRESS, table.STATE_SIZE)
-    if eeprom.data is None or state.data is None:
-        if "damaged" in eeprom.problem:
+    memory = bus.read(servo.id, *table.EEPROM)
+    answer = bus.read(servo.id, table.STATE_ADDRESS, table.STATE_SIZE)
+    if memory.data is None or answer.data is None:
+        if "damaged" in memory.problem:
             yield Finding("problem", f"{name}: damaged answers", "two servos may have this id: connect them one by one")
         return
-    told = table.decode_state(state.data)
-    volts, data = told.decivolts / 10, eeprom.data
-    position = servo.to_position(told.position)
-    place = f"{m_to_mm(position):.1f} mm" if servo.drive == "pinion" else f"{rad_to_deg(position):.1f} deg"
+    eeprom, state = table.decode_eeprom(memory.data), table.decode_state(answer.data)
+    position = servo.to_position(state.position)
+    shown = f"{m_to_mm(position):.1f} mm" if servo.drive == "pinion" else f"{rad_to_deg(position):.1f} deg"
     yield Finding(
         "ok",
-        f"{name}: model {table.word(data, 0)}, firmware {data[2]}, {volts:.1f} V, {told.temperature} deg C, "
-        f"position {told.position} ({place}), "
-        f"limits {table.word(data, table.CW_LIMIT.address)}-{table.word(data, table.CCW_LIMIT.address)}",
+        f"{name}: model {eeprom.model}, firmware {eeprom.firmware}, {state.decivolts / 10:.1f} V, "
+        f"{state.temperature} deg C, position {state.position} ({shown}), limits {eeprom.limits[0]}-{eeprom.limits[1]}",
     )
-    yield from _flaws(servo, name, data, told, state.alarms)
+    yield from _memory_flaws(servo, name, eeprom)
+    yield from _state_flaws(servo, name, state, answer.alarms)
 
 
-def _flaws(servo: Servo, name: str, eeprom: bytes, told: table.State, alarms: table.Alarm) -> Iterator[Finding]:
-    volts = told.decivolts / 10
-    limits = table.word(eeprom, table.CW_LIMIT.address), table.word(eeprom, table.CCW_LIMIT.address)
+def _memory_flaws(servo: Servo, name: str, eeprom: table.Eeprom) -> Iterator[Finding]:
+    """Settings in a servo's EEPROM that are not the arm's."""
     store = "store the arm's settings in the servos: pipenav calibrate --write-servos"
-    if table.word(eeprom, 0) != table.MODEL_NUMBER:
-        yield Finding("problem", f"{name} is no AX-12A (model {table.word(eeprom, 0)})", "replace it")
-    if limits == (0, 0):
+    if eeprom.model != table.MODEL_NUMBER:
+        yield Finding("problem", f"{name} is no AX-12A (model {eeprom.model})", "replace it")
+    if eeprom.limits == table.WHEEL_MODE:
         yield Finding("problem", f"{name} is in wheel mode", store)
-    elif limits != servo.count_limits:
-        yield Finding("problem", f"{name}: angle limits are {limits}, arm.toml says {servo.count_limits}", store)
-    if table.word(eeprom, table.MAX_TORQUE.address) > servo.torque_counts:
+    elif eeprom.limits != servo.count_limits:
+        yield Finding("problem", f"{name}: angle limits are {eeprom.limits}, arm.toml says {servo.count_limits}", store)
+    if eeprom.max_torque > servo.torque_counts:
         yield Finding("problem", f"{name}: max torque is above what arm.toml allows ({servo.torque_counts})", store)
-    if eeprom[table.RETURN_LEVEL.address] != 2:
-        yield Finding(
-            "problem", f"{name}: status return level {eeprom[table.RETURN_LEVEL.address]}, 2 is needed", store
-        )
-    if eeprom[table.RETURN_DELAY.address]:
-        yield Finding("warning", f"{name} waits {2 * eeprom[table.RETURN_DELAY.address]} us before answering", store)
-    if not servo.count_limits[0] <= told.position <= servo.count_limits[1]:
+    if eeprom.return_level != 2:
+        yield Finding("problem", f"{name}: status return level {eeprom.return_level}, 2 is needed", store)
+    if eeprom.return_delay:
+        yield Finding("warning", f"{name} waits {2 * eeprom.return_delay} us before answering", store)
+
+
+def _state_flaws(servo: Servo, name: str, state: table.State, alarms: table.Alarm) -> Iterator[Finding]:
+    """Reasons why a servo should not be switched on now."""
+    volts = state.decivolts / 10
+    if not servo.count_limits[0] <= state.position <= servo.count_limits[1]:
         yield Finding("problem", f"{name} stands outside its limits", "move it back by hand")
     if not LEAST_VOLTS <= volts <= MOST_VOLTS:
         yield Finding("problem", f"{name} gets {volts:.1f} V", f"supply {LEAST_VOLTS:g} to {MOST_VOLTS:g} V")
     elif volts < WARN_VOLTS:
         yield Finding("warning", f"{name} gets only {volts:.1f} V", "use a stronger supply or thicker cable")
-    if told.temperature >= HOT:
-        yield Finding("problem", f"{name} is at {told.temperature} deg C", "let it cool for 20 minutes")
+    if state.temperature >= HOT:
+        yield Finding("problem", f"{name} is at {state.temperature} deg C", "let it cool for 20 minutes")
     if alarms:
         names = ", ".join(str(bit.name).lower() for bit in table.Alarm if bit & alarms)
         yield Finding("problem", f"{name} reports {names}", "see docs/hardware.md, Trips")
 
 
 def _elsewhere(arm: ArmConfig, bus: Bus) -> dict[int, list[int]]:
-    """Ids that answer at each bus speed, and are not where arm.toml has them."""
+    """Ids that answer at each bus speed, and that are not where arm.toml has them."""
     found: dict[int, list[int]] = {}
     for baud in sorted(table.BAUD_VALUES, reverse=True):
         bus.open(baud)
         ids = sorted({*arm.ids, *OTHER_IDS})
-        answers = [servo for servo in ids if bus.ping(servo).data is not None]
-        stray = [servo for servo in answers if baud != arm.baud or servo not in arm.ids]
+        answering = [servo for servo in ids if bus.ping(servo).data is not None]
+        stray = [servo for servo in answering if baud != arm.baud or servo not in arm.ids]
         if stray:
             found[baud] = stray
     bus.open(arm.baud)
@@ -125,7 +126,7 @@ def _elsewhere(arm: ArmConfig, bus: Bus) -> dict[int, list[int]]:
 
 
 def _missing(arm: ArmConfig, servo: Servo, elsewhere: dict[int, list[int]]) -> Finding:
-    """Where a servo that does not answer may be found."""
+    """A servo that does not answer, and where it may be."""
     index = arm.ids.index(servo.id)
     name = f"servo {servo.id} ({servo.joint}) does not answer"
     for baud, ids in elsewhere.items():
@@ -135,12 +136,13 @@ def _missing(arm: ArmConfig, servo: Servo, elsewhere: dict[int, list[int]]) -> F
     cable = "the power supply and the cable from the adapter to it"
     if index:
         cable = f"the cable from servo {before.id} ({before.joint}) to it"
-    others = sorted({one for ids in elsewhere.values() for one in ids} - set(arm.ids))
+    others = sorted({other for ids in elsewhere.values() for other in ids} - set(arm.ids))
     strays = f"; or it is the one with id {', '.join(map(str, others))}" if others else ""
     return Finding("problem", name, f"check {cable}{strays}")
 
 
 def _latency(arm: ArmConfig, bus: Bus) -> Iterator[Finding]:
+    """How fast the servos answer."""
     times = []
     for i in range(PINGS):
         start = time.monotonic()
@@ -152,6 +154,7 @@ def _latency(arm: ArmConfig, bus: Bus) -> Iterator[Finding]:
 
 
 def _sensor_findings(arm: ArmConfig) -> Iterator[Finding]:
+    """Everything about the scanner and the front sensor."""
     try:
         scanner = open_scanner(arm.scanner, 0.5)
         scan = scanner.latest()

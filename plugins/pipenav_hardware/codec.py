@@ -1,6 +1,6 @@
-"""From what came over the wires to a `Reading`, and from a `Command` to the packet that goes out. No input or output.
+"""From the bytes of the servos and the sensors to a `Reading`, and from a `Command` to the goals that are sent.
 
-The same bytes give the same readings and packets, in a run and in its replay.
+Nothing here has input or output: the same bytes give the same readings and packets, in a mission and in its replay.
 """
 
 from __future__ import annotations
@@ -14,27 +14,28 @@ from pipenav.arrays import Floats
 from pipenav.backends import CONTROL_PERIOD, Bounds, Command, Reading, Repeats, Stopped, safety
 from pipenav.robots import RobotSpec
 from pipenav_hardware.arm_config import ArmConfig
-from pipenav_hardware.ranging import BeamFilter, RangeScan
-from pipenav_hardware.table import COUNT, COUNTS, SPEED_UNIT, State, decode_state
+from pipenav_hardware.beam_filter import BeamFilter
+from pipenav_hardware.ranging import RangeScan
+from pipenav_hardware.table import COUNT, COUNTS, SPEED_UNIT, ServoGoal, State, decode_state
 
 STEP_SLACK = 2
-"""Counts by which a goal may be farther than one step from where the servo says it is: its resolution and its play."""
+"""Number of counts by which a goal may be farther than one step from the servo's position: its resolution and play."""
 
 JUMP_MARGIN = 8
-"""Counts beyond a period's fastest motion by which a position may differ from the last one and be believed."""
+"""Number of counts beyond a period's fastest motion by which a position may differ from the last and be believed."""
 
 LIMIT_MARGIN = 8
-"""Counts beyond its limits at which a joint stops the arm: a servo overshoots by a few."""
+"""Number of counts that a joint may be beyond its limits; farther stops the arm. A servo overshoots by a few."""
 
 
 class Raw(NamedTuple):
-    """What one tick brought.
+    """The bytes and the scan of one tick.
 
     Attributes:
         states: 8 bytes from address 36 of every servo; None where it did not answer.
         scan: the newest scan if there is a new one, else None.
-        front: distance ahead [m], None without a reading.
-        time: since the start [s].
+        front: distance ahead [m]; None without a reading.
+        time: time since the start [s].
     """
 
     states: tuple[bytes | None, ...]
@@ -44,27 +45,34 @@ class Raw(NamedTuple):
 
 
 class Encoded(NamedTuple):
-    """What becomes of a command.
+    """A command as it may be sent.
 
     Attributes:
-        goals: id -> goal and moving speed, as sent; empty if nothing may be sent.
+        goals: id of a servo -> its goal; empty if nothing may be sent.
         clamped: joints whose goal was changed, (joints,).
         positions: the goals in joint coordinates, (joints,) [rad or m].
     """
 
-    goals: dict[int, tuple[int, int]]
+    goals: dict[int, ServoGoal]
     clamped: tuple[bool, ...]
     positions: Floats
 
 
 class Codec:
-    """Keeps what the next tick needs of the ticks before: last positions, last goals, the beams' history."""
+    """Decodes and encodes with what a tick needs of the ticks before: positions, goals, the history of the beams.
+
+    Attributes:
+        speeds: Moving Speed of every servo, at the joint's speed limit, never 0 [counts].
+        bounds: limits of the goals [counts].
+        states: last state of every servo that was believed; None before the first.
+        last: last goals, (joints,) [counts]; None before the first.
+        problem: why the last reading was not whole; empty where it was.
+    """
 
     def __init__(self, robot: RobotSpec, arm: ArmConfig, beams: BeamFilter) -> None:
         self._arm, self._beams = arm, beams
-        fastest = robot.speed_limits / np.array(
-            [servo.unit for servo in arm.servos]
-        )  # at the servos, (joints,) [rad/s]
+        units = np.array([servo.unit for servo in arm.servos])
+        fastest = robot.speed_limits / units  # at the servos, (joints,) [rad/s]
         self.speeds = [max(1, math.floor(speed / SPEED_UNIT)) for speed in fastest]
         step = np.maximum(np.floor(fastest * CONTROL_PERIOD / COUNT), 1.0)
         limits = arm.count_limits
@@ -79,7 +87,7 @@ class Codec:
 
     @property
     def present(self) -> Floats:
-        """Position counts, (joints,)."""
+        """Last positions, (joints,) [counts]."""
         return np.array([state.position for state in self.states if state is not None], float)
 
     def decode(self, raw: Raw) -> Reading | None:
@@ -122,7 +130,7 @@ class Codec:
         return Reading(np.array([q]), np.array([qd]), self._ranges[None].copy(), np.array([raw.time]))
 
     def encode(self, command: Command) -> Encoded:
-        """The goals of a command, limited; they count as sent.
+        """The goals of a command, limited. They count as sent.
 
         Raises:
             Stopped: values that are not finite, or no goal that would do, twice in a row.
@@ -149,7 +157,7 @@ class Codec:
             return Encoded({}, tuple(map(bool, result.clamped)), self._positions(last))
         self.last = result.goal
         pairs = zip(self._arm.ids, result.goal, self.speeds, strict=True)
-        goals = {servo: (int(goal), speed) for servo, goal, speed in pairs}
+        goals = {servo: ServoGoal(int(counts), speed) for servo, counts, speed in pairs}
         return Encoded(goals, tuple(map(bool, result.clamped)), self._positions(result.goal))
 
     def _positions(self, counts: Floats) -> Floats:

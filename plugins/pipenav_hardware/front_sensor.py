@@ -10,7 +10,8 @@ import re
 import time
 
 from pipenav_hardware.arm_config import FrontSensorConfig
-from pipenav_hardware.ranging import SensorLost, SerialLine
+from pipenav_hardware.ranging import SensorLost
+from pipenav_hardware.serial_line import SerialLine
 
 BAUD = 115_200
 HELLO = "HELLO,pipenav-front,1"
@@ -25,12 +26,13 @@ def framed(body: str) -> str:
 
 
 def unframed(line: str) -> str | None:
-    """What a line says; None if it is damaged."""
+    """Body of a line; None if the line is damaged."""
     body, star, given = line[1:].partition("*")
     return body if line[:1] == "$" and star and given == f"{exclusive_or(body):02X}" else None
 
 
 def exclusive_or(body: str) -> int:
+    """Exclusive or of all characters."""
     total = 0
     for character in body:
         total ^= ord(character) & 0xFF
@@ -38,14 +40,19 @@ def exclusive_or(body: str) -> int:
 
 
 class FrontSensor:
-    """Keeps the newest reading."""
+    """The sensor on its serial line, with its newest reading.
+
+    Attributes:
+        distance: newest reading, from the tip [m]; None where it measures nothing within its range.
+        stamp: when the newest reading came, on the monotonic clock [s].
+        rejected: number of lines that came damaged.
+    """
 
     def __init__(self, config: FrontSensorConfig, hello_timeout: float = HELLO_TIMEOUT) -> None:
         self._line = SerialLine(config.port, BAUD, "front sensor")
         self._offset = config.offset_mm
         self._sequence = -1
         self.distance: float | None = None
-        """Newest reading [m] from the tip; None where it measures nothing within its range."""
         self.stamp = time.monotonic()
         self.rejected = 0
         deadline = time.monotonic() + hello_timeout
@@ -56,6 +63,7 @@ class FrontSensor:
             self.pump(time.monotonic())
 
     def fileno(self) -> int:
+        """A descriptor that becomes readable when there is something to `pump`."""
         return self._line.fileno()
 
     def pump(self, now: float) -> None:

@@ -1,12 +1,14 @@
-"""Protocol 1.0 packets as bytes: built, checked and found in a stream. Knows no port and no servo.
+"""Protocol 1.0 packets as bytes: built, checked and found in a stream.
 
 Instruction: FF FF ID LENGTH INSTRUCTION parameters CHECKSUM; status: the same with the error byte as instruction.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
+
+from pipenav_hardware.table import GOAL_ADDRESS, ServoGoal
 
 PING, READ, WRITE, REG_WRITE, ACTION, RESET, SYNC_WRITE, BULK_READ = 1, 2, 3, 4, 5, 6, 0x83, 0x92
 BROADCAST = 0xFE
@@ -14,13 +16,19 @@ MAX_LENGTH = 250
 
 
 class Packet(NamedTuple):
-    """One packet: `code` is the instruction, or in a status packet the error byte."""
+    """An instruction or a status.
+
+    Attributes:
+        id: the servo's id.
+        code: the instruction; in a status packet the error byte.
+        parameters: bytes after the code.
+        valid: whether the checksum was right.
+    """
 
     id: int
     code: int
     parameters: bytes
     valid: bool = True
-    """Whether the checksum was right."""
 
     def encode(self) -> bytes:
         body = bytes([self.id, len(self.parameters) + 2, self.code, *self.parameters])
@@ -28,7 +36,7 @@ class Packet(NamedTuple):
 
 
 def checksum(body: bytes) -> int:
-    """Of ID to the last parameter: the inverted low byte of the sum."""
+    """Checksum of ID to last parameter: the inverted low byte of their sum."""
     return ~sum(body) & 0xFF
 
 
@@ -41,15 +49,20 @@ def write(servo: int, address: int, data: bytes) -> bytes:
 
 
 def sync_write(address: int, data: dict[int, bytes]) -> bytes:
-    """One packet that writes to several servos: the same address, each its own bytes (all of the same length)."""
+    """Packet that writes to several servos: the same address, each its own bytes (all of the same length)."""
     size = len(next(iter(data.values())))
     parameters = bytes([address, size]) + b"".join(bytes([servo]) + chunk for servo, chunk in data.items())
     return Packet(BROADCAST, SYNC_WRITE, parameters).encode()
 
 
 def words(*values: int) -> bytes:
-    """16-bit values, little endian."""
+    """Bytes of 16-bit values, little endian."""
     return b"".join(value.to_bytes(2, "little") for value in values)
+
+
+def goal_packet(goals: Mapping[int, ServoGoal]) -> bytes:
+    """Packet that gives every servo its goal position and moving speed, by id."""
+    return sync_write(GOAL_ADDRESS, {servo: words(*goal) for servo, goal in goals.items()})
 
 
 TORQUE_OFF_ALL = write(BROADCAST, 24, b"\x00")
@@ -63,7 +76,7 @@ class Stream:
         self._buffer = bytearray()
 
     def feed(self, data: bytes) -> Iterator[Packet]:
-        """Packets that are complete now, in order; one with a wrong checksum has `valid` False."""
+        """Packets that are complete now, in order; `valid` is False where the checksum is wrong."""
         self._buffer += data
         while (packet := self._next()) is not None:
             yield packet

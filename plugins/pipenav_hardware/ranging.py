@@ -1,26 +1,19 @@
-"""The interface of range sensors, and what the policy's beams read from a scan that is finer than they are."""
+"""The interface of range sensors, and how ticks keep in step with their scans."""
 
 from __future__ import annotations
 
-import contextlib
 import math
-import os
-import select
-import termios
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-import serial
 
 from pipenav.arrays import Floats
 from pipenav.backends import CONTROL_PERIOD
 from pipenav.errors import PipenavError
-from pipenav.robots import Laser, laser
 from pipenav_hardware.arm_config import ScannerConfig
-from pipenav_hardware.ports import port_problem
 
 
 class SensorLost(PipenavError):
@@ -31,12 +24,12 @@ class SensorLost(PipenavError):
 
 
 class RangeScan(NamedTuple):
-    """One scan as it came.
+    """A scan as it came.
 
     Attributes:
-        distances: one per angle of the sensor [mm]; below its smallest range they are error codes.
+        distances: distance at each angle of the sensor [mm]; below its smallest range they are error codes.
         stamp: when it arrived, on the monotonic clock [s].
-        sequence: grows with every new measurement.
+        sequence: number that grows with every new measurement.
     """
 
     distances: tuple[int, ...]
@@ -45,12 +38,12 @@ class RangeScan(NamedTuple):
 
 
 class RangeSensor(ABC):
-    """A scanner: polled, never blocking.
+    """A scanner, which is polled and never blocks.
 
     Attributes:
-        angles: of its points from the tip link's axis, left positive, ascending, (k,) [rad].
-        range_min, range_max: what it can measure [m].
-        rejected: scans that came damaged.
+        angles: angles of its points from the tip link's axis, left positive, ascending, (k,) [rad].
+        range_min, range_max: smallest and largest distance that it can measure [m].
+        rejected: number of scans that came damaged.
     """
 
     angles: Floats
@@ -68,7 +61,7 @@ class RangeSensor(ABC):
 
     @abstractmethod
     def latest(self) -> RangeScan | None:
-        """The newest whole scan."""
+        """The newest whole scan; None before the first."""
 
     @abstractmethod
     def close(self) -> None: ...
@@ -78,11 +71,17 @@ AFTER_SCAN = 0.003
 """How long after a scan a tick begins [s]: scans do not come quite regularly."""
 
 MOST_SHIFT = 0.002
-"""Most that a tick is moved to keep in step with a scanner of ten scans a second [s]: clocks drift apart slower."""
+"""Farthest that a tick is moved to keep in step with a scanner of ten scans a second [s]: clocks drift apart slower."""
 
 
 def await_scan(sensor: RangeSensor, listen: Callable[[float], None], timeout: float) -> None:
-    """Wait until the next scan has just come, or for `timeout` [s]. `listen` takes in what has arrived."""
+    """Wait until the next scan has just come.
+
+    Args:
+        sensor: the scanner.
+        listen: takes in what has arrived until a time [s].
+        timeout: longest wait [s].
+    """
     before, deadline = sensor.latest(), time.monotonic() + timeout
     while sensor.latest() is before and time.monotonic() < deadline:
         time.sleep(0.001)
@@ -90,10 +89,10 @@ def await_scan(sensor: RangeSensor, listen: Callable[[float], None], timeout: fl
 
 
 def late_for_scan(due: float, newest: RangeScan | None) -> float:
-    """How much earlier the tick after the one at `due` shall come, so that ticks keep beginning just after a scan [s].
+    """How much earlier the tick after the one at `due` is to come, so that ticks keep beginning just after a scan [s].
 
-    Joints are read where they are now, a scan shows what was seen where they were when it was taken: in a tenth of a
-    second the tip moves by several times what the map of a corner forgives.
+    Joints are read where they are now, but a scan shows what was seen where they were when it was taken: in a tenth of
+    a second the tip moves by several times what the map of a corner forgives.
     """
     if newest is None:
         return 0.0
@@ -102,121 +101,6 @@ def late_for_scan(due: float, newest: RangeScan | None) -> float:
 
 
 def mounted(angles: Floats, config: ScannerConfig) -> Floats:
-    """The sensor's own angles as seen from the tip link's axis. Points keep their order; see `BeamFilter`."""
+    """Angles of the sensor's points from the tip link's axis. Points keep their order; see `BeamFilter`."""
     turned = -angles if config.upside_down else angles
     return np.asarray(turned + math.radians(config.mounting_deg))
-
-
-class SerialLine:
-    """A serial device that sends lines."""
-
-    def __init__(self, port: str, baud: int, name: str) -> None:
-        self._name, self._buffer = name, b""
-        try:
-            self._serial = serial.Serial(port, baud, timeout=0, write_timeout=0.2, exclusive=True)
-            self._serial.reset_input_buffer()
-        except (OSError, termios.error) as error:
-            raise port_problem(port, error) from error
-
-    def fileno(self) -> int:
-        return int(self._serial.fileno())
-
-    def write(self, data: bytes) -> None:
-        with self._edge():
-            self._serial.write(data)
-
-    def lines(self, wait: float = 0.0) -> Iterator[str]:
-        """Lines that are complete now, without their end; waits for the first bytes if told to [s]."""
-        with self._edge():
-            if wait:
-                select.select([self.fileno()], [], [], wait)
-            if self._readable():
-                arrived = os.read(self.fileno(), 65536)
-                if not arrived:
-                    raise OSError("unplugged")
-                self._buffer += arrived
-        *whole, self._buffer = self._buffer.split(b"\n")
-        yield from (line.rstrip(b"\r").decode("latin-1") for line in whole)
-
-    def close(self, farewell: bytes = b"") -> None:
-        with contextlib.suppress(OSError, termios.error):
-            self._serial.write(farewell)
-            self._serial.close()
-
-    def _readable(self) -> bool:
-        return bool(select.select([self.fileno()], [], [], 0)[0])
-
-    @contextlib.contextmanager
-    def _edge(self) -> Iterator[None]:
-        try:
-            yield
-        except (OSError, termios.error, ValueError, TypeError) as error:
-            raise SensorLost(self._name, f"is lost ({error})") from error
-
-
-NEIGHBOURHOOD = math.radians(2.5)
-"""Half width of the points that a beam is the median of: with every third point lost to dropouts or noise of 10 mm, the
-median of a dozen is within 5 mm of the truth; wider, it would round off edges."""
-
-IMPLAUSIBLE_DROP = 0.1
-"""A beam that reads the sensor's minimum although it read this much more just before [m] is not believed: in a control
-period the tip moves by a quarter of it."""
-
-DISBELIEF = 3
-"""For how many scans in a row a beam keeps its earlier value instead."""
-
-
-class BeamFilter:
-    """From scans to the robot's beams. Deterministic: the same scans give the same beams.
-
-    Scanners return their smallest range where they see nothing (the thesis's scanner failed 40 % of its searches for an
-    open pipe by that), so a smallest range that comes from nowhere is not believed for a while.
-    """
-
-    def __init__(self, fan: Laser, angles: Floats, range_min: float, range_max: float) -> None:
-        self._laser, self._range_min, self._range_max = fan, range_min, range_max
-        near = np.abs(angles[None, :] - fan.angles[:, None]) <= NEIGHBOURHOOD  # (beams, points)
-        if not near.any(axis=1).all():
-            blind = math.degrees(fan.angles[int(np.argmin(near.any(axis=1)))])
-            raise PipenavError(
-                f"the scanner does not see the beam at {blind:.0f} deg that the robot's policy needs: "
-                "check mounting_deg in arm.toml, or use a scanner with a wider fan."
-            )
-        self._windows = [slice(int(row.argmax()), int(row.argmax() + row.sum())) for row in near]  # points are in order
-        self._before = np.full(len(self._windows), -np.inf)  # nothing is known yet: the first scan is believed
-        self._doubted = np.zeros(len(self._windows), int)
-        self.all_invalid = False
-
-    def beams(self, scan: RangeScan, front: float | None) -> Floats:
-        """The robot's beams, (beams,) [m].
-
-        Args:
-            scan: a new scan.
-            front: what the front sensor reads [m], None without one: it replaces the middle beams where the scanner is
-                too close to the wall to measure.
-        """
-        distances = (np.array(scan.distances, float) / 1e3).tolist()  # a beam has a dozen: faster without NumPy
-        self.all_invalid = max(distances) < self._range_min
-        beams = np.array([self._beam(distances[window]) for window in self._windows])
-        lowest = max(self._range_min, self._laser.range_min) + self._laser.resolution
-        doubtful = (beams <= lowest) & (self._before - beams > IMPLAUSIBLE_DROP) & (self._doubted < DISBELIEF)
-        self._doubted = np.where(doubtful, self._doubted + 1, 0)
-        beams = np.where(doubtful, self._before, beams)
-        if front is not None and front < self._range_min:
-            middle = np.abs(self._laser.angles) <= np.abs(self._laser.angles).min() + 1e-9
-            beams = np.where(middle, front, beams)
-        self._before = beams
-        return laser.measure(self._laser, beams)
-
-    def _beam(self, distances: list[float]) -> float:
-        """Median of a beam's points; those at the minimum count only where most are, for they may be dropouts."""
-        seen = [distance for distance in distances if distance >= self._range_min]
-        real = [distance for distance in seen if distance > self._range_min + 0.001]
-        if len(real) * 4 >= len(seen) and real:
-            return _median(real)
-        return _median(seen) if seen else self._laser.range_max  # no echo: nothing within reach
-
-
-def _median(values: list[float]) -> float:
-    values = sorted(values)
-    return (values[(len(values) - 1) // 2] + values[len(values) // 2]) / 2

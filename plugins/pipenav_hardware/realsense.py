@@ -14,14 +14,14 @@ from pipenav_hardware.ranging import RangeScan, RangeSensor, SensorLost, mounted
 
 WIDTH, HEIGHT, RATE = 848, 480, 30
 ROWS = 5
-"""Rows around the middle whose nearest valid depth counts: a single row is noisier and misses thin edges."""
+"""Number of rows around the middle whose nearest valid depth counts: one row is noisier and misses thin edges."""
 
 RANGE_MIN, RANGE_MAX = 0.1, 1.0
-"""What the thesis's sensor measured (4.3): a D435 sees from 0.11 m on, and farther than a pipe's corner needs."""
+"""Range of the thesis's sensor (4.3) [m]: a D435 sees from 0.11 m on, and farther than a pipe's corner needs."""
 
 
 class RealSenseScanner(RangeSensor):
-    """Depth along the optical axis becomes range along each column's ray, by the camera's own intrinsics."""
+    """A depth camera: its depth along the optical axis becomes range along each column's ray, by its own intrinsics."""
 
     def __init__(self, config: ScannerConfig) -> None:
         try:

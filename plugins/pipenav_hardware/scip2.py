@@ -17,11 +17,12 @@ import numpy as np
 
 from pipenav.errors import PipenavError
 from pipenav_hardware.arm_config import ScannerConfig
-from pipenav_hardware.ranging import RangeScan, RangeSensor, SensorLost, SerialLine, mounted
+from pipenav_hardware.ranging import RangeScan, RangeSensor, SensorLost, mounted
+from pipenav_hardware.serial_line import SerialLine
 
 OFFSET = 0x30
 LINE_DATA = 64
-"""Characters of data in one line, before its sum."""
+"""Number of characters of data in a line, before its sum."""
 
 COMMAND_TIMEOUT = 1.0
 MEASURING = re.compile(r"MD(\d{4})(\d{4})(\d{2})(\d)(\d{2})")
@@ -35,6 +36,7 @@ def encode(value: int, characters: int) -> str:
 
 @lru_cache(maxsize=8192)
 def decode(text: str) -> int:
+    """The number in such characters."""
     value = 0
     for character in text:
         value = value << 6 | (ord(character) - OFFSET & 0x3F)
@@ -42,10 +44,12 @@ def decode(text: str) -> int:
 
 
 def checksum(text: str) -> str:
+    """The character that is a text's sum."""
     return chr((sum(text.encode("latin-1")) & 0x3F) + OFFSET)
 
 
 def with_sum(text: str) -> str:
+    """A text with its sum."""
     return text + checksum(text)
 
 
@@ -61,7 +65,7 @@ def checked(line: str) -> str | None:
 
 
 def parameters(lines: list[str]) -> dict[str, str]:
-    """`KEY:value;sum` lines. Scanners leave the `;` out of the sum, other readers count it in: both are right."""
+    """Values in `KEY:value;sum` lines. Scanners leave the `;` out of the sum, others count it: both are right."""
     found = {}
     for line in lines:
         body, _, given = line.rpartition(";")
@@ -72,14 +76,19 @@ def parameters(lines: list[str]) -> dict[str, str]:
 
 
 class Scan(NamedTuple):
-    """One measured scan: device time [ms, 24 bits], and a distance [mm] or an error code per step."""
+    """A measurement of a scanner.
+
+    Attributes:
+        stamp: the scanner's own time [ms, 24 bits].
+        distances: distance [mm] or error code of every step.
+    """
 
     stamp: int
     distances: list[int]
 
 
 def parse_scan(lines: list[str]) -> Scan | None:
-    """A reply to MD from its echo on; None if it is no measurement, cut short, or any sum is wrong."""
+    """The measurement in a reply to MD, from its echo on; None if it is none, is cut short, or any sum is wrong."""
     echo = MEASURING.fullmatch(lines[0]) if lines else None
     if echo is None or len(lines) < 4 or lines[1] != with_sum("99"):
         return None
@@ -104,11 +113,11 @@ class Scip2Scanner(RangeSensor):
         self._latest: RangeScan | None = None
         self._command("QT")
         self._command("SCIP2.0", required=False)
-        told = parameters(self._command("PP"))
+        values = parameters(self._command("PP"))
         try:
-            resolution, front = int(told["ARES"]), int(told["AFRT"])
-            first, last = int(told["AMIN"]), int(told["AMAX"])
-            self.range_min, self.range_max = int(told["DMIN"]) / 1e3, int(told["DMAX"]) / 1e3
+            resolution, front = int(values["ARES"]), int(values["AFRT"])
+            first, last = int(values["AMIN"]), int(values["AMAX"])
+            self.range_min, self.range_max = int(values["DMIN"]) / 1e3, int(values["DMAX"]) / 1e3
         except (KeyError, ValueError):
             raise SensorLost("scanner", f"on {config.port} does not tell its parameters") from None
         half = math.floor((fan / 2 + abs(math.radians(config.mounting_deg))) / (2 * math.pi) * resolution) + 2
@@ -136,7 +145,7 @@ class Scip2Scanner(RangeSensor):
         self._line.close(b"QT\n")
 
     def _take(self, now: float) -> None:
-        """A reply has ended."""
+        """Take in a reply that has ended."""
         reply, self._reply = self._reply, []
         scan = parse_scan(reply)
         if scan is None or len(scan.distances) != len(self.angles):
@@ -148,7 +157,11 @@ class Scip2Scanner(RangeSensor):
         self._latest = RangeScan(tuple(scan.distances), now, self._sequence)
 
     def _command(self, text: str, required: bool = True) -> list[str]:
-        """Send a command; the reply's lines after its status."""
+        """Send a command.
+
+        Returns:
+            The lines of the reply after its status.
+        """
         self._line.write(f"{text}\n".encode("ascii"))
         deadline, reply = time.monotonic() + COMMAND_TIMEOUT, list[str]()
         while time.monotonic() < deadline:
@@ -176,7 +189,7 @@ def open_scanner(config: ScannerConfig, fan: float) -> RangeSensor:
     """The scanner that a description names.
 
     Args:
-        config: its description.
+        config: the scanner's description.
         fan: how wide it must see [rad].
     """
     if config.driver == "realsense":

@@ -1,42 +1,60 @@
-"""The arm's servos as one: checked when they are met, switched on without a jump, read and told together."""
+"""The arm's servos as one: checked when they are met, switched on without a jump, read and commanded together."""
 
 from __future__ import annotations
 
 import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from pipenav.backends import Stopped
 from pipenav.errors import PipenavError
 from pipenav_hardware import table
-from pipenav_hardware.arm_config import ArmConfig, Servo
-from pipenav_hardware.dynamixel import Bus, BusLost, Mode
-from pipenav_hardware.table import Alarm, State
+from pipenav_hardware.arm_config import ArmConfig
+from pipenav_hardware.dynamixel import Bus, BusLost
+from pipenav_hardware.serial_port import Mode
+from pipenav_hardware.servo_config import Servo
+from pipenav_hardware.table import Alarm, ServoGoal, State
 
 PINGS = 10
+"""Number of questions by which the bus's latency is measured."""
+
 SLOW, TOO_SLOW = 0.004, 0.012
-"""Median answer time that deserves a warning, and that is refused [s]: FTDI adapters wait 16 ms unless told not to."""
+"""Median answer time that deserves a warning, and that is refused [s]: FTDI adapters wait 16 ms by default."""
 
 LATENCY_REMEDY = (
     'set the adapter\'s latency to 1 ms with the udev rule SUBSYSTEM=="usb-serial", ATTR{latency_timer}="1"'
 )
 
 
-class Told(NamedTuple):
-    """One tick's answers: state and settings of each servo as bytes or None, and their alarms."""
+class ServoAnswers(NamedTuple):
+    """The servos' answers of one tick.
+
+    Attributes:
+        states: state of every servo as bytes; None where it did not answer.
+        settings: settings of every servo as bytes; None where it did not answer.
+        alarms: alarms of every servo.
+    """
 
     states: tuple[bytes | None, ...]
     settings: tuple[bytes | None, ...]
     alarms: tuple[Alarm, ...]
 
 
+class _Settings(NamedTuple):
+    """Settings that a servo was given, and must keep."""
+
+    torque_enable: int
+    speed: int
+    torque_limit: int
+
+
 class Servos:
-    """What is said to all servos of an arm.
+    """All servos of an arm.
 
     Attributes:
         latency: median answer time, measured when they were met [s].
-        warnings: what is worth knowing and no reason to refuse.
+        warnings: what is worth knowing and is no reason to refuse.
     """
 
     def __init__(self, arm: ArmConfig, bus: Bus, allow_slow: bool = False) -> None:
@@ -50,17 +68,17 @@ class Servos:
         for index, servo in enumerate(arm.servos):
             self._meet(index, servo)
         self.latency = self._measure(allow_slow)
-        self._written: dict[int, tuple[int, int, int]] = {}
+        self._written: dict[int, _Settings] = {}
 
-    def read(self) -> Told:
-        """Settings and state of every servo: single READs, for the AX-12A knows neither sync read nor bulk read.
+    def read(self) -> ServoAnswers:
+        """Read settings and state of every servo by single READs: the AX-12A knows neither sync read nor bulk read.
 
         Both lie side by side, and 12 bytes more take a tenth of the time that a question of their own would.
         """
         size = table.SETTINGS_SIZE
         answers = [self._bus.read(servo, table.SETTINGS_ADDRESS, size + table.STATE_SIZE) for servo in self._arm.ids]
         known = [answer.data for answer in answers]
-        return Told(
+        return ServoAnswers(
             states=tuple(data and data[size:] for data in known),
             settings=tuple(data and data[:size] for data in known),
             alarms=tuple(answer.alarms for answer in answers),
@@ -70,11 +88,11 @@ class Servos:
         """Switch torque on without a jump, one servo after the other: goal := where it is, read back, then torque.
 
         Args:
-            speeds: Moving Speed of each servo.
+            speeds: Moving Speed of each servo [counts].
             alive: called often, for the supervisor.
 
         Returns:
-            The goals, in joint order.
+            The goals, in joint order [counts].
 
         Raises:
             PipenavError: a joint outside its limits, or a servo that does not take a value.
@@ -94,29 +112,34 @@ class Servos:
                     raise Stopped(
                         "comms", f"servo {servo.id} ({servo.joint}) does not take a value", "run pipenav hw-check"
                     )
-            self._written[servo.id] = (1, speed, servo.torque_counts)
+            self._written[servo.id] = _Settings(1, speed, servo.torque_counts)
         return positions
 
-    def tell(self, goals: dict[int, tuple[int, int]]) -> bytes:
-        """Send every servo its goal; the packet."""
+    def send_goals(self, goals: Mapping[int, ServoGoal]) -> bytes:
+        """Send every servo its goal, by id.
+
+        Returns:
+            The packet.
+        """
         return self._bus.send_goals(goals)
 
     def verify(self, settings: tuple[bytes | None, ...]) -> None:
-        """Whether every servo still has the settings that it was given: one that lost power comes back without, and
-        answers as if nothing had happened.
+        """Make sure that every servo still has the settings that it was given.
+
+        A servo that lost power comes back without them, and answers as if nothing had happened.
 
         Args:
-            settings: as they were read; None where a servo did not answer.
+            settings: settings as they were read; None where a servo did not answer.
 
         Raises:
-            Stopped: one has not.
+            Stopped: a servo has other settings.
         """
         offset = table.SETTINGS_ADDRESS
         for servo, data in zip(self._arm.servos, settings, strict=True):
             if data is None:
                 continue
             speed, limit = (table.word(data, r.address - offset) for r in (table.MOVING_SPEED, table.TORQUE_LIMIT))
-            if (data[0], speed, limit) != self._written[servo.id]:
+            if _Settings(data[0], speed, limit) != self._written[servo.id]:
                 raise Stopped(
                     "power-dip",
                     f"servo {servo.id} ({servo.joint}) lost its settings (torque {data[0]}, speed {speed}, "
@@ -125,52 +148,56 @@ class Servos:
                 )
 
     def _meet(self, index: int, servo: Servo) -> None:
-        """Compare one servo with the arm's description."""
-        name, bus = f"servo {servo.id} ({servo.joint})", self._bus
-        answer = bus.read(servo.id, 0, table.SHUTDOWN.end)
+        """Compare one servo with the arm's description.
+
+        Raises:
+            PipenavError: it does not answer, or is not as described.
+        """
+        name = f"servo {servo.id} ({servo.joint})"
+        answer = self._bus.read(servo.id, *table.EEPROM)
         if answer.data is None:
             raise PipenavError(
                 f"{name} does not answer: {self._cable(index, answer.problem)}, or run pipenav hw-check."
             )
-        eeprom = answer.data
-        model = table.word(eeprom, table.MODEL.address)
-        if model != table.MODEL_NUMBER:
-            raise PipenavError(f"{name} says it is model {model}, an AX-12A is model {table.MODEL_NUMBER}: replace it.")
-        limits = (table.word(eeprom, table.CW_LIMIT.address), table.word(eeprom, table.CCW_LIMIT.address))
-        if limits == (0, 0):
+        eeprom = table.decode_eeprom(answer.data)
+        if eeprom.model != table.MODEL_NUMBER:
+            raise PipenavError(
+                f"{name} says it is model {eeprom.model}, an AX-12A is model {table.MODEL_NUMBER}: replace it."
+            )
+        if eeprom.limits == table.WHEEL_MODE:
             raise PipenavError(
                 f"{name} is in wheel mode, in which it keeps turning when this program dies: "
                 "set its angle limits with pipenav calibrate --write-servos."
             )
-        if limits != servo.count_limits:
+        if eeprom.limits != servo.count_limits:
             raise PipenavError(
-                f"{name} has angle limits {limits[0]} to {limits[1]} in its EEPROM, arm.toml says "
+                f"{name} has angle limits {eeprom.limits[0]} to {eeprom.limits[1]} in its EEPROM, arm.toml says "
                 f"{servo.count_limits[0]} to {servo.count_limits[1]}: run pipenav calibrate --write-servos."
             )
-        if eeprom[table.RETURN_LEVEL.address] != 2:
-            level = eeprom[table.RETURN_LEVEL.address]
+        if eeprom.return_level != 2:
             raise PipenavError(
-                f"{name} has status return level {level}, 2 is needed: pipenav calibrate --write-servos."
+                f"{name} has status return level {eeprom.return_level}, 2 is needed: pipenav calibrate --write-servos."
             )
-        if table.word(eeprom, table.MAX_TORQUE.address) > servo.torque_counts:
+        if eeprom.max_torque > servo.torque_counts:
             raise PipenavError(
-                f"{name} has max torque {table.word(eeprom, table.MAX_TORQUE.address)} in its EEPROM, arm.toml allows "
+                f"{name} has max torque {eeprom.max_torque} in its EEPROM, arm.toml allows "
                 f"{servo.torque_counts}: after a power dip it would be too strong; pipenav calibrate --write-servos."
             )
-        if eeprom[table.SHUTDOWN.address] & 36 != 36:
+        if eeprom.shutdown & table.SHUTDOWN_ALARMS != table.SHUTDOWN_ALARMS:
             self.warnings.append(f"{name} does not shut down on overload and overheating (register 18)")
-        if eeprom[table.RETURN_DELAY.address]:
-            delay = 2 * eeprom[table.RETURN_DELAY.address]
+        if eeprom.return_delay:
+            delay = 2 * eeprom.return_delay
             self.warnings.append(f"{name} waits {delay} us before it answers: pipenav calibrate --write-servos sets 0")
 
     def _cable(self, index: int, problem: str) -> str:
+        """Why a servo may not answer, and which cable to look at."""
         before = self._arm.servos[index - 1]
         start = f"from servo {before.id} ({before.joint}) on" if index else "from the adapter on, and the power supply"
         twins = "; two servos may have this id" if "damaged" in problem else ""
         return f"{problem}{twins}; check the cable {start}"
 
     def _measure(self, allow_slow: bool) -> float:
-        """Median time of a PING."""
+        """Measure the median time of a PING [s], and wait for answers no longer than it demands from now on."""
         times, bus = [], self._bus
         for i in range(PINGS):
             start = time.monotonic()
@@ -189,6 +216,7 @@ class Servos:
         return latency
 
     def _position_of(self, servo: Servo) -> int:
+        """Position of a servo inside its limits [counts]."""
         data = self._bus.read(servo.id, table.STATE_ADDRESS, table.STATE_SIZE).data
         if data is None:
             raise BusLost(self._bus.name, f"servo {servo.id} ({servo.joint}) does not answer")

@@ -1,9 +1,9 @@
-"""Runs as a process of its own beside the driver, and switches torque off when the driver no longer can.
+"""The supervisor: a process of its own beside the driver, which switches torque off when the driver no longer can.
 
 Started by path, with nothing but the standard library, so that it is there within milliseconds and shares no fate with
 the driver: it inherits the servo bus's port and the reading end of a pipe. Orders are single bytes: `A` torque is on,
 `.` the driver is alive, `D` torque is off. The pipe's end while torque is on means that the driver is dead, silence
-that it hangs; both end in torque off.
+means that it hangs; both end in torque off.
 
     python supervisor.py PORT_DESCRIPTOR PIPE_DESCRIPTOR PACKET_HEX PATIENCE_SECONDS
 """
@@ -18,7 +18,7 @@ import sys
 import time
 
 BURSTS = (0.0, 0.02, 0.04, 0.1)
-"""When to send [s]: a packet that the driver left unfinished may swallow the first burst."""
+"""Times at which to send [s]: a packet that the driver left unfinished may swallow the first burst."""
 
 PACKETS_PER_BURST = 3
 
@@ -34,7 +34,14 @@ def cut(port: int, packet: bytes) -> None:
 
 
 def watch(port: int, pipe: int, packet: bytes, patience: float) -> None:
-    """Until the pipe ends."""
+    """Switch torque off whenever the driver is dead or silent, until the pipe ends.
+
+    Args:
+        port: descriptor of the servo bus's port.
+        pipe: descriptor of the pipe's reading end.
+        packet: the packet that switches torque off.
+        patience: longest silence while torque is on [s].
+    """
     armed = False
     while True:
         heard = select.select([pipe], [], [], patience if armed else None)[0]

@@ -14,29 +14,31 @@ COUNTS = 1023
 """Largest position: counts 0 to 1023 span the 300 deg that the servo can measure."""
 
 TRAVEL = math.radians(300.0)
+"""Angle that the servo can measure [rad]."""
+
 COUNT = TRAVEL / COUNTS
-"""One position count [rad]."""
+"""Angle of one position count [rad]."""
 
 CENTRE = COUNTS / 2
 SPEED_UNIT = 0.111 * 2 * math.pi / 60
-"""One count of Moving Speed and Present Speed in joint mode [rad/s]: 0.111 rpm."""
+"""Speed of one count of Moving Speed and Present Speed in joint mode [rad/s]: 0.111 rpm."""
 
 SHARE_UNIT = 1 / COUNTS
-"""One count of Torque Limit, Max Torque and Present Load, as a share of the servo's most."""
+"""Share of the servo's largest torque in one count of Torque Limit, Max Torque and Present Load."""
 
 DIRECTION = 1024
-"""Bit 10 of a signed value: set when it turns clockwise."""
+"""Bit 10 of a signed value: set when the servo turns clockwise."""
 
 
 class Register(NamedTuple):
-    """One entry of the control table.
+    """Entry of the control table.
 
     Attributes:
-        address: of its first byte.
-        size: bytes, little endian.
+        address: address of its first byte.
+        size: number of bytes, little endian.
         writable: whether a WRITE may change it.
         initial: value in a new servo, or at power-on.
-        low, high: the values that the servo accepts.
+        low, high: smallest and largest value that the servo accepts.
     """
 
     address: int
@@ -48,11 +50,12 @@ class Register(NamedTuple):
 
     @property
     def eeprom(self) -> bool:
-        """Kept without power; it can be changed only while torque is off."""
+        """Whether it is kept without power; such a register can be changed only while torque is off."""
         return self.address < RAM_START
 
     @property
     def end(self) -> int:
+        """Address after its last byte."""
         return self.address + self.size
 
 
@@ -103,14 +106,32 @@ GOAL_ADDRESS, GOAL_SIZE = GOAL_POSITION.address, MOVING_SPEED.end - GOAL_POSITIO
 """Goal and speed lie side by side too: one SYNC_WRITE sets both in every servo."""
 
 SETTINGS_ADDRESS, SETTINGS_SIZE = TORQUE_ENABLE.address, TORQUE_LIMIT.end - TORQUE_ENABLE.address
-"""What a power dip resets, torque enable to torque limit; the state begins where it ends."""
+"""Registers that a power dip resets, torque enable to torque limit; the state begins where they end."""
+
+EEPROM = (0, SHUTDOWN.end)
+"""Address and size of a READ that brings everything that is compared with the arm's description."""
+
+WHEEL_MODE = (0, 0)
+"""Angle limits of a servo that turns for ever."""
 
 BAUD_VALUES = {1_000_000: 1, 500_000: 3, 115_200: 16, 57_600: 34, 19_200: 103, 9_600: 207}
 """Baud rates that both the servo and the SDK can do, with the value of register 4: 2,000,000 / (value + 1)."""
 
 
+class ServoGoal(NamedTuple):
+    """The goal of a servo, as its registers hold it.
+
+    Attributes:
+        counts: goal position [counts].
+        speed: moving speed [counts]; 0 would be no speed control at all.
+    """
+
+    counts: int
+    speed: int
+
+
 class Alarm(IntFlag):
-    """Bits of a status packet's error byte. They are the servo's state, not a verdict on the request."""
+    """Bits of a status packet's error byte. They are the servo's state, no judgement of the request."""
 
     VOLTAGE = 0x01
     ANGLE = 0x02
@@ -121,8 +142,20 @@ class Alarm(IntFlag):
     INSTRUCTION = 0x40
 
 
+SHUTDOWN_ALARMS = Alarm.OVERLOAD | Alarm.OVERHEAT
+"""Alarms on which every servo must switch its torque off by itself."""
+
+
 class State(NamedTuple):
-    """A servo's 8 bytes from address 36: counts, signed counts, signed share of 1023, 0.1 V, deg C."""
+    """A servo's 8 bytes from address 36.
+
+    Attributes:
+        position: position [counts].
+        speed: signed speed [counts].
+        load: signed share of the servo's torque [1/1023].
+        decivolts: supply [0.1 V].
+        temperature: temperature [deg C].
+    """
 
     position: int
     speed: int
@@ -131,19 +164,42 @@ class State(NamedTuple):
     temperature: int
 
 
+class Eeprom(NamedTuple):
+    """Registers of a servo that are kept without power.
+
+    Attributes:
+        model: model number.
+        firmware: version of the firmware.
+        return_delay: delay of every answer [2 us].
+        limits: angle limits, clockwise and counter-clockwise [counts]; `WHEEL_MODE` where it turns for ever.
+        max_torque: Torque Limit at power-on [counts].
+        return_level: which instructions it answers; 2 for all.
+        shutdown: alarms that switch its torque off.
+    """
+
+    model: int
+    firmware: int
+    return_delay: int
+    limits: tuple[int, int]
+    max_torque: int
+    return_level: int
+    shutdown: int
+
+
 def signed(raw: int) -> int:
-    """A speed or load: bit 10 means clockwise, which counts as negative."""
+    """Signed value of a speed or load register: bit 10 means clockwise, which counts as negative."""
     magnitude = raw & (DIRECTION - 1)
     return -magnitude if raw & DIRECTION else magnitude
 
 
 def raw_signed(value: int) -> int:
-    """The register's form of a signed value of at most 1023."""
+    """Register's form of a signed value; its magnitude ends at 1023."""
     magnitude = min(abs(value), DIRECTION - 1)
     return magnitude | DIRECTION if value < 0 else magnitude
 
 
 def word(data: bytes, offset: int) -> int:
+    """16-bit value at an offset, little endian."""
     return data[offset] | data[offset + 1] << 8
 
 
@@ -152,7 +208,20 @@ def decode_state(data: bytes) -> State:
     return State(word(data, 0), signed(word(data, 2)), signed(word(data, 4)), data[6], data[7])
 
 
+def decode_eeprom(data: bytes) -> Eeprom:
+    """The registers in the bytes of a READ of `EEPROM`."""
+    return Eeprom(
+        model=word(data, MODEL.address),
+        firmware=data[FIRMWARE.address],
+        return_delay=data[RETURN_DELAY.address],
+        limits=(word(data, CW_LIMIT.address), word(data, CCW_LIMIT.address)),
+        max_torque=word(data, MAX_TORQUE.address),
+        return_level=data[RETURN_LEVEL.address],
+        shutdown=data[SHUTDOWN.address],
+    )
+
+
 def baud_of(value: int) -> int:
-    """Baud rate of a value of register 4; those of `BAUD_VALUES` exactly, as the host must set them."""
+    """Baud rate of a value of register 4; exact for `BAUD_VALUES`, as the host must set them."""
     named = {register: baud for baud, register in BAUD_VALUES.items()}
     return named.get(value, round(2_000_000 / (value + 1)))

@@ -1,8 +1,9 @@
-"""Rules about what servos and sensors say that stop the arm; `docs/hardware.md` says what to do after each."""
+"""Rules about servos and sensors whose breach stops the arm; `docs/hardware.md` says what to do after each."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 from pipenav.arrays import Floats
 from pipenav.backends import CONTROL_PERIOD, Repeats, Stopped
@@ -14,10 +15,11 @@ HOT = 60
 """Temperature that stops the arm [deg C]; the servo itself gives up at 70."""
 
 LEAST_VOLTS, MOST_VOLTS, WARN_VOLTS = 9.0, 12.6, 9.5
-"""Supply that stops the arm when it lasts [V]: an AX-12A is rated for 9 to 12 V and reports nothing above 6."""
+"""Supply below and above which the arm stops when it lasts, and below which is warned [V]: an AX-12A is rated for 9 to
+12 V and by itself reports nothing above 6."""
 
 LASTING = round(0.5 / CONTROL_PERIOD)
-"""Ticks for which a voltage or a stall must last."""
+"""Number of ticks for which a voltage or a stall must last."""
 
 STALL_SHARE = 0.8
 """Load of a stall, as a share of the torque limit: beyond that limit no load can be read."""
@@ -26,34 +28,49 @@ STALL_ERROR = 0.0873
 """Position error of a stall [rad], 5 deg."""
 
 STALL_MOTION = 4
-"""Counts within a tick that are still no motion: a servo at full drive that moves is not stalled."""
+"""Motion within a tick that still counts as none [counts]: a servo at full torque that moves is not stalled."""
 
 SILENT_TICKS = 1
-"""Ticks without an answer that are forgiven; in the next one the arm stops."""
+"""Number of ticks without an answer that are forgiven; in the next one the arm stops."""
 
 STALE = 0.25
-"""Oldest scan or front reading [s]."""
+"""Age beyond which a scan or a front reading stops the arm [s]."""
 
 BAD_SCANS = 2
-"""Scans without a valid point, or all the same, that are forgiven; the next one stops the arm."""
+"""Number of scans without a valid point, or all the same, that are forgiven; the next one stops the arm."""
 
 HW_CHECK = "run pipenav hw-check"
+
+
+class AlarmReason(NamedTuple):
+    """Why an alarm stops the arm: cause and sentence of the message, and what to do."""
+
+    cause: str
+    what: str
+    remedy: str
+
+
 STATE_ALARMS = {
-    Alarm.VOLTAGE: ("voltage", "reports its supply voltage out of range", "check the supply and its cable"),
-    Alarm.OVERHEAT: ("overheat", "reports overheating", "let it cool for 20 minutes, and look for what held it"),
-    Alarm.OVERLOAD: ("overload", "reports overload", "look for what held it, then switch the supply off and on"),
-    Alarm.ANGLE: ("angle-limit", "refused a goal beyond its angle limits", HW_CHECK),
-    Alarm.RANGE: ("range", "refused a value", HW_CHECK),
-    Alarm.INSTRUCTION: ("instruction", "did not understand an instruction", HW_CHECK),
+    Alarm.VOLTAGE: AlarmReason("voltage", "reports its supply voltage out of range", "check the supply and its cable"),
+    Alarm.OVERHEAT: AlarmReason(
+        "overheat", "reports overheating", "let it cool for 20 minutes, and look for what held it"
+    ),
+    Alarm.OVERLOAD: AlarmReason(
+        "overload", "reports overload", "look for what held it, then switch the supply off and on"
+    ),
+    Alarm.ANGLE: AlarmReason("angle-limit", "refused a goal beyond its angle limits", HW_CHECK),
+    Alarm.RANGE: AlarmReason("range", "refused a value", HW_CHECK),
+    Alarm.INSTRUCTION: AlarmReason("instruction", "did not understand an instruction", HW_CHECK),
 }
-"""Alarm bits that stop the arm; a checksum error is the line's and is counted as a bad answer."""
+"""Alarm bits that stop the arm, in the order in which they explain each other; a checksum error is the line's, and is
+counted as a bad answer."""
 
 
 class ServoRules:
     """Watches every servo over time.
 
     Attributes:
-        warnings: what is not yet a reason to stop, newest state.
+        warnings: what is not yet a reason to stop, in the last tick.
     """
 
     def __init__(self, arm: ArmConfig) -> None:
@@ -66,7 +83,7 @@ class ServoRules:
         self.warnings: list[str] = []
 
     def answered(self, answers: Sequence[bool]) -> None:
-        """Judge who answered in this tick.
+        """Judge which servos answered in this tick.
 
         Raises:
             Stopped: a servo is silent for the second tick in a row.
@@ -89,19 +106,18 @@ class ServoRules:
         for servo, alarm in zip(self._arm.servos, alarms, strict=True):
             reasons = [reason for bit, reason in STATE_ALARMS.items() if alarm & bit]
             if reasons:
-                cause, _, remedy = reasons[-1]  # the bits are in the order in which they explain each other
-                what = " and ".join(text for _, text, _ in reasons)
-                raise Stopped(cause, f"servo {servo.id} ({servo.joint}) {what}", remedy)
+                what = " and ".join(reason.what for reason in reasons)
+                raise Stopped(reasons[-1].cause, f"servo {servo.id} ({servo.joint}) {what}", reasons[-1].remedy)
 
     def check(self, states: Sequence[State | None], goals: Floats | None) -> None:
-        """Judge what the servos say of themselves.
+        """Judge what the servos say about themselves.
 
         Args:
-            states: of every servo; None where unknown.
-            goals: what they were last told [counts]; None while torque is off.
+            states: state of every servo; None where unknown.
+            goals: their last goals [counts]; None while torque is off.
 
         Raises:
-            Stopped: too hot at once; wrong voltage or a stall when it lasts.
+            Stopped: a servo is too hot; or a wrong voltage or a stall has lasted.
         """
         self.warnings = []
         for i, (servo, state) in enumerate(zip(self._arm.servos, states, strict=True)):
@@ -144,7 +160,7 @@ class SensorRules:
         """Judge a new scan.
 
         Raises:
-            Stopped: the third in a row that saw nothing, or that is the same as the one before.
+            Stopped: it is the third in a row that saw nothing, or that is the same as the scan before.
         """
         same = self._before is not None and scan.distances == self._before.distances
         frozen = same and min(scan.distances) < max(scan.distances)  # all alike: too near to measure, which may last
@@ -160,7 +176,7 @@ class SensorRules:
         """Judge how old the newest scan or reading is.
 
         Raises:
-            Stopped: too old.
+            Stopped: it is too old.
         """
         if age > self._stale:
             raise Stopped(

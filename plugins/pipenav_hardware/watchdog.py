@@ -13,12 +13,12 @@ from pipenav_hardware import supervisor
 from pipenav_hardware.packets import TORQUE_OFF_ALL
 
 SILENCE = 0.25
-"""How long the driver may be silent while torque is on [s]: it speaks at least twice a control period, and stops by
-itself when a tick takes 0.15 s. Longer silence means that it hangs."""
+"""Longest silence of the driver while torque is on [s]: it speaks at least twice a control period, and stops by itself
+when a tick takes 0.15 s. Longer silence means that it hangs."""
 
 
 class Watchdog:
-    """Starts the supervisor and tells it whether torque is on and that the driver lives."""
+    """Starts the supervisor, and lets it know whether torque is on and that the driver lives."""
 
     def __init__(self, port: int, patience: float = 1.0) -> None:
         """
@@ -34,25 +34,25 @@ class Watchdog:
         os.close(reading)
 
     def armed(self) -> None:
-        """Torque is about to be switched on.
+        """Let the supervisor know that torque is about to be switched on.
 
         Raises:
-            Stopped: the supervisor is gone; so must torque be.
+            Stopped: the supervisor is gone; torque must not be on without it.
         """
-        self._tell(b"A")
+        self._order(b"A")
 
     def beat(self) -> None:
-        """The driver lives.
+        """Let the supervisor know that the driver lives.
 
         Raises:
-            Stopped: see `armed`.
+            Stopped: the supervisor is gone; torque must not be on without it.
         """
-        self._tell(b".")
+        self._order(b".")
 
     def disarmed(self) -> None:
-        """Torque is off."""
+        """Let the supervisor know that torque is off."""
         with contextlib.suppress(Stopped):
-            self._tell(b"D")
+            self._order(b"D")
 
     def close(self) -> None:
         """Let the supervisor end; closing twice is harmless."""
@@ -62,7 +62,7 @@ class Watchdog:
             with contextlib.suppress(subprocess.TimeoutExpired):
                 self._process.wait(timeout=2)
 
-    def _tell(self, order: bytes) -> None:
+    def _order(self, order: bytes) -> None:
         try:
             os.write(self._pipe, order)
         except OSError as error:

@@ -19,9 +19,11 @@ from helpers.command import run
 from helpers.waiting import wait_until
 from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
+from pipenav_hardware.emulator.config import EmulatorSettings
 
-from pipenav.deployment import session
-from pipenav.deployment.session import located_place, policy_for, write_motions
+from pipenav.deployment import arm_policy
+from pipenav.deployment.arm_policy import policy_for
+from pipenav.deployment.summary import located_placement, write_motions
 from pipenav.deployment.telemetry import Recording, read_telemetry
 from pipenav.deployment.trajectories import ArmPlacement, placement_of
 from pipenav.errors import PipenavError
@@ -235,19 +237,19 @@ def test_a_policy_that_commands_torques_is_refused(monkeypatch: pytest.MonkeyPat
     policy = load_policy(resolve_policy("arm"))
     task = policy.header.task.model_copy(update={"control": "torque"})
     policy.header = policy.header.model_copy(update={"task": task})
-    monkeypatch.setattr(session, "load_policy", lambda _: policy)
+    monkeypatch.setattr(arm_policy, "load_policy", lambda _: policy)
     with pytest.raises(PipenavError, match="commands torques"):
         policy_for("arm", None)
 
 
 def test_a_mission_in_the_folder_of_another_is_refused(passage: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(*EMULATED, "--out", str(passage)) == 1
-    assert "holds a run already" in capsys.readouterr().err
+    assert "holds a mission already" in capsys.readouterr().err
 
 
 @pytest.fixture
 def emulator() -> Iterator[Emulator]:
-    with Emulator(load_robot("basic"), front=False) as started:
+    with Emulator(load_robot("basic"), EmulatorSettings(front_sensor=False)) as started:
         yield started
 
 
@@ -282,7 +284,7 @@ def test_pictures_and_motions_of_a_mission_in_an_unknown_pipe(recording: Recordi
 
     plan: Any = MissionPlan()
     assert [path.name for path in write_motions(plan, recording.ticks, "passed", None)] == ["run.png"]
-    place = located_place(plan, recording.ticks, PipeCorner.of(130, 90, "right"))
+    place = located_placement(plan, recording.ticks, PipeCorner.of(130, 90, "right"))
     assert isinstance(place, ArmPlacement)
     names = [path.name for path in write_motions(plan, recording.ticks, "passed", place)]
     assert names == ["run.png", "locate.csv", "front.csv"]

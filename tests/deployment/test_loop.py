@@ -9,7 +9,7 @@ import signal
 
 import pytest
 
-from pipenav.deployment.loop import Interrupted, guarded
+from pipenav.deployment.guard import Interrupted, guarded
 
 
 class Arm:

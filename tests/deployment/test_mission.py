@@ -9,7 +9,8 @@ import pytest
 
 from pipenav.backends.messages import Command, Reading
 from pipenav.backends.registry import open_simulator
-from pipenav.deployment.mission import LOCATE_TICKS, PUSH, Back, Decision, Locate, Mission
+from pipenav.deployment.mission import Mission
+from pipenav.deployment.stages import LOCATE_TICKS, PUSH, Back, Decision, Locate
 from pipenav.locating.locator import LocateConfig
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.policy import Policy, load_policy, resolve_policy

@@ -18,7 +18,8 @@ finite = st.floats(allow_nan=False, allow_infinity=False)
 
 def written(path: Path, ticks: list[dict[str, Any]], end: bool = True) -> Path:
     path.unlink(missing_ok=True)
-    with Telemetry(path, {"robot": "basic"}) as telemetry:
+    with Telemetry(path) as telemetry:
+        telemetry.begin({"robot": "basic"})
         for number, tick in enumerate(ticks):
             telemetry.tick({"tick": number, "raw": {}, **tick})
         if end:
@@ -36,7 +37,8 @@ def test_what_was_written_is_read(tmp_path_factory: pytest.TempPathFactory, rows
 
 
 def test_every_tick_is_on_disk_as_it_ends(tmp_path: Path) -> None:
-    telemetry = Telemetry(tmp_path / "t.jsonl", {})
+    telemetry = Telemetry(tmp_path / "t.jsonl")
+    telemetry.begin({})
     for number in range(REMEMBERED + 5):
         telemetry.tick({"tick": number, "raw": {}})
         assert len(read_telemetry(telemetry.path).ticks) == number + 1
@@ -76,7 +78,7 @@ def test_no_log_no_reading_and_none_is_written_over(tmp_path: Path) -> None:
         read_telemetry(tmp_path / "none")
     (tmp_path / "t.jsonl").write_text("something")
     with pytest.raises(PipenavError, match="exists"):
-        Telemetry(tmp_path / "t.jsonl", {})
+        Telemetry(tmp_path / "t.jsonl").begin({})
     (tmp_path / "empty").write_bytes(b"")
     with pytest.raises(TelemetryFileError, match="does not begin"):
         read_telemetry(tmp_path / "empty")

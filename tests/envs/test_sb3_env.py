@@ -14,7 +14,7 @@ from stable_baselines3.common.monitor import Monitor
 
 from pipenav.backends.registry import open_simulator
 from pipenav.envs.sb3_env import TaskVecEnv
-from pipenav.pipes.corner_sets import parse_pipes
+from pipenav.pipes.corner_sets import parse_corners
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.reach.batch import ReachBatch
 from pipenav.tasks.reach.config import ReachConfig
@@ -26,7 +26,11 @@ FAST = {"timestep": 0.005, "threads": 1}
 
 
 def sb3_env(n: int = 4, seed: int = 0, **task: Any) -> TaskVecEnv:
-    robot, config, pipes = load_robot("basic"), ReachConfig.model_validate(task or SHORT), parse_pipes(["thesis-train"])
+    robot, config, pipes = (
+        load_robot("basic"),
+        ReachConfig.model_validate(task or SHORT),
+        parse_corners(["thesis-train"]),
+    )
     source = random_episodes(ReachTask(config), robot, [pipes], np.random.default_rng(seed))
     return TaskVecEnv(ReachBatch(robot, config, open_simulator("mujoco", robot, n, FAST), n, source))
 

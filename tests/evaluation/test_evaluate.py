@@ -11,7 +11,7 @@ from pipenav.evaluation.config import EvaluationConfig
 from pipenav.evaluation.episode_runner import EpisodeResults
 from pipenav.evaluation.evaluate import CheckedEvaluation
 from pipenav.evaluation.passage import run_task
-from pipenav.pipes.corner_sets import parse_pipes
+from pipenav.pipes.corner_sets import parse_corners
 from pipenav.pipes.route_sets import parse_routes
 from pipenav.policies.named import PolicyController, open_controller
 from pipenav.policies.policy import load_policy
@@ -23,7 +23,7 @@ from pipenav.tasks.registry import task_of
 
 EPISODES = 4
 NAMES = ["d=100,angle=90", "d=70,angle=55", "d=70,angle=55,turn=right"]
-PIPES = parse_pipes(NAMES)
+PIPES = parse_corners(NAMES)
 
 
 class Clumsy:
@@ -101,7 +101,7 @@ def test_progress_is_reported_until_the_end() -> None:
 def test_the_shipped_policy_passes_the_working_range() -> None:
     policy = shipped.policies_dir() / "arm" / "best.zip"
     assert policy.is_file(), "models/policies/arm/best.zip is missing: train it by pipenav train --preset arm"
-    sample = parse_pipes(["working-range"])[::16]
+    sample = parse_corners(["working-range"])[::16]
     assert len(sample) == 12
     found = run_task(PolicyController(load_policy(policy)), sample, EPISODES, seed=11)
     assert (found.outcome == Outcome.REACHED).mean() >= 0.95
@@ -109,6 +109,6 @@ def test_the_shipped_policy_passes_the_working_range() -> None:
 
 @pytest.mark.parametrize("name", ["pirate", "pirate-gravity"])
 def test_the_whole_robots_shipped_policies_pass_corners_and_routes(name: str) -> None:
-    sample = [*parse_pipes(["working-range"])[::16], *parse_routes(["runs-level:3", "runs-level:14"])]
+    sample = [*parse_corners(["working-range"])[::16], *parse_routes(["runs-level:3", "runs-level:14"])]
     found = run_task(open_controller(name), sample, 2, seed=11)
     assert (found.outcome == Outcome.REACHED).mean() >= 0.9

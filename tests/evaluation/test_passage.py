@@ -15,7 +15,7 @@ from pipenav.evaluation.passage import EpisodePlan, Passages, StageResult
 from pipenav.evaluation.results import Evaluation
 from pipenav.motions.mirror import join, rear_motion
 from pipenav.motions.trajectory import Motion
-from pipenav.pipes.corner_sets import parse_pipes
+from pipenav.pipes.corner_sets import parse_corners
 from pipenav.policies.controller import Controller
 from pipenav.policies.named import open_controller
 from pipenav.robots import kinematics
@@ -34,7 +34,7 @@ def controller() -> Controller:
 
 @pytest.fixture(scope="module")
 def passages(controller: Controller) -> Passages:
-    return Passages(EpisodePlan(controller.robot, controller.task, parse_pipes(NAMES), EPISODES, seed=5))
+    return Passages(EpisodePlan(controller.robot, controller.task, parse_corners(NAMES), EPISODES, seed=5))
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +65,7 @@ def test_the_front_goes_for_the_target_that_was_found(
     front: StageResult, controller: Controller, located: StageResult
 ) -> None:
     assert front.passed.all()
-    turn_signs = np.array([pipe.turn_sign for pipe in parse_pipes(NAMES) for _ in range(EPISODES)])
+    turn_signs = np.array([pipe.turn_sign for pipe in parse_corners(NAMES) for _ in range(EPISODES)])
     tips = kinematics.forward(controller.robot, front.results.q).tip * np.stack([np.ones(JOBS), turn_signs], axis=1)
     off = np.linalg.norm(tips - located.targets, axis=1)
     assert (off <= controller.task.reach_tolerance).all()
@@ -75,7 +75,7 @@ def test_the_rear_plays_both_motions_backwards(passages: Passages, located: Stag
     rear = passages.rear(front, located)
     assert list(rear.jobs) == list(front.jobs)
     assert rear.passed.all()
-    whole = [join([Motion(parse_pipes(NAMES)[0], 0.0, part.motions[0]) for part in (located, front)])]
+    whole = [join([Motion(parse_corners(NAMES)[0], 0.0, part.motions[0]) for part in (located, front)])]
     robot = open_controller("arm").robot
     assert (
         abs(rear.results.steps[0] - (len(rear_motion(robot, whole[0]).q) - 1)) <= 20

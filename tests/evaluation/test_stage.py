@@ -10,14 +10,14 @@ from pipenav.backends.registry import open_simulator
 from pipenav.evaluation.episode_runner import EpisodeQueue, joined, random_start
 from pipenav.evaluation.passage import run_task
 from pipenav.evaluation.stage import TaskStage
-from pipenav.pipes.corner_sets import parse_pipes
+from pipenav.pipes.corner_sets import parse_corners
 from pipenav.policies.controller import actions_of
 from pipenav.policies.named import open_controller
 from pipenav.robots import kinematics
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach.batch import ReachBatch
 
-PIPES = parse_pipes(["d=100,angle=90", "d=90,angle=60,turn=right"])
+PIPES = parse_corners(["d=100,angle=90", "d=90,angle=60,turn=right"])
 
 
 def test_the_front_stage_is_the_corner_task_under_its_controller() -> None:

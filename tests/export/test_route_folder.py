@@ -156,7 +156,7 @@ def test_writing_again_replaces_the_folder_and_keeps_what_others_put_there(tmp_p
 def test_what_is_not_a_route_folder_stays(tmp_path: Path) -> None:
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "pipe.json").write_text("{}")
-    with pytest.raises(PipenavError, match="mine exists and is not a run folder: move it away"):
+    with pytest.raises(PipenavError, match="mine exists and is not a route folder: move it away"):
         write_route_folder(CASES["level"], "mine", tmp_path)
     assert [path.name for path in tmp_path.rglob("*")] == ["mine", "pipe.json"]
 

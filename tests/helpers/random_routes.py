@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from pipenav.arrays import Floats, Ints
 from pipenav.pipes.centre_lines import CentreLines
-from pipenav.pipes.route import CrossesItself, PipeRoute
+from pipenav.pipes.route import PipeRoute
+from pipenav.pipes.route_checks import CrossesItself
 
 diameters = st.floats(40, 300)
 

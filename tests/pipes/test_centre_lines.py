@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from pipenav.pipes.centre_lines import CentreLines
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.route import PipeRoute
-from pipenav.pipes.route_sets import parse_any
+from pipenav.pipes.route_sets import parse_pipes
 
-LEVEL = parse_any(["runs-level"])
+LEVEL = parse_pipes(["runs-level"])
 CORNERS = [PipeCorner.of(90, 75, "right", leg_mm=1600), PipeCorner.of(110, 110, leg_mm=1600)]
 
 

@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipenav.errors import OutOfRange, PipenavError
-from pipenav.pipes.corner import ARC_TOLERANCE, PipeCorner
+from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.corner_lines import ARC_TOLERANCE
 
 diameters = st.floats(40, 300)
 angles = st.one_of(st.floats(30, 180), st.sampled_from([30.0, 55.0, 90.0, 179.999, 180.0]))

@@ -8,7 +8,7 @@ import pytest
 
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.corner_sets import parse_pipes, pipe_set_names
+from pipenav.pipes.corner_sets import corner_set_names, parse_corners
 from pipenav.units import m_to_mm, rad_to_deg
 
 ANGLES = list(range(55, 126, 5))
@@ -25,52 +25,52 @@ def written(folder: Path, text: str) -> str:
 
 
 def test_the_thesis_evaluates_in_60_pipes() -> None:
-    pipes = parse_pipes(["thesis"])
+    pipes = parse_corners(["thesis"])
     assert len(pipes) == 60
     assert corners(pipes) == {(d, a, "left") for d in (90, 100, 110, 120) for a in ANGLES}
 
 
 def test_the_thesis_trains_in_7_pipes() -> None:
-    pipes = parse_pipes(["thesis-train"])
+    pipes = parse_corners(["thesis-train"])
     assert len(pipes) == 7
     assert corners(pipes) == {(120, a, "left") for a in range(60, 121, 10)}
 
 
 def test_the_working_range_is_90_corners_to_either_side() -> None:
-    pipes = parse_pipes(["working-range"])
+    pipes = parse_corners(["working-range"])
     assert len(pipes) == 180
     assert corners(pipes) == {(d, a, turn) for d in range(70, 121, 10) for a in ANGLES for turn in ("left", "right")}
 
 
-@pytest.mark.parametrize("name", pipe_set_names())
+@pytest.mark.parametrize("name", corner_set_names())
 def test_every_shipped_set_can_be_passed(name: str) -> None:
-    for diameter, angle, _ in corners(parse_pipes([name])):
+    for diameter, angle, _ in corners(parse_corners([name])):
         assert 70 <= diameter <= 130  # the thesis's physical arm ran in 130 mm
         assert 55 <= angle <= 125
 
 
 def test_a_typed_pipe() -> None:
-    assert parse_pipes(["d=90,angle=60"]) == [PipeCorner.of(90, 60)]
-    assert parse_pipes([" d = 90 , turn = right, angle = 60"]) == [PipeCorner.of(90, 60, "right")]
-    assert parse_pipes(["d=90,angle=60,bend_radius=100"]) == [PipeCorner.of(90, 60, "left", 100)]
+    assert parse_corners(["d=90,angle=60"]) == [PipeCorner.of(90, 60)]
+    assert parse_corners([" d = 90 , turn = right, angle = 60"]) == [PipeCorner.of(90, 60, "right")]
+    assert parse_corners(["d=90,angle=60,bend_radius=100"]) == [PipeCorner.of(90, 60, "left", 100)]
 
 
 def test_pipes_keep_their_order_and_come_once() -> None:
     given = ["d=110,angle=60", "d=90,angle=60", "d=110,angle=60.0,turn=left", "thesis"]
-    pipes = parse_pipes(given)
+    pipes = parse_corners(given)
     assert pipes[:2] == [PipeCorner.of(110, 60), PipeCorner.of(90, 60)]
     assert len(pipes) == len(set(pipes)) == 60
 
 
 def test_a_file(tmp_path: Path) -> None:
     body = 'diameters_mm = [80]\nangles_deg = { start = 60, stop = 70, step = 5 }\nturns = ["right"]'
-    assert parse_pipes([written(tmp_path, body)]) == [PipeCorner.of(80, angle, "right") for angle in (60, 65, 70)]
+    assert parse_corners([written(tmp_path, body)]) == [PipeCorner.of(80, angle, "right") for angle in (60, 65, 70)]
 
 
 def test_a_file_in_a_folder_whose_name_has_an_equals_sign(tmp_path: Path) -> None:
     folder = tmp_path / "d=80"
     folder.mkdir()
-    assert parse_pipes([written(folder, "diameters_mm = [80]\nangles_deg = [60]")]) == [PipeCorner.of(80, 60)]
+    assert parse_corners([written(folder, "diameters_mm = [80]\nangles_deg = [60]")]) == [PipeCorner.of(80, 60)]
 
 
 @pytest.mark.parametrize(
@@ -90,7 +90,7 @@ def test_a_file_in_a_folder_whose_name_has_an_equals_sign(tmp_path: Path) -> Non
 )
 def test_what_is_no_pipe_is_named(text: str, message: str) -> None:
     with pytest.raises(PipenavError) as caught:
-        parse_pipes([text])
+        parse_corners([text])
     assert message in str(caught.value)
 
 
@@ -112,5 +112,5 @@ def test_what_is_no_pipe_is_named(text: str, message: str) -> None:
 )
 def test_a_wrong_file_is_explained(tmp_path: Path, body: str, message: str) -> None:
     with pytest.raises(PipenavError) as caught:
-        parse_pipes([written(tmp_path, body)])
+        parse_corners([written(tmp_path, body)])
     assert message in str(caught.value)

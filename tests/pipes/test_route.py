@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from pipenav.errors import OutOfRange, PipenavError
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.route import Corner, PipeRoute
+from pipenav.pipes.route import PipeRoute
+from pipenav.pipes.route_corner import Corner
 
 OVER_ITSELF = [(90, "left", 90), (90, "right", 0), (90, "left", -90), (90, "left", 0), (90, "left", 0)]
 MIRROR = np.diag([1.0, -1.0, 1.0])
@@ -134,8 +135,8 @@ def test_names_and_labels_distinguish_routes() -> None:
         ((100, [(90, "left", 400)]), "roll of corner 1 400 deg is out of range: choose -360 to 360 deg."),
         ((100, [(90, "left", math.nan)]), "roll of corner 1 nan deg is out of range"),
         ((100, [(90, "up", 0)]), "turn 'up' is unknown: choose 'left' or 'right'."),
-        ((100, []), "a run of 0 corners is not possible: give it 1 to 50."),
-        ((100, [(90, "left", 0)] * 51), "a run of 51 corners is not possible: give it 1 to 50."),
+        ((100, []), "a route of 0 corners is not possible: give it 1 to 50."),
+        ((100, [(90, "left", 0)] * 51), "a route of 51 corners is not possible: give it 1 to 50."),
         ((100, [(90, "left", 0)], [500]), "1 straights do not fit 1 corners: give one before each"),
         (
             (100, [(90, "left", 0)] * 2, [600, 115, 600]),
@@ -153,7 +154,7 @@ def test_messages_name_what_is_allowed(arguments: tuple[object, ...], message: s
 
 
 def test_bends_are_no_corners_of_a_route() -> None:
-    with pytest.raises(PipenavError, match="has a bend radius: the corners of a run are mitres"):
+    with pytest.raises(PipenavError, match="has a bend radius: the corners of a route are mitres"):
         PipeRoute.from_corner(PipeCorner.of(100, 90, "left", 150))
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.corner_sets import parse_pipes, pipe_set_names
+from pipenav.pipes.corner_sets import corner_set_names, parse_corners
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_sets import parse_route, parse_routes, read_route, route_set_names
 from pipenav.units import m_to_mm, rad_to_deg
@@ -117,7 +117,7 @@ def test_every_number_of_a_file_reaches_the_route(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("text", ["d=90,angle=60,turn=right", "thesis-train"])
 def test_corners_are_routes_of_one_corner(text: str) -> None:
-    assert parse_routes([text]) == [PipeRoute.from_corner(pipe) for pipe in parse_pipes([text])]
+    assert parse_routes([text]) == [PipeRoute.from_corner(pipe) for pipe in parse_corners([text])]
 
 
 def test_a_file_of_pipes_is_a_set_of_routes_of_one_corner(tmp_path: Path) -> None:
@@ -135,18 +135,18 @@ def test_routes_keep_their_order_and_come_once() -> None:
 
 
 def test_names_of_sets_are_distinct() -> None:
-    assert not set(route_set_names()) & set(pipe_set_names())
+    assert not set(route_set_names()) & set(corner_set_names())
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("runs-levle", "unknown set of pipes or runs 'runs-levle': did you mean 'runs-level'"),
-        ("thesi", "unknown set of pipes or runs 'thesi': did you mean 'thesis'"),
-        ("runs-level:0", "'runs-level:0' names no run of the set: write a number from 1 to 24 after the colon."),
+        ("runs-levle", "unknown set of pipes or routes 'runs-levle': did you mean 'runs-level'"),
+        ("thesi", "unknown set of pipes or routes 'thesi': did you mean 'thesis'"),
+        ("runs-level:0", "'runs-level:0' names no route of the set: write a number from 1 to 24 after the colon."),
         ("runs-level:x", "write a number from 1 to 24"),
         ("no-such.toml", "cannot read no-such.toml: No such file or directory."),
-        ("d=90,angle=60,bend_radius=100", "has a bend radius: the corners of a run are mitres"),
+        ("d=90,angle=60,bend_radius=100", "has a bend radius: the corners of a route are mitres"),
     ],
 )
 def test_what_is_no_route_is_named(text: str, message: str) -> None:
@@ -188,7 +188,7 @@ def test_a_wrong_file_is_explained(tmp_path: Path, text: str, message: str) -> N
 
 
 def test_a_set_is_no_route(tmp_path: Path) -> None:
-    with pytest.raises(PipenavError, match="is not one run: that is a file with a"):
+    with pytest.raises(PipenavError, match="is not one route: that is a file with a"):
         read_route(Path(written(tmp_path, SET)))
 
 
@@ -204,9 +204,9 @@ def test_one_route_has_a_name(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("runs-level", "runs-level is a set of runs: choose one of them by its number, as in runs-level:1."),
-        ("runs-leve:3", "unknown run 'runs-leve:3': did you mean 'runs-level:1'"),
-        ("d=90,angle=60", "unknown run 'd=90,angle=60': choose 'FILE.toml'"),
+        ("runs-level", "runs-level is a set of routes: choose one of them by its number, as in runs-level:1."),
+        ("runs-leve:3", "unknown route 'runs-leve:3': did you mean 'runs-level:1'"),
+        ("d=90,angle=60", "unknown route 'd=90,angle=60': choose 'FILE.toml'"),
         ("runs-level:25", "write a number from 1 to 24"),
     ],
 )

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from pipenav.arrays import Floats
-from pipenav.pipes.corner import BEND_RADIUS_MAX_MM, PipeCorner
+from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.corner_checks import BEND_RADIUS_MAX_MM
 from pipenav.policies.baselines.centreline import reach
 from pipenav.robots.robot import RobotSpec
 from pipenav.units import mm_to_m

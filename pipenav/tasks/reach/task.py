@@ -9,7 +9,7 @@ import numpy as np
 from pipenav.arrays import Floats
 from pipenav.backends.backend import Simulator
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.corner_sets import parse_pipes
+from pipenav.pipes.corner_sets import parse_corners
 from pipenav.pipes.pipe import Pipe
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.layout import ObservationField
@@ -27,10 +27,10 @@ class ReachTask(Task[ReachConfig, ReachEpisodes]):
     stage = PassageStage.REACH
 
     def parse_training_pipes(self, given: Sequence[str]) -> list[PipeCorner]:
-        return parse_pipes(given)
+        return parse_corners(given)
 
     def parse_pipes(self, given: Sequence[str]) -> list[PipeCorner]:
-        return parse_pipes(given)
+        return parse_corners(given)
 
     def check_robot(self, robot: RobotSpec) -> None:
         episode.check_robot(robot)

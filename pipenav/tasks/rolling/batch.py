@@ -11,7 +11,7 @@ import numpy as np
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.spatial import SpaceBackend, SpaceReading, SpaceTruth
 from pipenav.pipes.centre_lines import CentreLines
-from pipenav.pipes.route import PipeRoute
+from pipenav.pipes.route import PipeRoute, as_route
 from pipenav.robots.robot import BASE, RobotSpec
 from pipenav.tasks.batch import StepResult, TaskBatch
 from pipenav.tasks.outcome import Outcome
@@ -78,7 +78,7 @@ class RollingBatch(TaskBatch):
         """Start new episodes for some robots (sorted, unique), or all, the first time all of them."""
         indices = np.arange(self.n) if indices is None else np.asarray(indices, np.intp)
         episodes = self._source(indices)
-        routes = [pipe.route for pipe in episodes.pipes]
+        routes = [as_route(pipe) for pipe in episodes.pipes]
         planes = np.array([route.corners[0].roll for route in routes])
         reading = self._backend.reset(indices, routes, episodes.q, episodes.base, planes)
         self._lines = self._lines.put(indices, CentreLines.of(routes, 3))

@@ -10,7 +10,7 @@ import numpy as np
 from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.pipe import Pipe
-from pipenav.pipes.route_sets import parse_any
+from pipenav.pipes.route_sets import parse_pipes
 from pipenav.robots import kinematics
 from pipenav.robots.robot import BASE, RobotSpec
 from pipenav.tasks.traverse.config import TraverseConfig
@@ -80,12 +80,12 @@ def check_robot(robot: RobotSpec) -> None:
 
 
 def parse_planar(given: Sequence[str]) -> list[Pipe]:
-    """Pipes and runs as `pipenav.pipes.route_sets.parse_any` takes them.
+    """Pipes and runs as `pipenav.pipes.route_sets.parse_pipes` takes them.
 
     Raises:
         PipenavError: something unknown or impossible, or a run that leaves the plane in which the robot is trained.
     """
-    pipes = parse_any(given)
+    pipes = parse_pipes(given)
     for pipe in pipes:
         if not pipe.planar:
             raise PipenavError(

@@ -9,7 +9,7 @@ import numpy as np
 from pipenav.arrays import Floats
 from pipenav.backends.backend import Simulator
 from pipenav.pipes.pipe import Pipe
-from pipenav.pipes.route_sets import parse_any
+from pipenav.pipes.route_sets import parse_pipes
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.layout import ObservationField
 from pipenav.tasks.outcome import PassageStage
@@ -29,7 +29,7 @@ class TraverseTask(Task[TraverseConfig, TraverseEpisodes]):
         return episode.parse_planar(given)
 
     def parse_pipes(self, given: Sequence[str]) -> list[Pipe]:
-        return parse_any(given)
+        return parse_pipes(given)
 
     def check_robot(self, robot: RobotSpec) -> None:
         episode.check_robot(robot)

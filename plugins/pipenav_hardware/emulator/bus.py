@@ -1,12 +1,14 @@
-"""The half-duplex line with its servos: who answers what, when, and with which faults."""
+"""The half-duplex line with its servos: which of them answers what, when, and with which faults."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from typing import NamedTuple
 
 from pipenav_hardware import packets, table
 from pipenav_hardware.emulator.faults import Fault, FaultScript
-from pipenav_hardware.emulator.plant import FreePlant, PipePlant, Plant
+from pipenav_hardware.emulator.line import Send
+from pipenav_hardware.emulator.plant import Plant
 from pipenav_hardware.emulator.servo import CONTROL_LOOP, EmulatedServo
 from pipenav_hardware.packets import Packet, Stream
 
@@ -14,12 +16,16 @@ BITS_PER_BYTE = 10
 PATIENCE = 0.1
 """A servo forgets a packet whose rest does not come within this time [s] (AX-12 manual)."""
 
-Send = Callable[[float, bytes], None]
-"""Send bytes to the host, so many seconds from now."""
+
+class _Reply(NamedTuple):
+    """A servo and its status packet."""
+
+    servo: EmulatedServo
+    answer: bytes
 
 
 class ServoBus:
-    """Servos on one line, each the motor of one shaft of the plant."""
+    """Servos on one line, each the motor of a shaft of the plant."""
 
     def __init__(
         self, servos: Sequence[EmulatedServo], plant: Plant, faults: FaultScript, send: Send, adapter_latency: float
@@ -31,7 +37,7 @@ class ServoBus:
         self._stuck: set[int] = set()
 
     def receive(self, now: float, data: bytes, baud: int) -> None:
-        """Bytes from the host, at the speed that it has set."""
+        """Take in bytes from the host, sent at the speed that it has set."""
         if self._stream.waiting and now - self._heard > PATIENCE:
             self._stream.forget()
         self._heard = now
@@ -56,7 +62,7 @@ class ServoBus:
             servo.feel(shaft, dt)
 
     def begin(self, fault: Fault) -> None:
-        """A fault that changes servos once."""
+        """Begin a fault that changes servos once."""
         for i, servo in enumerate(self.servos):
             if fault.servo is not None and fault.servo != servo.id:
                 continue
@@ -77,37 +83,36 @@ class ServoBus:
             self._stuck.discard(i)
 
     def command(self, now: float) -> None:
-        """Tell the plant what the motors do."""
-        self._plant.command(now, [servo.drive for servo in self.servos])
+        """Give the plant the commands of all motors."""
+        self._plant.command(now, [servo.command for servo in self.servos])
 
     def _strike(self, now: float) -> None:
-        """Which shafts are held now."""
+        """Find out which shafts are held now."""
         self._faults.now = now
-        held = {
+        self._plant.stuck = {
             i
             for i, servo in enumerate(self.servos)
             if self._faults.active("stuck", servo=servo.id) or self._faults.active("dead", servo=servo.id)
         }
-        if isinstance(self._plant, FreePlant | PipePlant):
-            self._plant.stuck = held
 
     def _carry_out(self, now: float, packet: Packet, listening: list[EmulatedServo]) -> None:
+        """Have the servos that hear a packet obey it, and send the answer."""
         self.feel(now)
         before = [[servo.get(register) for register in CONTROL_LOOP] for servo in self.servos]
-        replies = []
+        replies: list[_Reply] = []
         for servo in listening:
             if self._faults.active("dead", servo=servo.id) is None:
                 answer = servo.answer(packet)
                 if answer is not None:
-                    replies.append((servo, answer))
+                    replies.append(_Reply(servo, answer))
         if before != [[servo.get(register) for register in CONTROL_LOOP] for servo in self.servos]:
             self.command(now)
         if replies:
-            self._reply(packet, *replies[0], crowd=len(replies) > 1)
+            self._send_answer(packet, replies[0], crowd=len(replies) > 1)
 
-    def _reply(self, packet: Packet, servo: EmulatedServo, answer: bytes, crowd: bool) -> None:
+    def _send_answer(self, packet: Packet, reply: _Reply, crowd: bool) -> None:
         """Send an answer in the time that bytes, servo and adapter take, with what goes wrong on the way."""
-        faults, asked = self._faults, servo.id
+        faults, asked, answer = self._faults, reply.servo.id, reply.answer
         if faults.active("drop", servo=asked):
             return
         if crowd:  # two servos talk at once: what arrives is neither
@@ -123,7 +128,7 @@ class ServoBus:
             answer = answer[: 3 + faults.number(len(answer) - 4)]
         if faults.active("garbage", servo=asked):
             answer = bytes(faults.number(255) for _ in range(5)) + answer
-        byte_time = BITS_PER_BYTE / table.baud_of(servo.get(table.BAUD))
-        delay = byte_time * (len(packet.parameters) + 6 + len(answer)) + 2e-6 * servo.get(table.RETURN_DELAY)
+        byte_time = BITS_PER_BYTE / table.baud_of(reply.servo.get(table.BAUD))
+        delay = byte_time * (len(packet.parameters) + 6 + len(answer)) + 2e-6 * reply.servo.get(table.RETURN_DELAY)
         late = faults.active("delay", servo=asked)
         self._send(delay + self._latency + (late.value if late else 0.0), answer)

@@ -1,4 +1,4 @@
-"""Starting the emulator and giving it orders."""
+"""The host's side of the emulator: starting it and giving it orders."""
 
 from __future__ import annotations
 
@@ -6,69 +6,75 @@ import json
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from pipenav.backends import ArmStart
 from pipenav.errors import PipenavError
 from pipenav.pipes import PipeCorner
 from pipenav.robots import RobotSpec
 from pipenav_hardware.arm_config import ArmConfig, FrontSensorConfig, ScannerConfig, arm_toml, default_arm
+from pipenav_hardware.emulator.config import EmulatorConfig, EmulatorSettings
+
+HEALTHY = EmulatorSettings()
+"""An arm that is mounted ideally, and with which nothing goes wrong."""
 
 
 class Emulator:
     """An emulator process, until the end of its `with` block.
 
     Attributes:
-        arm: the description of the emulated arm, also as `arm_path`.
-        log_path: the timed byte log.
+        arm: description of the emulated arm, also as a file at `arm_path`.
+        log_path: file of every byte on its lines, with its time.
     """
 
     def __init__(
         self,
         robot: RobotSpec,
+        settings: EmulatorSettings = HEALTHY,
         pipe: PipeCorner | None = None,
-        *,
+        start: ArmStart | None = None,
         folder: Path | None = None,
-        q: Sequence[float] | None = None,
-        base: float = 0.0,
-        mounted: ArmConfig | None = None,
-        faults: Sequence[dict[str, Any]] = (),
-        front: bool = True,
-        **settings: Any,
     ) -> None:
+        """
+        Args:
+            robot: the robot.
+            settings: how the arm is built, and what goes wrong with it.
+            pipe: the pipe around it; without one it stands free, its shafts in the middle of their turn.
+            start: where it stands in the pipe; straight, at the pipe's beginning, where nothing is given.
+            folder: folder for its log; a temporary one where nothing is given.
+        """
         self._temporary = tempfile.TemporaryDirectory(prefix="pipenav-emulator-")
         self.folder = Path(self._temporary.name)
         self.log_path = (folder or self.folder) / "bus.jsonl"
         self.arm_path = self.folder / "arm.toml"
-        scanner = ScannerConfig(driver="scip2", port=str(self.folder / "scanner"))
-        front_sensor = FrontSensorConfig(port=str(self.folder / "front")) if front else None
-        self.arm = default_arm(robot, str(self.folder / "servos"), scanner, front_sensor)
-        if mounted is not None:
-            ports = {"port": self.arm.port, "scanner": scanner, "front_sensor": front_sensor}
-            self.arm = mounted.model_copy(update=ports)
+        self.arm = self._arm(robot, settings)
         self.arm_path.write_text(arm_toml(self.arm), encoding="utf-8")
-        config = {
-            "robot": robot.name, "arm": self.arm.model_dump(), "pipe": pipe and pipe.model_dump(), "base": base,
-            "q": None if q is None else [float(value) for value in q], "faults": list(faults),
-            "log": str(self.log_path), **settings,
-        }  # fmt: skip
+        config = EmulatorConfig(
+            robot=robot.name,
+            arm=self.arm,
+            settings=settings,
+            pipe=pipe,
+            q=None if start is None else tuple(float(value) for value in start.q),
+            base=0.0 if start is None else start.base,
+            log=self.log_path,
+        )
         file = self.folder / "emulator.json"
-        file.write_text(json.dumps(config), encoding="utf-8")
+        file.write_text(config.model_dump_json(), encoding="utf-8")
         command = [sys.executable, "-m", "pipenav_hardware.emulator.server", str(file)]
         self._process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
             start_new_session=True,
         )  # fmt: skip
-        self._answer()
+        self._await_answer()
 
     def order(self, **order: Any) -> None:
         """Have something happen now: a fault by `fault=...`, `clear=True`, `place=[...]`, `plug="bus"`."""
         assert self._process.stdin is not None
         self._process.stdin.write(json.dumps(order) + "\n")
         self._process.stdin.flush()
-        self._answer()
+        self._await_answer()
 
     def close(self) -> None:
         """End the process; its log is complete then."""
@@ -88,7 +94,21 @@ class Emulator:
     ) -> None:
         self.close()
 
-    def _answer(self) -> None:
+    def _arm(self, robot: RobotSpec, settings: EmulatorSettings) -> ArmConfig:
+        """The arm's description, with ports in our folder."""
+        scanner = ScannerConfig(driver="scip2", port=str(self.folder / "scanner"))
+        front = FrontSensorConfig(port=str(self.folder / "front")) if settings.front_sensor else None
+        ideal = default_arm(robot, str(self.folder / "servos"), scanner, front)
+        if settings.mounted is None:
+            return ideal
+        return settings.mounted.model_copy(update={"port": ideal.port, "scanner": scanner, "front_sensor": front})
+
+    def _await_answer(self) -> None:
+        """Wait for the line that the process prints when it is ready, or has obeyed an order.
+
+        Raises:
+            PipenavError: it ended instead.
+        """
         assert self._process.stdout is not None and self._process.stderr is not None
         if not self._process.stdout.readline():
             why = self._process.stderr.read().strip().splitlines()

@@ -1,4 +1,4 @@
-"""What goes wrong, when, and to whom: a script of faults, drawn with a seed where they are random."""
+"""Scripts of faults: what goes wrong, when, and with which device; drawn with a seed where they are random."""
 
 from __future__ import annotations
 
@@ -56,46 +56,61 @@ ONCE = {"power_dip", "overheat", "model", "wheel", "return_level", "duplicate", 
 
 
 class Fault(Table):
-    """One entry of a fault script."""
+    """Entry of a fault script."""
 
-    fault: str
+    fault: str = Field(description="name of the fault, see `FAULTS`")
     device: Literal["bus", "scanner", "front"] = "bus"
-    servo: int | None = Field(None, description="id of the servo concerned; all where none is named")
+    servo: int | None = Field(None, description="id of the servo concerned; all servos where none is named")
     at: float = Field(0.0, ge=0, description="when it begins, after the emulator's start [s]")
-    tick: int | None = Field(None, ge=0, description="begin with this goal packet instead")
-    span: float | None = Field(None, gt=0, description="how long it lasts [s]; for ever where none is given")
+    tick: int | None = Field(None, ge=0, description="goal packet with which it begins, instead of a time")
+    span: float | None = Field(None, gt=0, description="how long it lasts [s]; for ever where nothing is given")
     count: int | None = Field(None, ge=1, description="how many times it happens at most")
-    probability: float = Field(1.0, ge=0, le=1, description="of each answer, scan or reading concerned")
-    value: float = 0.0
+    probability: float = Field(1.0, ge=0, le=1, description="probability for each answer, scan or reading concerned")
+    value: float = Field(0.0, description="how much goes wrong; `FAULTS` says what it stands for")
+
+    def require_known(self) -> None:
+        """Refuse a fault that its device does not have.
+
+        Raises:
+            PipenavError: the device has no such fault.
+        """
+        if self.fault not in FAULTS[self.device]:
+            raise PipenavError(f"{self.device} has no fault {self.fault!r}: choose {', '.join(FAULTS[self.device])}.")
 
 
-def require_faults(script: Sequence[Mapping[str, Any]]) -> None:
-    """Check a script before anything is started.
+def fault_script(entries: Sequence[Mapping[str, Any]]) -> tuple[Fault, ...]:
+    """The faults of a script, checked.
 
     Raises:
         ConfigError: an entry has a wrong key or value.
         PipenavError: there is no such fault.
     """
-    for number, entry in enumerate(script, start=1):
+    script = []
+    for number, entry in enumerate(entries, start=1):
         try:
-            FaultScript([Fault.model_validate(entry)], 0)
+            fault = Fault.model_validate(entry)
         except ValidationError as error:
             raise ConfigError.from_validation(f"fault {number}", error, Fault.model_fields) from error
+        fault.require_known()
+        script.append(fault)
+    return tuple(script)
 
 
 @dataclass
 class _Entry:
+    """A fault, when it begins [s], and how often it has happened."""
+
     fault: Fault
     begin: float
     happened: int = 0
 
 
 class FaultScript:
-    """Which faults hold now.
+    """The faults that hold now.
 
     Attributes:
         now: time since the emulator's start [s].
-        ticks: goal packets that have come.
+        ticks: number of goal packets that have come.
     """
 
     def __init__(self, script: list[Fault], seed: int) -> None:
@@ -106,28 +121,26 @@ class FaultScript:
             self.add(fault)
 
     def add(self, fault: Fault) -> None:
-        """Have a fault from now on; its time counts from now.
+        """Add a fault; its time counts from now.
 
         Raises:
             PipenavError: the device has no such fault.
         """
-        if fault.fault not in FAULTS[fault.device]:
-            raise PipenavError(
-                f"{fault.device} has no fault {fault.fault!r}: choose {', '.join(FAULTS[fault.device])}."
-            )
+        fault.require_known()
         self._entries.append(_Entry(fault, self.now + fault.at))
 
     def clear(self) -> None:
+        """Drop all faults."""
         self._entries.clear()
 
     def due(self) -> list[Fault]:
-        """Faults that change something once and begin now; each is given once."""
+        """Faults that change something once and begin now; every one is given only once."""
         begun = [entry for entry in self._entries if entry.fault.fault in ONCE and self._holds(entry)]
         self._entries = [entry for entry in self._entries if entry not in begun]
         return [entry.fault for entry in begun]
 
     def active(self, kind: str, device: str = "bus", servo: int | None = None) -> Fault | None:
-        """A fault of this kind that strikes now, if there is one; it counts as having happened."""
+        """The fault of this kind that strikes now, which then counts as having happened; None where there is none."""
         for entry in self._entries:
             fault = entry.fault
             concerned = fault.servo is None or servo is None or fault.servo == servo
@@ -142,12 +155,11 @@ class FaultScript:
         return None
 
     def number(self, below: int) -> int:
+        """A random integer from 0 on."""
         return self._random.randrange(below)
 
-    def gauss(self) -> float:
-        return self._random.gauss(0.0, 1.0)
-
     def _holds(self, entry: _Entry) -> bool:
+        """Whether a fault's time has come and not passed."""
         fault = entry.fault
         if fault.tick is not None:
             return self.ticks >= fault.tick

@@ -1,4 +1,4 @@
-"""Judging by the byte log: what the servos were told, read from the bytes that reached them and from nothing else."""
+"""Evidence from the byte log: the servos' commands, read from the bytes that reached them and from nothing else."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from pipenav_hardware.packets import Packet, Stream
 
 
 class Heard(NamedTuple):
-    """One instruction that reached the servos, at a time on the system's monotonic clock [s]."""
+    """An instruction that reached the servos, at a time on the system's monotonic clock [s]."""
 
     time: float
     packet: Packet
 
 
 class Goal(NamedTuple):
-    """One goal that reached one servo.
+    """A goal that reached a servo.
 
     Attributes:
-        time: when [s].
-        servo: its id.
-        goal, speed: the registers written.
-        present: position that the servo had last told the host, None before it told any.
-        last: goal before this one, None at the first.
+        time: when it came, on the system's monotonic clock [s].
+        servo: id of the servo.
+        goal, speed: the registers written [counts]; the speed is None where only the goal was written.
+        present: position that the servo had last sent to the host [counts]; None before it sent any.
+        last: goal before this one [counts]; None for the first.
     """
 
     time: float
@@ -38,7 +38,7 @@ class Goal(NamedTuple):
 
 
 def records(log: Path) -> Iterator[dict[str, Any]]:
-    """The log's lines; a last one that is cut short is left out."""
+    """The lines of a log; a last line that is cut short is left out."""
     with log.open(encoding="ascii") as file:
         for line in file:
             if line.endswith("\n"):
@@ -56,7 +56,7 @@ def instructions(log: Path) -> list[Heard]:
 
 
 def goals(log: Path) -> Iterator[Goal]:
-    """Every goal, with what the host could know when it sent it."""
+    """Every goal, with what the host could know when it sent the goal."""
     asked, answers = Stream(), Stream()
     reading = table.TABLE_END
     present: dict[int, int] = {}
@@ -67,42 +67,56 @@ def goals(log: Path) -> Iterator[Goal]:
         data = bytes.fromhex(record["hex"])
         if record["dir"] == "out":
             for answer in answers.feed(data):
-                place = table.PRESENT_POSITION.address - reading
-                if answer.valid and 0 <= place <= len(answer.parameters) - table.PRESENT_POSITION.size:
-                    present[answer.id] = table.word(answer.parameters, place)
+                offset = table.PRESENT_POSITION.address - reading
+                if answer.valid and 0 <= offset <= len(answer.parameters) - table.PRESENT_POSITION.size:
+                    present[answer.id] = table.word(answer.parameters, offset)
             continue
         for packet in asked.feed(data):
             if packet.code == packets.READ:
                 reading = packet.parameters[0]
-            for servo, chunk in _goal_writes(packet):
-                speed = table.word(chunk, 2) if len(chunk) >= 4 else None
-                goal = table.word(chunk, 0)
+            for servo, written in _goal_writes(packet):
+                speed = table.word(written, 2) if len(written) >= 4 else None
+                goal = table.word(written, 0)
                 yield Goal(record["t"], servo, goal, speed, present.get(servo), last.get(servo))
                 last[servo] = goal
 
 
-def _goal_writes(packet: Packet) -> list[tuple[int, bytes]]:
-    """Bytes from the goal register on, per servo, in a WRITE or SYNC_WRITE; none for other packets."""
+class _GoalWrite(NamedTuple):
+    """Id of a servo, and the bytes that its registers get from the goal register on."""
+
+    servo: int
+    data: bytes
+
+
+def _goal_writes(packet: Packet) -> list[_GoalWrite]:
+    """Goals in a WRITE or SYNC_WRITE; none in other packets."""
     parameters = packet.parameters
     if packet.code == packets.SYNC_WRITE and parameters[0] == table.GOAL_ADDRESS:
         size = parameters[1] + 1
         chunks = [parameters[i : i + size] for i in range(2, len(parameters), size)]
-        return [(chunk[0], chunk[1:]) for chunk in chunks]
+        return [_GoalWrite(chunk[0], chunk[1:]) for chunk in chunks]
     if packet.code == packets.WRITE and parameters[0] == table.GOAL_ADDRESS:
-        return [(packet.id, parameters[1:])]
+        return [_GoalWrite(packet.id, parameters[1:])]
     return []
 
 
-def torque(log: Path, servos: Sequence[int]) -> dict[int, tuple[bool, float]]:
-    """Whether each servo's torque is on at the log's end, and when it was last switched [s]."""
-    state = dict.fromkeys(servos, (False, 0.0))
+class Torque(NamedTuple):
+    """Whether a servo's torque is on, and since when [s]; since 0 where it was never switched."""
+
+    on: bool
+    since: float
+
+
+def torque(log: Path, servos: Sequence[int]) -> dict[int, Torque]:
+    """Torque of each servo, by id, at the log's end."""
+    state = dict.fromkeys(servos, Torque(False, 0.0))
     for time, packet in instructions(log):
         address = table.TORQUE_ENABLE.address
         if packet.code == packets.WRITE and packet.parameters[0] == address:
             on = bool(packet.parameters[1])
             for servo in servos if packet.id == packets.BROADCAST else [packet.id]:
-                if servo in state and state[servo][0] != on:
-                    state[servo] = (on, time)
+                if servo in state and state[servo].on != on:
+                    state[servo] = Torque(on, time)
     return state
 
 

@@ -1,4 +1,4 @@
-"""A pseudo-terminal behind a stable name, that can be pulled out and plugged in again; and the log of its bytes."""
+"""A pseudo-terminal behind a stable name, which can be pulled out and plugged in again; and the log of its bytes."""
 
 from __future__ import annotations
 
@@ -9,22 +9,29 @@ import select
 import termios
 import time
 import tty
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+Send = Callable[[float, bytes], None]
+"""Sends bytes to the host, so many seconds from now."""
+
 BAUDS = {getattr(termios, name): int(name[1:]) for name in dir(termios) if name.startswith("B") and name[1:].isdigit()}
+"""Speeds by the terminal's own numbers for them."""
 
 
 class ByteLog:
-    """One JSON object a line: `t` on the system's monotonic clock [s], and bytes in and out or what happened."""
+    """A log of JSON objects, one a line: `t` on the system's monotonic clock [s], and bytes in or out, or an event."""
 
     def __init__(self, path: Path) -> None:
         self._file = path.open("w", buffering=1, encoding="ascii")
 
     def bytes(self, port: str, direction: str, data: bytes) -> None:
+        """Log bytes that came `in` from the host, or went `out` to it."""
         self._file.write(json.dumps({"t": time.monotonic(), "port": port, "dir": direction, "hex": data.hex()}) + "\n")
 
     def event(self, what: str, **more: Any) -> None:
+        """Log something that happened."""
         self._file.write(json.dumps({"t": time.monotonic(), "event": what, **more}) + "\n")
 
     def close(self) -> None:
@@ -32,7 +39,12 @@ class ByteLog:
 
 
 class Line:
-    """The device's end of a serial line. The host opens `path`, a link to the terminal of the moment."""
+    """The device's end of a serial line. The host opens `path`, a link to the terminal of the moment.
+
+    Attributes:
+        path: the stable name.
+        master: descriptor of our end; negative while the line is unplugged.
+    """
 
     def __init__(self, path: Path, hold_open: bool = True) -> None:
         self.path, self._hold_open = path, hold_open
@@ -61,25 +73,28 @@ class Line:
 
     @property
     def plugged(self) -> bool:
+        """Whether the line is there."""
         return self.master >= 0
 
     @property
     def opened(self) -> bool:
-        """Whether a host has it open; only of a line that is not held open."""
+        """Whether a host has the line open; it is known only where we do not hold it open ourselves."""
         poll = select.poll()
         poll.register(self.master, select.POLLIN)
         return not any(event & select.POLLHUP for _, event in poll.poll(0))
 
     @property
     def baud(self) -> int:
-        """What the host has set."""
+        """Speed that the host has set; 0 for one that has no name."""
         return BAUDS.get(termios.tcgetattr(self.master)[5], 0)
 
     def read(self) -> bytes:
+        """Bytes that have arrived from the host."""
         with contextlib.suppress(OSError):
             return os.read(self.master, 4096)
         return b""
 
     def write(self, data: bytes) -> None:
+        """Send bytes to the host, without waiting."""
         with contextlib.suppress(OSError):  # nobody reads: a device does not wait either
             os.write(self.master, data)

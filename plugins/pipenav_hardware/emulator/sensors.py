@@ -1,33 +1,33 @@
-"""The scanner and the front sensor as their lines show them."""
+"""The emulated scanner and front sensor, as their lines show them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 
 from pipenav.robots import Laser
 from pipenav_hardware import scip2
 from pipenav_hardware.emulator.faults import FaultScript
+from pipenav_hardware.emulator.line import Send
 from pipenav_hardware.emulator.plant import Plant
 from pipenav_hardware.front_sensor import HELLO, RANGE_MM, framed
 
-Send = Callable[[float, bytes], None]
-
 TURN_STEPS = 1024
+"""Number of steps in a whole turn of the scanner."""
+
 SCAN_PERIOD = 0.1
-"""Of a URG-04LX [s]."""
+"""Time from scan to scan of a URG-04LX [s]."""
 
 FRONT_STEP = TURN_STEPS // 2
 NOISE = 0.002
-"""Of a healthy scanner, one sigma [m]."""
+"""Noise of a healthy scanner, one sigma [m]."""
 
 NO_ECHO = 0
-"""Error code of a point that saw nothing."""
+"""Error code of a point that saw no wall."""
 
 PATCH = 18
-"""Steps in a patch that reads the minimum: 6 deg."""
+"""Number of steps in a patch that reads the minimum: 6 deg."""
 
 FRONT_PERIOD = 0.04
 BOOT_TIME = 1.5
@@ -49,18 +49,24 @@ class Scip2Device:
         self._limits = FRONT_STEP - half, FRONT_STEP + half
 
     def receive(self, data: bytes) -> None:
+        """Take in bytes from the host."""
         *commands, self._input = (self._input + data).split(b"\n")
         for command in commands:
             self._command(command.decode("latin-1"))
 
     def run(self, now: float) -> float:
-        """Send what is due; when the next scan is."""
+        """Send what is due.
+
+        Returns:
+            When the next scan is due [s].
+        """
         if now >= self._next:
             self._scan(now)
             self._next = max(self._next + SCAN_PERIOD, now)
         return self._next
 
     def _command(self, text: str) -> None:
+        """Obey a command of the host, and answer it."""
         if scip2.MEASURING.fullmatch(text):
             self._first, self._last = int(text[2:6]), int(text[6:10])
             self._echo, self._next = text, 0.0
@@ -70,11 +76,11 @@ class Scip2Device:
             self._say(text, "00")
         elif text == "PP":
             first, last = self._limits
-            told = [
+            values = [
                 "MODL:URG-04LX(emulated)", f"DMIN:{self._least}", f"DMAX:{self._most}", f"ARES:{TURN_STEPS}",
                 f"AMIN:{first}", f"AMAX:{last}", f"AFRT:{FRONT_STEP}", "SCAN:600",
             ]  # fmt: skip
-            self._say(text, "00", *(f"{line};{scip2.checksum(line)}" for line in told))
+            self._say(text, "00", *(f"{line};{scip2.checksum(line)}" for line in values))
         elif text in ("BM", "SCIP2.0"):
             self._say(text, "00")
         elif text:
@@ -85,6 +91,7 @@ class Scip2Device:
         self._send(0.0, "\n".join(reply).encode("latin-1"))
 
     def _scan(self, now: float) -> None:
+        """Send a scan, with what goes wrong with it."""
         faults = self._faults
         if faults.active("drop", "scanner"):
             return
@@ -105,7 +112,7 @@ class Scip2Device:
         self._send(late.value if late else 0.0, data)
 
     def measure(self, now: float) -> list[int]:
-        """One scan, as distances [mm] and error codes."""
+        """Measure a scan: distances [mm] and error codes."""
         faults = self._faults
         steps = np.arange(self._first, self._last + 1)
         if faults.active("blind", "scanner"):
@@ -133,7 +140,11 @@ class FrontDevice:
         self._reading = 0
 
     def run(self, now: float, opened: bool) -> float:
-        """Send what is due; when the next reading is."""
+        """Send what is due.
+
+        Returns:
+            When the next reading is due [s].
+        """
         if opened and not self._opened:
             self._next, self._greeted = now + self._boot_time, False  # opening the port resets the board
         self._opened = opened
@@ -145,6 +156,7 @@ class FrontDevice:
         return min(self._next, now + FRONT_PERIOD)
 
     def _speak(self, now: float) -> None:
+        """Send a reading, with what goes wrong with it; a greeting before the first."""
         faults = self._faults
         if not self._greeted:
             self._send(0.0, f"{framed(HELLO)}\r\n".encode())

@@ -20,45 +20,31 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from pydantic import Field
 
-from pipenav.arrays import Table
-from pipenav.pipes import PipeCorner
+from pipenav.backends import ArmStart
 from pipenav.robots import load_robot
 from pipenav_hardware import table
-from pipenav_hardware.arm_config import ArmConfig
 from pipenav_hardware.emulator.bus import ServoBus
+from pipenav_hardware.emulator.config import EmulatorConfig
 from pipenav_hardware.emulator.faults import Fault, FaultScript
-from pipenav_hardware.emulator.line import ByteLog, Line
-from pipenav_hardware.emulator.plant import FreePlant, PipePlant, Plant
-from pipenav_hardware.emulator.sensors import BOOT_TIME, FrontDevice, Scip2Device
+from pipenav_hardware.emulator.free_plant import FreePlant
+from pipenav_hardware.emulator.line import ByteLog, Line, Send
+from pipenav_hardware.emulator.pipe_plant import PipePlant
+from pipenav_hardware.emulator.plant import Plant
+from pipenav_hardware.emulator.sensors import FrontDevice, Scip2Device
 from pipenav_hardware.emulator.servo import EmulatedServo
 
 AFTERLIFE = 1.0
-"""How long the devices outlive their orders while a servo's torque is on [s]: whoever gave the orders may have been
-killed, and real servos would still hear the supervisor switch them off."""
+"""How long the devices outlive their orders while a servo's torque is on [s]: the process that gave the orders may have
+been killed, and real servos would still hear the supervisor switch them off."""
 
 TURNAROUND = 0.002
 """How soon an answer must come for its servo to have the line [s]."""
 
 
-class EmulatorConfig(Table):
-    """What the emulator emulates."""
-
-    robot: str
-    arm: ArmConfig = Field(description="how the servos are really mounted; its ports are links that appear")
-    pipe: PipeCorner | None = Field(None, description="the pipe around the arm; without one nothing is")
-    base: float = Field(0.0, description="where the robot's frame starts on the first leg's axis [m]")
-    q: tuple[float, ...] | None = Field(None, strict=False, description="where the joints are at the start")
-    backend: str = "mujoco"
-    seed: int = 0
-    adapter_latency: float = Field(0.001, ge=0, le=0.1, description="of the USB adapter, per answer [s]")
-    boot_time: float = Field(BOOT_TIME, ge=0, description="how long the front sensor is deaf after opening [s]")
-    faults: tuple[Fault, ...] = Field((), strict=False)
-    log: Path = Field(strict=False)
-
-
 class _Outgoing(NamedTuple):
+    """Bytes that a device is going to send; those that are due first [s] sort first."""
+
     due: float
     number: int
     device: str
@@ -66,20 +52,20 @@ class _Outgoing(NamedTuple):
 
 
 class Server:
-    """One loop over all lines: nothing here waits but `select`."""
+    """Serves all lines in one loop, in which nothing waits but `select`."""
 
     def __init__(self, config: EmulatorConfig) -> None:
         self.log = ByteLog(config.log)
-        self.faults = FaultScript(list(config.faults), config.seed)
+        self.faults = FaultScript(list(config.settings.faults), config.settings.seed)
         robot = load_robot(config.robot)
         self.plant = _plant(config)
         servos = [EmulatedServo(servo.id, servo.count_limits, servo.torque_counts) for servo in config.arm.servos]
         self.lines = {"bus": Line(Path(config.arm.port)), "scanner": Line(Path(config.arm.scanner.port))}
         if config.arm.front_sensor is not None:
             self.lines["front"] = Line(Path(config.arm.front_sensor.port), hold_open=False)
-        self.bus = ServoBus(servos, self.plant, self.faults, self._sender("bus"), config.adapter_latency)
+        self.bus = ServoBus(servos, self.plant, self.faults, self._sender("bus"), config.settings.adapter_latency)
         self.scanner = Scip2Device(robot.laser, self.plant, self.faults, self._sender("scanner"))
-        self.front = FrontDevice(self.plant, self.faults, self._sender("front"), config.boot_time)
+        self.front = FrontDevice(self.plant, self.faults, self._sender("front"), config.settings.boot_time)
         self._outgoing: list[_Outgoing] = []
         self._count, self._start, self._orders = 0, time.monotonic(), b""
         self._moment, self._ends = 0.0, math.inf
@@ -88,6 +74,7 @@ class Server:
             servo.power_on(shaft.position)
 
     def run(self) -> None:
+        """Serve until the orders end; then log how it ended, and close everything."""
         while self._turn():
             pass
         if isinstance(self.plant, PipePlant):
@@ -102,8 +89,8 @@ class Server:
     def _now(self) -> float:
         return time.monotonic() - self._start
 
-    def _sender(self, device: str) -> Any:
-        """What sends bytes some time after the moment that is being dealt with, however long dealing with it takes."""
+    def _sender(self, device: str) -> Send:
+        """A function that sends bytes some time after the moment being dealt with, however long that dealing takes."""
 
         def send(delay: float, data: bytes) -> None:
             self._count += 1
@@ -112,7 +99,11 @@ class Server:
         return send
 
     def _turn(self) -> bool:
-        """Wait for bytes or for the next thing to do; False when the orders and what outlives them have ended."""
+        """Wait for bytes or for the next thing to do.
+
+        Returns:
+            False when the orders, and what outlives them, have ended.
+        """
         due = self._run_devices()
         heard = [line.master for name, line in self.lines.items() if line.plugged and not self._deaf(name)]
         orders_end = self._ends < math.inf
@@ -134,16 +125,20 @@ class Server:
         return any(servo.get(table.TORQUE_ENABLE) for servo in self.bus.servos)
 
     def _deaf(self, name: str) -> bool:
+        """Whether a device takes no bytes now."""
         if name == "front":
             return True  # it takes no orders, and a line that nobody has open is always ready
         return name == "bus" and (self.faults.active("deaf") is not None or self._speaks())
 
     def _speaks(self) -> bool:
-        """Whether a servo has the line, as its answer is due: listening would wait for the kernel's worker thread that
-        delivered the question, and make the answer late."""
+        """Whether a servo has the line, as its answer is due.
+
+        Listening would then wait for the kernel's worker thread that delivered the question, and make the answer late.
+        """
         return any(out.device == "bus" and out.due - self._now < TURNAROUND for out in self._outgoing[:1])
 
     def _receive(self, name: str, line: Line) -> None:
+        """Log the bytes that have arrived on a line, and hand them to its device."""
         data = line.read()
         if not data:
             return
@@ -155,7 +150,11 @@ class Server:
             self.scanner.receive(data)
 
     def _run_devices(self) -> float:
-        """Do what is due; when something is next."""
+        """Do what is due.
+
+        Returns:
+            When something is due next [s].
+        """
         now = self.faults.now = self._moment = self._now
         for fault in self.faults.due():
             self.log.event("fault", **fault.model_dump())
@@ -179,6 +178,7 @@ class Server:
         return min(due + [out.due for out in self._outgoing[:1]])
 
     def _obey(self, order: dict[str, Any]) -> None:
+        """Carry out an order, and print that it was."""
         if "clear" in order:
             self.faults.clear()
         elif "place" in order:
@@ -193,15 +193,16 @@ class Server:
 
 
 def _plant(config: EmulatorConfig) -> Plant:
+    """The mechanics behind the servos: in a pipe, or free."""
     if config.pipe is None:
-        return FreePlant(len(config.arm.servos), config.seed)
+        return FreePlant(len(config.arm.servos), config.settings.seed)
     from pipenav.backends import open_simulator
 
     robot = load_robot(config.robot)
-    options = {"threads": 1} if config.backend == "mujoco" else {}
-    backend = open_simulator(config.backend, robot, 1, options, len(config.pipe.segments))
+    options = {"threads": 1} if config.settings.backend == "mujoco" else {}
+    simulator = open_simulator(config.settings.backend, robot, 1, options, len(config.pipe.segments))
     q = np.zeros(len(robot.joints)) if config.q is None else np.array(config.q)
-    return PipePlant(robot, config.arm, backend, config.pipe, q, config.base)
+    return PipePlant(robot, config.arm, simulator, config.pipe, ArmStart(q, config.base))
 
 
 def main() -> None:

@@ -1,9 +1,11 @@
-"""One AX-12A as its bus sees it: the control table with its rules, and the alarms that follow from its state."""
+"""An AX-12A as its bus sees it: the control table with its rules, and the alarms that follow from its state."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from pipenav_hardware import packets, table
-from pipenav_hardware.emulator.plant import Drive, Shaft
+from pipenav_hardware.emulator.plant import ServoCommand, Shaft
 from pipenav_hardware.packets import Packet
 from pipenav_hardware.table import REGISTERS, Alarm, Register
 
@@ -16,15 +18,31 @@ does not publish it; reports say one to three seconds."""
 OVERLOAD_SHARE = 0.95
 
 HEATING, COOLING = 6.0, 0.02
-"""Rise per second at full load [deg C/s] and share of the excess that is lost per second: a stall overheats in
+"""Rise of temperature at full load [deg C/s], and share of the excess that is lost per second: a stall overheats in
 minutes, as reports say."""
 
 CONTROL_LOOP = (table.TORQUE_ENABLE, table.GOAL_POSITION, table.MOVING_SPEED, table.TORQUE_LIMIT)
 """Registers that change what the motor does."""
 
 
+class _Result(NamedTuple):
+    """Result of an instruction: what was wrong with it, and the data that it asked for."""
+
+    problem: Alarm = Alarm(0)
+    data: bytes = b""
+
+
 class EmulatedServo:
-    """Control table, access rules and alarms. Where its shaft is comes from a plant."""
+    """Control table, access rules and alarms. A plant says where the shaft is.
+
+    Attributes:
+        memory: bytes of the control table.
+        auto_torque_on_goal: whether it switches torque on when a goal is written.
+        volts: supply [V].
+        heat: temperature [deg C].
+        forced: alarms that it reports whatever its state is.
+        model: model number that it gives.
+    """
 
     def __init__(self, servo: int, limits: tuple[int, int], max_torque: int) -> None:
         self.memory = bytearray(table.TABLE_END)
@@ -50,19 +68,20 @@ class EmulatedServo:
         return self.get(table.ID)
 
     @property
-    def drive(self) -> Drive:
-        """What the motor is told to do."""
+    def command(self) -> ServoCommand:
+        """The command of the motor, from the registers."""
         share = 0.0 if not self.get(table.TORQUE_ENABLE) else self.get(table.TORQUE_LIMIT) * table.SHARE_UNIT
         speed = self.get(table.MOVING_SPEED)
-        return Drive(self.get(table.GOAL_POSITION), speed, share, self.is_wheel)
+        return ServoCommand(self.get(table.GOAL_POSITION), speed, share, self.is_wheel)
 
     @property
     def is_wheel(self) -> bool:
-        """Both angle limits 0: the servo turns for ever."""
+        """Whether both angle limits are 0: the servo turns for ever."""
         return self.get(table.CW_LIMIT) == 0 == self.get(table.CCW_LIMIT)
 
     @property
     def alarms(self) -> Alarm:
+        """Alarms that follow from the state."""
         alarms = self.forced
         if not self.get(table.MIN_VOLTAGE) <= round(self.volts * 10) <= self.get(table.MAX_VOLTAGE):
             alarms |= Alarm.VOLTAGE
@@ -73,13 +92,15 @@ class EmulatedServo:
         return alarms
 
     def get(self, register: Register) -> int:
+        """Value of a register."""
         return int.from_bytes(self.memory[register.address : register.end], "little")
 
     def set(self, register: Register, value: int) -> None:
+        """Set a register, whatever the access rules say."""
         self.memory[register.address : register.end] = value.to_bytes(register.size, "little")
 
     def power_on(self, position: float) -> None:
-        """RAM as after switching power on: torque off, no speed control, torque limit from the EEPROM."""
+        """Set the RAM as switching power on does: torque off, no speed control, torque limit from the EEPROM."""
         for register in REGISTERS.values():
             if not register.eeprom:
                 self.set(register, register.initial)
@@ -88,7 +109,7 @@ class EmulatedServo:
         self._pending, self._stalled = b"", 0.0
 
     def feel(self, shaft: Shaft, dt: float) -> None:
-        """Take over where the shaft is and what it costs, `dt` seconds after the last time."""
+        """Take over position, speed and load of the shaft, `dt` seconds after the last time."""
         load = abs(shaft.load)
         self.heat += dt * (HEATING * load**2 - COOLING * (self.heat - AMBIENT))
         stalled = load > OVERLOAD_SHARE and abs(shaft.speed) < table.SPEED_UNIT
@@ -101,47 +122,51 @@ class EmulatedServo:
         self.set(table.PRESENT_TEMPERATURE, min(round(self.heat), 255))
         self.set(table.MOVING, int(abs(shaft.speed) > table.SPEED_UNIT))
         if self.alarms & self.get(table.SHUTDOWN):
-            self.set(table.TORQUE_LIMIT, 0)  # output stays 0 % until someone writes a torque limit again
+            self.set(table.TORQUE_LIMIT, 0)  # output stays 0 % until a torque limit is written again
 
     def answer(self, packet: Packet) -> bytes | None:
-        """Carry out an instruction; the status packet, or None where a servo stays silent."""
+        """Carry out an instruction.
+
+        Returns:
+            The status packet; None where a servo stays silent.
+        """
         broadcast = packet.id == packets.BROADCAST
         if not broadcast and packet.id != self.id:
             return None
         if not packet.valid:
             return None if broadcast else self._status(Alarm.CHECKSUM)
-        problem, data = self._execute(packet)
+        result = self._execute(packet)
         level = self.get(table.RETURN_LEVEL)
         speaks = packet.code == packets.PING or level == 2 or (level == 1 and packet.code == packets.READ)
-        return None if broadcast or not speaks else self._status(problem, data)
+        return None if broadcast or not speaks else self._status(*result)
 
     def _status(self, problem: Alarm, data: bytes = b"") -> bytes:
         return Packet(self.id, int(self.alarms | problem), data).encode()
 
-    def _execute(self, packet: Packet) -> tuple[Alarm, bytes]:
+    def _execute(self, packet: Packet) -> _Result:
         code, parameters = packet.code, packet.parameters
         if code == packets.PING:
-            return Alarm(0), b""
+            return _Result()
         if code == packets.READ and len(parameters) == 2:
             address, size = parameters
             inside = size > 0 and address + size <= table.TABLE_END
-            return (Alarm(0), bytes(self.memory[address : address + size])) if inside else (Alarm.RANGE, b"")
+            return _Result(data=bytes(self.memory[address : address + size])) if inside else _Result(Alarm.RANGE)
         if code == packets.WRITE and len(parameters) > 1:
-            return self._write(parameters[0], parameters[1:]), b""
+            return _Result(self._write(parameters[0], parameters[1:]))
         if code == packets.REG_WRITE and len(parameters) > 1:
             self._pending = parameters
             self.set(table.REGISTERED, 1)
-            return Alarm(0), b""
+            return _Result()
         if code == packets.ACTION:
-            return self._action(), b""
+            return _Result(self._action())
         if code == packets.SYNC_WRITE and packet.id == packets.BROADCAST and len(parameters) > 2:
-            return self._sync_write(parameters), b""
+            return _Result(self._sync_write(parameters))
         if code == packets.RESET:
             for register in REGISTERS.values():
                 if register.eeprom:
                     self.set(register, register.initial)
-            return Alarm(0), b""
-        return Alarm.INSTRUCTION, b""
+            return _Result()
+        return _Result(Alarm.INSTRUCTION)
 
     def _action(self) -> Alarm:
         if not self._pending:
@@ -158,7 +183,7 @@ class EmulatedServo:
         return Alarm(0)
 
     def _write(self, address: int, data: bytes) -> Alarm:
-        """All registers that the bytes cover, or none."""
+        """Write all registers that the bytes cover, or none; what was wrong."""
         end = address + len(data)
         draft = bytearray(self.memory)
         if end > table.TABLE_END:

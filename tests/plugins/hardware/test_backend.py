@@ -9,6 +9,7 @@ from pipenav_hardware import packets
 from pipenav_hardware.backend import HardwareBackend, HardwareOptions
 from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
+from pipenav_hardware.emulator.config import EmulatorSettings
 
 from pipenav.backends.messages import Command
 from pipenav.backends.safety import Stopped
@@ -98,7 +99,7 @@ def test_other_limits_than_the_servos_are_refused(emulator: Emulator) -> None:
 
 @pytest.mark.parametrize(("latency", "outcome"), [(0.006, "warning"), (0.016, "refused")])
 def test_a_slow_adapter_is_named(latency: float, outcome: str) -> None:
-    with Emulator(ROBOT, boot_time=0.0, adapter_latency=latency) as emulator:
+    with Emulator(ROBOT, EmulatorSettings(boot_time=0.0, adapter_latency=latency)) as emulator:
         if outcome == "warning":
             with driver(emulator) as arm:
                 arm.read()

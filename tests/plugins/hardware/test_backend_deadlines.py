@@ -35,13 +35,13 @@ def test_a_slow_decision_stops_before_its_command_is_sent(emulator: Emulator) ->
 
 @pytest.fixture
 def slow_sending(monkeypatch: pytest.MonkeyPatch) -> None:
-    tell = Servos.tell
+    send_goals = Servos.send_goals
 
     def slowly(servos: Servos, goals: dict[int, tuple[int, int]]) -> bytes:
         time.sleep(LATE)
-        return tell(servos, goals)
+        return send_goals(servos, goals)
 
-    monkeypatch.setattr(Servos, "tell", slowly)
+    monkeypatch.setattr(Servos, "send_goals", slowly)
 
 
 @pytest.mark.usefixtures("slow_sending")

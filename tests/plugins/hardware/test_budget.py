@@ -7,13 +7,14 @@ import types
 from collections.abc import Sequence
 
 import pytest
-from pipenav_hardware import dynamixel
+from pipenav_hardware import dynamixel, serial_port
 from pipenav_hardware.arm_config import ScannerConfig, default_arm
-from pipenav_hardware.dynamixel import READ_SLICE, Bus, Port
+from pipenav_hardware.dynamixel import Bus
 from pipenav_hardware.emulator.bus import ServoBus
 from pipenav_hardware.emulator.faults import Fault, FaultScript
-from pipenav_hardware.emulator.plant import FreePlant
+from pipenav_hardware.emulator.free_plant import FreePlant
 from pipenav_hardware.emulator.servo import EmulatedServo
+from pipenav_hardware.serial_port import READ_SLICE, Port
 from pipenav_hardware.servos import Servos
 
 from pipenav.robots.robot import load_robot
@@ -33,7 +34,8 @@ class Wire:
         self.faults = FaultScript([], 0)
         servos = [EmulatedServo(servo.id, servo.count_limits, servo.torque_counts) for servo in ARM.servos]
         self._bus = ServoBus(servos, FreePlant(len(servos)), self.faults, self._answer, latency)
-        monkeypatch.setattr(dynamixel, "time", types.SimpleNamespace(monotonic=lambda: self.now))
+        for module in (dynamixel, serial_port):
+            monkeypatch.setattr(module, "time", types.SimpleNamespace(monotonic=lambda: self.now))
         for name in ("setupPort", "writePort", "readPort", "clearPort", "flush"):
             method = getattr(self, name)
             monkeypatch.setattr(Port, name, lambda _port, *given, method=method: method(*given))

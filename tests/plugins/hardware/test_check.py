@@ -14,6 +14,7 @@ from pipenav_hardware.backend import HardwareBackend
 from pipenav_hardware.check import findings
 from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
+from pipenav_hardware.emulator.config import EmulatorSettings
 
 pytestmark = pytest.mark.realtime
 
@@ -55,12 +56,12 @@ def test_a_check_names_what_is_wrong_and_what_to_do(
 
 def test_a_calibration_finds_how_the_arm_is_mounted(tmp_path: Path) -> None:
     """An arm whose second servo is mirrored and whose horn sits elsewhere, and whose pinion is another."""
-    with Emulator(ROBOT, front=False) as ideal:
+    with Emulator(ROBOT, EmulatorSettings(front_sensor=False)) as ideal:
         servos = list(ideal.arm.servos)
     limits = {"lower_deg": -137.0, "upper_deg": 136.0}
     servos[1] = servos[1].model_copy(update={"sign": -1, "zero_count": 470.0} | limits)
     mounted = ideal.arm.model_copy(update={"servos": tuple(servos)})
-    with Emulator(ROBOT, front=False, mounted=mounted) as emulator:
+    with Emulator(ROBOT, EmulatorSettings(front_sensor=False, mounted=mounted)) as emulator:
         straight = [round(servo.to_counts(0.0)) for servo in mounted.servos]
         emulator.order(place=straight)
         made = HardwareBackend.calibrator(ROBOT, {"servos": emulator.arm.port, "scanner": emulator.arm.scanner.port})

@@ -14,8 +14,8 @@ from pipenav_hardware import table
 from pipenav_hardware.arm_config import (
     ArmConfig,
 )
+from pipenav_hardware.beam_filter import BeamFilter
 from pipenav_hardware.codec import JUMP_MARGIN, LIMIT_MARGIN, STEP_SLACK, Codec, Raw
-from pipenav_hardware.ranging import BeamFilter
 
 from pipenav.backends.messages import Command
 from pipenav.backends.safety import Stopped

@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 
 import pytest
-from pipenav_hardware.ports import holder_of, port_problem
+from pipenav_hardware.port_problems import holder_of, port_problem
 
 
 def test_a_port_that_is_not_there(tmp_path: Path) -> None:

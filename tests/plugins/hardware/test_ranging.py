@@ -9,7 +9,8 @@ import pytest
 from helpers.arm import ANGLES, ROBOT, scan
 from hypothesis import given
 from hypothesis import strategies as st
-from pipenav_hardware.ranging import AFTER_SCAN, DISBELIEF, BeamFilter, RangeScan, late_for_scan
+from pipenav_hardware.beam_filter import DISBELIEF, BeamFilter
+from pipenav_hardware.ranging import AFTER_SCAN, RangeScan, late_for_scan
 from pipenav_hardware.realsense import scanline
 
 from pipenav.errors import PipenavError

@@ -11,9 +11,11 @@ from pathlib import Path
 import pytest
 from helpers.emulated import PATIENCE, strike
 from pipenav_hardware import packets, table
-from pipenav_hardware.dynamixel import REPLY_ALLOWANCE, Bus, BusLost, Mode, Port
+from pipenav_hardware.dynamixel import REPLY_ALLOWANCE, Bus, BusLost
 from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
+from pipenav_hardware.emulator.config import EmulatorSettings
+from pipenav_hardware.serial_port import Mode, Port
 from pipenav_hardware.servos import Servos
 from pipenav_hardware.table import Alarm
 
@@ -30,7 +32,7 @@ STATE = (table.STATE_ADDRESS, table.STATE_SIZE)
 
 @pytest.fixture(scope="module")
 def shared() -> Iterator[Emulator]:
-    with Emulator(load_robot("basic"), front=False) as emulator:
+    with Emulator(load_robot("basic"), EmulatorSettings(front_sensor=False)) as emulator:
         yield emulator
 
 
@@ -205,7 +207,7 @@ def test_the_sent_packet_is_the_one_that_is_returned(emulator: Emulator, bus: Bu
 
 
 def test_a_pulled_adapter_is_one_error_and_works_when_plugged_in_again() -> None:
-    with Emulator(load_robot("basic"), front=False) as emulator:
+    with Emulator(load_robot("basic"), EmulatorSettings(front_sensor=False)) as emulator:
         bus = Bus(emulator.arm.port, 1_000_000, PATIENCE)
         assert bus.ping(1).data is not None
         strike(emulator, fault="unplug")
@@ -225,7 +227,7 @@ def test_a_pulled_adapter_is_one_error_and_works_when_plugged_in_again() -> None
 
 
 def test_an_adapter_that_takes_no_bytes_is_lost_and_does_not_block() -> None:
-    with Emulator(load_robot("basic"), front=False) as emulator:
+    with Emulator(load_robot("basic"), EmulatorSettings(front_sensor=False)) as emulator:
         bus = Bus(emulator.arm.port, 1_000_000, PATIENCE)
         bus.mode = Mode.DRIVE
         emulator.order(fault="deaf")

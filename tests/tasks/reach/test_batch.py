@@ -7,7 +7,7 @@ import pytest
 
 from pipenav.backends.backend import BackendOptions, Simulator
 from pipenav.backends.messages import Command, Reading, Truth
-from pipenav.pipes.corner_sets import parse_pipes
+from pipenav.pipes.corner_sets import parse_corners
 from pipenav.robots import kinematics
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import Outcome
@@ -17,7 +17,7 @@ from pipenav.tasks.reach.task import ReachTask
 from pipenav.tasks.sampling import random_episodes
 
 ROBOT, TASK = load_robot("basic"), ReachConfig()
-PIPE = parse_pipes(["working-range"])[0]
+PIPE = parse_corners(["working-range"])[0]
 
 
 class Puppet(Simulator):

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from pipenav.arrays import Floats
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.corner_sets import parse_pipes
+from pipenav.pipes.corner_sets import parse_corners
 from pipenav.robots import kinematics
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.reach import episode
@@ -19,7 +19,7 @@ from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.reach.episode import distance_to_target
 
 ROBOT, TASK = load_robot("basic"), ReachConfig()
-PIPES = parse_pipes(["working-range"])
+PIPES = parse_corners(["working-range"])
 seeds = st.integers(0, 2**32 - 1)
 any_pipe = st.sampled_from(PIPES)
 

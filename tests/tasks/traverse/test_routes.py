@@ -21,8 +21,9 @@ from pipenav.errors import PipenavError
 from pipenav.evaluation.episode_runner import random_start
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.pipe import Pipe
-from pipenav.pipes.route import CrossesItself, PipeRoute
-from pipenav.pipes.route_sets import parse_any
+from pipenav.pipes.route import PipeRoute
+from pipenav.pipes.route_checks import CrossesItself
+from pipenav.pipes.route_sets import parse_pipes
 from pipenav.robots import kinematics
 from pipenav.robots.kinematics import waypoints
 from pipenav.robots.robot import load_robot
@@ -35,7 +36,7 @@ from pipenav.tasks.traverse.episode import parse_planar, sample, with_room
 
 ROBOT = load_robot("pirate")
 CONFIG = TraverseConfig(kind="traverse", set_points="held", start_press=0.1)
-LEVEL = parse_any(["runs-level"])
+LEVEL = parse_pipes(["runs-level"])
 CORNERS = [PipeCorner.of(90, 75, "right", leg_mm=1600), PipeCorner.of(110, 110, leg_mm=1600)]
 seeds = st.integers(0, 2**32 - 1)
 

@@ -6,7 +6,7 @@ import pytest
 from pipenav_hardware import packets
 from pipenav_hardware.emulator.bus import ServoBus
 from pipenav_hardware.emulator.faults import Fault, FaultScript
-from pipenav_hardware.emulator.plant import FreePlant
+from pipenav_hardware.emulator.free_plant import FreePlant
 from pipenav_hardware.emulator.servo import EmulatedServo
 from pipenav_hardware.packets import Packet, Stream
 

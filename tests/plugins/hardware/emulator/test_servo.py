@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from pipenav_hardware import packets, table
-from pipenav_hardware.emulator.plant import FreePlant
+from pipenav_hardware.emulator.free_plant import FreePlant
 from pipenav_hardware.emulator.servo import EmulatedServo
 from pipenav_hardware.packets import Packet, Stream
 from pipenav_hardware.table import Alarm, Register

@@ -1,4 +1,4 @@
-"""What stands in the way of a serial port, in a sentence."""
+"""Sentences about what stands in the way of a serial port."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def port_problem(name: str, error: Exception) -> PipenavError:
 
 
 def holder_of(name: str) -> str:
-    """Which process holds a port: the one that locked it, else one that has it open."""
+    """The process that holds a port: the one that locked it, else one that has it open."""
     with contextlib.suppress(OSError):
         pid = _locked_by(Path(name).stat()) or _opened_by(Path(name).resolve())
         if pid:
@@ -72,4 +72,4 @@ def _ports_here() -> str:
     from serial.tools.list_ports import comports
 
     names = [port.device for port in comports()]
-    return f"here are {', '.join(names)}" if names else "none is plugged in"
+    return f"here are {', '.join(names)}" if names else "no other is plugged in"

@@ -1,0 +1,79 @@
+"""The end of `pipenav run-real`: the summary of the mission, and the exit code."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import typer
+from rich.console import Console
+
+from pipenav.deployment.emulation import Emulation
+from pipenav.deployment.guard import Interrupted
+from pipenav.deployment.plan import TELEMETRY, MissionPlan
+from pipenav.deployment.session import PASSED, Ending
+from pipenav.deployment.summary import located_placement, pace, write_motions
+from pipenav.deployment.telemetry import read_telemetry
+from pipenav.deployment.trajectories import ArmPlacement
+from pipenav.errors import PipenavError
+from pipenav.pipes.corner import PipeCorner
+
+
+def show_summary(
+    console: Console, plan: MissionPlan, ending: Ending, pipe: PipeCorner | None, emulation: Emulation | None
+) -> None:
+    """Print the summary of a mission, and write its picture and its motions; nothing where no tick was recorded.
+
+    Args:
+        console: the terminal.
+        plan: the mission's plan.
+        ending: how the mission ended.
+        pipe: the pipe around the arm; None where it is not known.
+        emulation: the emulated arm; None for the real one.
+    """
+    if not ending.last_ticks:
+        return
+    ticks = read_telemetry(plan.folder / TELEMETRY).ticks
+    kept = pace(ticks)
+    parts = ", ".join(f"{name} {seconds * 1e3:.1f}" for name, seconds in kept.parts.items())
+    if ending.stopped is not None:
+        _show_last(console, ending.last_ticks)
+    console.print(
+        f"{ending.outcome}: {kept.ticks} ticks at {kept.rate:.2f} Hz of 10, worst tick {kept.worst * 1e3:.1f} ms, "
+        f"{kept.late} late, {kept.clamped} limited; mean ms: {parts}",
+        highlight=False,
+    )
+    placement = None if emulation is None else ArmPlacement(emulation.pipe, emulation.start.base)
+    if placement is None and pipe is not None:
+        placement = located_placement(plan, ticks, pipe)
+    written = [path.name for path in write_motions(plan, ticks, ending.outcome, placement)]
+    console.print(f"mission folder {plan.folder}: {', '.join([TELEMETRY, *written])}", highlight=False)
+
+
+def require_success(plan: MissionPlan, ending: Ending) -> None:
+    """End the command by the right exit code.
+
+    Raises:
+        typer.Exit: a signal stopped the arm.
+        Stopped: something else stopped it.
+        PipenavError: the mission ended without success, and not because all its ticks were done.
+    """
+    stopped = ending.stopped
+    if isinstance(stopped, Interrupted):
+        typer.echo(f"pipenav: {stopped}", err=True)
+        raise typer.Exit(128 + stopped.number)
+    if stopped is not None:
+        raise stopped
+    if ending.outcome != PASSED and not (plan.most_ticks and ending.outcome == "ended"):
+        raise PipenavError(f"the mission ended without success: {ending.outcome}; see {plan.folder}.")
+
+
+def _show_last(console: Console, ticks: Sequence[dict[str, Any]]) -> None:
+    """Print the last ticks before a stop, one line each."""
+    console.print(f"the last {len(ticks)} ticks: tick, stage, positions, sent, ms taken", highlight=False)
+    for tick in ticks:
+        numbers = [" ".join(f"{value:+.3f}" for value in tick.get(key) or []) for key in ("q", "sent")]
+        taken = tick["raw"]["seconds"].get("taken")
+        shown = "" if taken is None else f"{1e3 * taken:.1f}"
+        stage = tick.get("stage", tick.get("stopped", ""))
+        console.print(f"{tick['tick']:5d} {stage:8} {numbers[0]} | {numbers[1]} | {shown}", highlight=False)

@@ -1,0 +1,69 @@
+"""Torque off, however the arm is left: at the end, by an error or by a signal."""
+
+from __future__ import annotations
+
+import contextlib
+import gc
+import signal
+from collections.abc import Iterator
+from types import FrameType
+from typing import Protocol
+
+from pipenav.backends.safety import Stopped
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1)
+"""Signals that stop the arm from outside; SIGUSR1 is the emergency stop for scripts and foot switches."""
+
+
+class Interrupted(Stopped):
+    """A signal stopped the arm.
+
+    Attributes:
+        number: number of the signal.
+    """
+
+    def __init__(self, number: int) -> None:
+        self.number = number
+        name = signal.Signals(number).name
+        cause = "e-stop" if number == signal.SIGUSR1 else "signal"
+        super().__init__(cause, f"{name} came", "torque is off; start again when the arm is free")
+
+
+class Stoppable(Protocol):
+    """A thing whose torque can be switched off; see `RealRobot`."""
+
+    def cut(self) -> None: ...
+
+    def off(self) -> list[str]: ...
+
+
+@contextlib.contextmanager
+def guarded(arm: Stoppable) -> Iterator[None]:
+    """Torque off at the end of this context, however it is left.
+
+    A signal cuts torque inside its handler, before anything else can happen, and leaves the context by `Interrupted`;
+    further signals cut once more and disturb nothing. A death without a handler is the supervisor process's business.
+
+    Python's own garbage collection comes at any moment and takes longer the more there is to look through, half a tick
+    after some thousand ticks: it waits until torque is off, and `control_loop` collects what is new between ticks.
+    """
+    stopping, collecting = False, gc.isenabled()
+    gc.disable()
+
+    def stop(number: int, frame: FrameType | None) -> None:  # noqa: ARG001  # the signature of a handler
+        nonlocal stopping
+        arm.cut()
+        if not stopping:
+            stopping = True
+            raise Interrupted(number)
+
+    before = {number: signal.signal(number, stop) for number in SIGNALS}
+    try:
+        yield
+    finally:
+        stopping = True
+        arm.off()
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        if collecting:
+            gc.enable()

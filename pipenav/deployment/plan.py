@@ -1,0 +1,54 @@
+"""The plan of a mission, and the folder that it is written into."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+from pipenav.arrays import Floats
+from pipenav.errors import PipenavError
+from pipenav.pipes.pipe import Turn
+from pipenav.policies.policy import Policy
+from pipenav.storage.atomic_files import prepare_folder
+
+TELEMETRY, PICTURE = "telemetry.jsonl", "run.png"
+POLICY_COPY = "policy.zip"
+"""Copy of the policy, beside the telemetry of the mission that it served."""
+
+
+class MissionPlan(NamedTuple):
+    """The plan of a mission.
+
+    Attributes:
+        policy: the policy that reaches the target.
+        turn: the side that the pipe turns to.
+        target: target in the robot's own frame, (2,) [m]; None to look for one.
+        retreat: whether to back out when it is not found or not reached.
+        folder: mission folder, where telemetry, policy and picture go.
+        stop_file: a file whose appearance is an emergency stop.
+        most_ticks: number of ticks after which the mission ends; None for no such end.
+    """
+
+    policy: Policy
+    turn: Turn
+    target: Floats | None
+    retreat: bool
+    folder: Path
+    stop_file: Path
+    most_ticks: int | None = None
+
+
+def free_folder(given: Path | None) -> Path:
+    """The folder of a new mission: the given one, which must hold no mission yet, or the next free one under `runs/`.
+
+    Raises:
+        PipenavError: the given folder holds a mission already.
+    """
+    if given is not None:
+        if (given / TELEMETRY).exists():
+            raise PipenavError(f"{given} holds a mission already: give another folder by --out.")
+        return prepare_folder(given)
+    number = 1
+    while (folder := Path("runs") / f"real-{number}").exists():
+        number += 1
+    return prepare_folder(folder)

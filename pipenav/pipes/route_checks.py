@@ -1,0 +1,97 @@
+"""Numbers that a route may have, and the least lengths of its straights."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from pipenav.errors import PipenavError
+from pipenav.pipes.corner_checks import ANGLE_RANGE_DEG, DIAMETER_RANGE_MM, LEG_MAX_MM, WALL_RANGE_MM, check_range
+from pipenav.pipes.route_corner import Corner, inside_angles
+from pipenav.units import m_to_mm, rad_to_deg
+
+MAX_CORNERS = 50
+"""Corners of the longest route: more is a slip of the keyboard."""
+
+ROLL_MAX_DEG = 360.0
+"""Largest roll to either side."""
+
+
+class CrossesItself(PipenavError):
+    """Two straights of a route that are no neighbours meet."""
+
+    def __init__(self, first: int, second: int) -> None:
+        super().__init__(
+            f"the route crosses itself: straights {first} and {second} would meet or nearly so; make one of the "
+            f"straights {first} to {second} longer or shorter, or turn a corner between them the other way."
+        )
+
+
+def check_corner_count(corners: int) -> None:
+    """Refuse a route of no corner or of too many.
+
+    Raises:
+        PipenavError: with the number of corners and the largest one.
+    """
+    if not 1 <= corners <= MAX_CORNERS:
+        raise PipenavError(f"a route of {corners} corners is not possible: give it 1 to {MAX_CORNERS}.")
+
+
+def check_numbers(diameter: float, corners: Sequence[Corner], straights: int, wall: float) -> None:
+    """Refuse a route with a number outside its range; the lengths of the straights are not looked at.
+
+    Args:
+        diameter: inner diameter [m].
+        corners: corners in order.
+        straights: number of straights.
+        wall: wall thickness [m].
+
+    Raises:
+        OutOfRange: with what was given and what is allowed.
+        PipenavError: the straights do not fit the corners.
+    """
+    check_range("diameter", m_to_mm(diameter), *DIAMETER_RANGE_MM, "mm")
+    check_range("wall thickness", m_to_mm(wall), *WALL_RANGE_MM, "mm")
+    for i, corner in enumerate(corners, 1):
+        check_range(f"interior angle of corner {i}", rad_to_deg(corner.angle), *ANGLE_RANGE_DEG, "deg")
+        check_range(f"roll of corner {i}", rad_to_deg(corner.roll), -ROLL_MAX_DEG, ROLL_MAX_DEG, "deg")
+    if straights != len(corners) + 1:
+        raise PipenavError(
+            f"{straights} straights do not fit {len(corners)} corners: "
+            "give one before each corner and one after the last."
+        )
+
+
+def check_straights(straights: Sequence[float], shortest: Sequence[float]) -> None:
+    """Refuse a straight that is too short or too long.
+
+    Args:
+        straights: lengths of the straights [m].
+        shortest: least length of each [m].
+
+    Raises:
+        OutOfRange: with what was given and what is allowed.
+    """
+    for i, (given, least) in enumerate(zip(straights, shortest, strict=True), 1):
+        low = math.ceil(m_to_mm(least) - 1e-9)
+        check_range(f"length of straight {i}", m_to_mm(given), low, LEG_MAX_MM, "mm")
+
+
+def shortest_straights(diameter: float, corners: Sequence[Corner], wall: float) -> list[float]:
+    """Least length of each straight, (corners + 1) [m].
+
+    Every line of the outer surface must reach past both mitres, by a tenth of the diameter. A line at `around` loses
+    reach x cos(around - inside) to each: that is most where the two vectors' sum points.
+
+    Args:
+        diameter: inner diameter [m].
+        corners: corners in order.
+        wall: wall thickness [m].
+    """
+    inside = inside_angles(corners)
+    reach = 1 / np.tan([[corner.angle / 2] for corner in corners])  # (corners, 1)
+    lost = reach * np.stack([np.cos(inside), np.sin(inside)], axis=1)  # (corners, 2)
+    lost = np.concatenate([lost[:1], lost[:-1] + lost[1:], lost[-1:]])
+    return [float(x) for x in (diameter / 2 + wall) * np.linalg.norm(lost, axis=1) + 0.1 * diameter]
