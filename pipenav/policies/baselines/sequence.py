@@ -144,7 +144,7 @@ class SequenceController(PrivilegedController[TraverseBatch]):
         """
         if len(self._courses) != batch.n:
             self._courses = [_Course() for _ in range(batch.n)]
-        points, along = batch.points, batch.along
+        points, along = batch.points, batch.distances
         actions = np.zeros((batch.n, len(self.robot.driven_actuators)))
         for i, given in enumerate(batch.pipes):
             if given is None:
