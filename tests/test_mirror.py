@@ -19,7 +19,7 @@ from pipenav.motions import follower, mirror
 from pipenav.motions.mirror import Motion, hand_over, is_out, join, plan_rear, rear_motion, reverse
 from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
 from pipenav.pipes.corner import PipeCorner
-from pipenav.policies.baselines.wall_distance import clearance
+from pipenav.policies.baselines.wall_distance import wall_distance
 from pipenav.policies.named import open_controller
 from pipenav.recording.record import RecordingSettings, record_task
 from pipenav.robots.kinematics import forward
@@ -57,7 +57,7 @@ def test_a_mirrored_motion_is_the_image_in_the_mirrored_pipe(motion: Motion) -> 
     image = mirror.mirror(ROBOT, motion)
     assert forward(ROBOT, image.q).tip == pytest.approx(forward(ROBOT, motion.q).tip * [1, -1], abs=1e-12)
     assert image.pipe.walls.inner == pytest.approx(motion.pipe.walls.inner * [1, -1], abs=1e-12)
-    room = [clearance(ROBOT, one.pipe, one.q, one.base) for one in (motion, image)]
+    room = [wall_distance(ROBOT, one.pipe, one.q, one.base) for one in (motion, image)]
     assert room[0] == pytest.approx(room[1], abs=1e-9)
 
 

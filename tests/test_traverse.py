@@ -18,7 +18,7 @@ from pipenav.disturbances.disturbed_backend import DisturbedBackend
 from pipenav.errors import PipenavError
 from pipenav.pipes.centre_lines import CentreLines
 from pipenav.pipes.corner import PipeCorner
-from pipenav.policies.baselines.wall_distance import clearance
+from pipenav.policies.baselines.wall_distance import wall_distance
 from pipenav.robots.kinematics import waypoints
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import Outcome
@@ -62,7 +62,7 @@ def batch(start: TraverseEpisodes, config: TraverseConfig = CONFIG) -> Iterator[
 def test_starts_touch_nothing_and_leave_the_gap(seed: int) -> None:
     start = episodes(seed=seed)
     for i, pipe in enumerate(start.pipes):
-        room = clearance(ROBOT, pipe, start.q[i : i + 1], float(start.base[i]))[0]
+        room = wall_distance(ROBOT, pipe, start.q[i : i + 1], float(start.base[i]))[0]
         assert room >= -1e-9
         points = waypoints(ROBOT, start.q[i : i + 1])[0] + [start.base[i], 0.0]
         low, high = CONFIG.start_gap
