@@ -65,10 +65,10 @@ def test_a_mirrored_motion_is_the_image_in_the_mirrored_pipe(motion: Motion) -> 
 def test_the_hand_over_is_between_two_places_of_the_same_pipe(motion: Motion) -> None:
     jump, pipe = hand_over(ROBOT, motion), motion.pipe
     middle = motion.base + motion.q[-1, 0]  # the first link's rear end, on the first leg's axis
-    assert jump.along == pytest.approx(2 * -middle, abs=1e-9)
-    assert jump.distance == pytest.approx(2 * -middle * math.sin(pipe.angle / 2), abs=1e-9)
-    assert jump.turn == pytest.approx(abs(pipe.heading_change), abs=1e-9)
-    assert jump.joint == pytest.approx(2 * np.abs(motion.q[-1, 1:]).max())
+    assert jump.distance == pytest.approx(2 * -middle, abs=1e-9)
+    assert jump.straight == pytest.approx(2 * -middle * math.sin(pipe.angle / 2), abs=1e-9)
+    assert jump.turn_angle == pytest.approx(abs(pipe.heading_change), abs=1e-9)
+    assert jump.joint_change == pytest.approx(2 * np.abs(motion.q[-1, 1:]).max())
 
 
 @given(motions(), st.integers(1, 8))

@@ -24,7 +24,7 @@ from pipenav.deployment.telemetry import Telemetry
 from pipenav.deployment.trajectories import ArmPlacement, parts, placement_of
 from pipenav.errors import PipenavError
 from pipenav.locating.locator import LocateConfig, require_arm
-from pipenav.motions.trajectory import write_trajectory
+from pipenav.motions.trajectory_file import write_trajectory
 from pipenav.pipes.corner import PipeCorner, Turn
 from pipenav.policies.header import RATE_HZ, installed_versions
 from pipenav.policies.policy import Policy, load_policy, policy_names, resolve_policy
