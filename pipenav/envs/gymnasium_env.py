@@ -33,7 +33,7 @@ class CornerEnv(gymnasium.Env[Float32s, Float32s]):
     | --- | --- | --- |
     | `basic` (eq 3.1) | q 4, qd 4, tip xy 2, target xy 2, laser 10 | 22 |
     | `history` (eq 3.2) | q 4, qd 4, laser 10, these in the step before 18, last action 4, tip 2, target 2 | 44 |
-    | `relative` | q 4, qd 4, laser 10, target seen from the tip 2, the same scaled to resolve the last centimetres 2 | 22 |
+    | `relative` | q 4, qd 4, laser 10, target seen from the tip 2, the same, scaled up near the tip 2 | 22 |
     | `relative-history` | `relative` 22, laser of the step before 10, last action 4 | 36 |
 
     | unit before scaling | values |
@@ -105,10 +105,10 @@ class CornerEnv(gymnasium.Env[Float32s, Float32s]):
 
 
 class CornerVectorEnv(VectorEnv[Float32s, Float32s, NDArray[Any]]):
-    """n episodes of the reach task in one batch. An ended episode starts anew in the next step, which ignores the action.
+    """n episodes of the reach task in one batch. An ended episode starts anew in the next step.
 
     Robot i of `reset(seed=s)` lives through the episodes of a `CornerEnv` with seed s + i. `info` holds the keys of
-    `CornerEnv` as arrays, with `_<key>` false for the robots that started anew.
+    `CornerEnv` as arrays, with `_<key>` false for the robots that started anew, whose actions were ignored.
 
     Args:
         num_envs: number of robots.

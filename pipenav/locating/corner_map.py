@@ -1,4 +1,4 @@
-"""What a laser fan that moves along the first leg has seen of the corner ahead, and the corner that fits it best.
+"""Map of the corner ahead: all beams of a laser fan that moves along the first leg, and the corner that fits them best.
 
 Everything is in the canonical frame: the robot's frame with every turn a left turn, so that the first leg's walls are
 the lines y = r and y = -r. The corner ahead has three unknowns, each found by a vote of all beams so far:

@@ -87,7 +87,8 @@ class Trajectory:
         q: configurations in the robot's own frame, (rows, coordinates) [rad or m]; the first row is the start pose.
         contact_force: largest net force of the pipe on any one link, peak of each control step, (rows,) [N]; None
             where nothing measured it.
-        link_forces: that force on every link in the pipe's axes, (rows, links, 2) [N]; None where it is not known.
+        link_forces: net force of the pipe on every link at that peak, in the pipe's axes, (rows, links, 2) [N];
+            None where it is not known.
     """
 
     header: TrajectoryHeader

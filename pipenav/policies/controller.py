@@ -53,7 +53,7 @@ class PrivilegedController(ABC, Generic[BatchT]):
         """Canonical actions in [-1, 1], (n, action_size), for the scaled observations of a batch, (n, size)."""
 
     def require(self, batch: TaskBatch) -> BatchT:
-        """The same batch, checked to be of the type that the controller can control.
+        """The batch, checked to be of the type that the controller can control.
 
         Raises:
             PipenavError: the batch is of another type.

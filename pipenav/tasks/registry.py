@@ -37,7 +37,7 @@ def default_config(robot: RobotSpec) -> ReachConfig | TraverseConfig:
 
 
 def require_reach(config: ReachConfig | TraverseConfig, who: str) -> ReachConfig:
-    """The same settings, checked to be the reach task's.
+    """The settings, checked to be the reach task's.
 
     Args:
         config: settings of some task.

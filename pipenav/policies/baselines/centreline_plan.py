@@ -60,20 +60,20 @@ def follow_line(
     q[:, 0] = np.linspace(0.0, top[0], WAYPOINTS)
     hinge = np.stack([q[:, 0] + base + robot.links[0].length, np.zeros(WAYPOINTS)], axis=1)  # (k, 2)
     nearest = np.hypot(*np.moveaxis(line - hinge[:, None], -1, 0)).argmin(axis=1)
-    places = np.where(hinge[:, 0] < line[1, 0], 0.0, nearest)
+    positions = np.where(hinge[:, 0] < line[1, 0], 0.0, nearest)
     heading = np.zeros(WAYPOINTS)
     for j, link in enumerate(robot.links[1:], 1):
-        far_end, places = meet_line(line, hinge, places, link.length)
+        far_end, positions = meet_line(line, hinge, positions, link.length)
         direction = np.arctan2(*(far_end - hinge).T[::-1])
         q[:, j] = np.mod(direction - heading + math.pi, 2 * math.pi) - math.pi
         hinge, heading = far_end, direction
-    arrived = np.flatnonzero(places >= end)
+    arrived = np.flatnonzero(positions >= end)
     if len(arrived):
         last = max(int(arrived[0]), 1)
-        share = (end - places[last - 1]) / (places[last] - places[last - 1])
+        share = (end - positions[last - 1]) / (positions[last] - positions[last - 1])
         q[last] = q[last - 1] + share * (q[last] - q[last - 1])
         q = q[: last + 1]
-    missing = 0.0 if len(arrived) else 1.0 + end - float(places[-1])
+    missing = 0.0 if len(arrived) else 1.0 + end - float(positions[-1])
     room = float(wall_distance(robot, pipe, q, base).min())
     too_bent = float((np.abs(q[:, 1:]) > np.minimum(top, -robot.lower)[1:]).any())
     return PlannedMotion(q, room - missing - too_bent)

@@ -37,11 +37,11 @@ class LineMeeting(NamedTuple):
 
     Attributes:
         points: far ends of the links on the line, (k, 2) [m].
-        places: places of those ends on the line: the index of the point before them, plus a fraction, (k,).
+        positions: positions of those ends on the line: the index of the point before them, plus a fraction, (k,).
     """
 
     points: Floats
-    places: Floats
+    positions: Floats
 
 
 def guide_line(pipe: PipeCorner, target: Floats, widths: tuple[float, ...]) -> GuideLine:
@@ -71,17 +71,17 @@ def guide_line(pipe: PipeCorner, target: Floats, widths: tuple[float, ...]) -> G
     return GuideLine(np.concatenate([start, entry, corner, leave, past]), 1 + 3 * LINE_POINTS)
 
 
-def meet_line(line: Floats, joints: Floats, places: Floats, length: float) -> LineMeeting:
-    """Where links that begin at joints near a line meet it farther on.
+def meet_line(line: Floats, joints: Floats, positions: Floats, length: float) -> LineMeeting:
+    """Meeting of links with a line, farther on from where they begin.
 
     Args:
         line: points of the line, (p, 2) [m].
         joints: near ends of k links, (k, 2) [m].
-        places: places of the near ends on the line, as in `LineMeeting`, (k,).
+        positions: positions of the near ends on the line, as in `LineMeeting`, (k,).
         length: length of every link [m].
     """
     distance = np.hypot(*np.moveaxis(line - joints[:, None], -1, 0))  # (k, p)
-    beyond = (distance >= length) & (np.arange(len(line)) > places[:, None])
+    beyond = (distance >= length) & (np.arange(len(line)) > positions[:, None])
     i = np.where(beyond.any(axis=1), beyond.argmax(axis=1), len(line) - 1)
     a, d = line[i - 1], line[i] - line[i - 1]
     from_joint = a - joints

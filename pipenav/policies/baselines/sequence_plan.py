@@ -27,7 +27,7 @@ POSES = 241
 
 
 class Poses(NamedTuple):
-    """How one half goes through a left turn while the other half clamps and drives.
+    """Poses of a half that goes through a left turn while the other half clamps and drives.
 
     Attributes:
         distance: distance along the pipe of the clamped half's wheel at the middle link, rising, (k,) [m].
@@ -81,7 +81,7 @@ class _LineMotion(NamedTuple):
 
 
 def plan(robot: RobotSpec, pipe: PipeCorner) -> CornerPlan:
-    """How to clamp in a pipe and how to go round its corner.
+    """Plan how to clamp in a pipe and how to go round its corner.
 
     A half clamps with its middle wheel on the inner wall and its other wheels on the outer wall. The line keeps to the
     outer wall and turns around the corner in an arc that the middle link just spans: half-way, the wheels at its ends
@@ -104,10 +104,10 @@ def _follow_line(robot: RobotSpec, pipe: PipeCorner, room: float) -> _LineMotion
     line = _line(robot, pipe, max(room - SPARE, 0.0))
     distance = np.linspace(-pipe.inner_edge - REACH, 0.0, POSES)
     joint = np.stack([distance, np.full(POSES, -room)], axis=1)  # at the clamped half's foremost wheel, (k, 2)
-    places = np.minimum((distance - line[0, 0]) / (line[1, 0] - line[0, 0]), 1.0)
+    positions = np.minimum((distance - line[0, 0]) / (line[1, 0] - line[0, 0]), 1.0)
     heading, bends, ends = np.zeros(POSES), [], []
     for length in robot.lengths[3:]:
-        end, places = meet_line(line, joint, places, float(length))
+        end, positions = meet_line(line, joint, positions, float(length))
         direction = np.arctan2(*(end - joint).T[::-1])
         bends.append(np.mod(direction - heading + math.pi, 2 * math.pi) - math.pi)
         ends.append(end)

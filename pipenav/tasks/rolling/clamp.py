@@ -80,7 +80,7 @@ def rolled_distance(robot: RobotSpec, bends: Floats, wheel_speeds: Floats) -> fl
 
 
 class RollForward:
-    """One robot that clamps and rolls along a straight.
+    """Motion of one robot that clamps and rolls along a straight.
 
     Args:
         robot: the robot, as `check_robot` accepts it.

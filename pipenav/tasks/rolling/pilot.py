@@ -47,7 +47,7 @@ BACK = 0.2
 
 
 class Mode(IntEnum):
-    """Who drives: the policy, or the robot itself."""
+    """Modes of driving: by the policy, or by the robot itself."""
 
     CORNER = 0
     """The policy drives around a corner."""
@@ -70,7 +70,7 @@ class Pilot:
         set_points: set-points of its joints now, (6,) [rad].
 
     Attributes:
-        mode: who drives.
+        mode: mode of driving now.
         corner: number of the corner ahead of or around the robot, from 0.
         plane: angle of the robot's plane from the untwisted frame of the straight, as far as the robot knows [rad].
         set_points: set-points of the joints in the last control period, (6,) [rad].

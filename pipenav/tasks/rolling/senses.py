@@ -1,4 +1,4 @@
-"""What a robot in space can tell from its own sensors: its bends, the angle of its plane, the end of a straight.
+"""Senses of a robot in space: the angle of its plane and the end of a straight, told from its own sensors.
 
 The pipe's diameter is known, and so is how the straight that the robot is in lies against the weight: both stand in the
 pipe's drawing.

@@ -54,7 +54,7 @@ def actuator_signs(robot: RobotSpec, turn_sign: Floats) -> Floats:
 
 
 def mirror_action(robot: RobotSpec, action: Floats, change: Floats) -> Floats:
-    """The same actions, (n, actuators), where the turn sign changes: bends change sign, wheels roll forwards as before.
+    """Canonical actions where the turn sign changes, (n, actuators): bends change sign, wheels roll forwards as before.
 
     Args:
         robot: the robot.

@@ -85,7 +85,7 @@ class OutcomeTracker:
         """Count the steps without an advance from 0 again, for robots that are busy with something else.
 
         Args:
-            busy: whether each robot is, (n,).
+            busy: flags of the robots that are, (n,).
         """
         self._waited[busy], self._rolled[busy] = 0, 0.0
 
