@@ -8,7 +8,7 @@ import pytest
 from pipenav_mujoco.model import Contact, static_spec
 
 from pipenav.pipes.corner import PipeCorner
-from pipenav.policies.baselines.wall_distance import wall_distance
+from pipenav.policies.baselines.wall_distance import clearance
 from pipenav.robots.robot import load_robot, robot_names
 
 
@@ -33,7 +33,7 @@ def test_clearance_is_the_distance_of_the_shapes(name: str, diameter: float, ang
         mujoco.mj_kinematics(model, data)
         distance = min(mujoco.mj_geomDistance(model, data, a, b, 1.0, None) for a, b in pairs)
         if distance > 1e-3:
-            errors.append(distance - wall_distance(robot, pipe, q, base))
+            errors.append(distance - clearance(robot, pipe, q, base))
     assert len(errors) > 30
     # Never more than the truth; less only between two corners, and by what a chord leaves of an arc.
     assert np.min(errors) > -2e-4

@@ -8,7 +8,7 @@ import pytest
 from pipenav.errors import PipenavError, UnknownName
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.centreline import CentrelineController
-from pipenav.policies.baselines.wall_distance import wall_distance
+from pipenav.policies.baselines.wall_distance import clearance
 from pipenav.policies.controller import Controller
 from pipenav.policies.named import RandomController, open_controller
 from pipenav.robots.robot import load_robot
@@ -107,18 +107,18 @@ def test_clearance_of_a_straight_arm_is_what_the_walls_leave() -> None:
     poses = np.zeros((3, 4))
     poses[1, 0] = 0.1 + pipe.inner_edge + 0.03  # the tip's end face 20 mm off the outer wall
     poses[2, 1] = 0.5  # into the wall
-    found = wall_distance(ROBOT, pipe, poses, base)
+    found = clearance(ROBOT, pipe, poses, base)
     np.testing.assert_allclose(found[:2], [0.04, 0.02], atol=1e-9)
     assert found[2] < 0
 
 
 def test_clearance_agrees_with_a_dense_outline() -> None:
-    """Wherever all points of the links' outlines lie inside the pipe, the wall distance is positive, and else not."""
+    """Wherever all points of the links' outlines lie inside the pipe, there is clearance, and the other way round."""
     rng = np.random.default_rng(0)
     pipe = PipeCorner.of(80, 70)
     base = -pipe.inner_edge - ROBOT.length
     q = rng.uniform([0.0, -0.3, -0.3, -0.3], [0.2, 0.3, 1.2, 1.5], (400, 4))
-    found = wall_distance(ROBOT, pipe, q, base)
+    found = clearance(ROBOT, pipe, q, base)
     inside = np.array([_outline_inside(pipe, pose, base) for pose in q])
     sure = np.abs(found) > 0.002
     np.testing.assert_array_equal(found[sure] > 0, inside[sure])

@@ -16,8 +16,7 @@ from pipenav.backends.messages import Reading
 from pipenav.errors import PipenavError
 from pipenav.evaluation.locate_stage import LocateStage, inside_second_leg
 from pipenav.evaluation.passage import Passages
-from pipenav.locating.locator import LocateConfig, Variant, robot_for
-from pipenav.locating.printed_locator import PrintedLocator, point_on_beam
+from pipenav.locating.locator import LocateConfig, PrintedLocator, Variant, point_on_beam, robot_for
 from pipenav.pipes.corner import PipeCorner
 from pipenav.recording.record import RecordingSettings, record_locate
 from pipenav.robots import kinematics, laser

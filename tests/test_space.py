@@ -91,8 +91,8 @@ def test_a_clamped_robot_drives_and_stays_in_its_plane_and_out_of_the_wall(diame
         truth = backend.truth()
         gone = truth.points[0, :, 0].mean() - start
         assert gone > 0.1
-        assert drive.clamped and drive.distance == pytest.approx(gone, abs=0.02)
-        zigzag = drive.zigzag_sign * steepness(ROBOT, route.radius) * ZIGZAG
+        assert drive.clamped and drive.gone == pytest.approx(gone, abs=0.02)
+        zigzag = drive.third * steepness(ROBOT, route.radius) * ZIGZAG
         np.testing.assert_allclose(backend.read().body.q[0], zigzag, atol=0.1)
         assert deepest < 1e-3
         upright = about_x(plane) @ np.array([0, 0, 1])

@@ -25,7 +25,7 @@ from pipenav.recording.rolling_film import SIDES, faces
 from pipenav.robots import laser
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.rolling import senses
-from pipenav.tasks.rolling.clamp import ZIGZAG, axle_offset, check_robot, nearest_zigzag, steepness
+from pipenav.tasks.rolling.clamp import ZIGZAG, check_robot, nearest, room, steepness
 from pipenav.tasks.rolling.manoeuvre import Roll, RollPhase
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import GRAVITY
@@ -63,10 +63,10 @@ def reading(bends: np.ndarray, ranges: np.ndarray | None = None, down: np.ndarra
 @pytest.mark.parametrize("diameter", [0.07, 0.12])
 def test_in_a_zigzag_the_rear_half_heads_along_the_pipe(diameter: float, third: float) -> None:
     bends = clamped(diameter / 2, third)
-    first = senses.link_vectors(ROBOT, bends)[0]  # the first link lies along the axis
-    rear = senses.link_vectors(ROBOT, bends)[1:3].sum(axis=0)
+    first = senses.ways(ROBOT, bends)[0]  # the first link lies along the axis
+    rear = senses.ways(ROBOT, bends)[1:3].sum(axis=0)
     assert senses.angle_between(first, rear) == pytest.approx(0.0, abs=1e-9)
-    assert nearest_zigzag(bends) == third
+    assert nearest(bends) == third
 
 
 @given(st.floats(-1.0, 1.0), st.lists(st.floats(-2.0, 2.0), min_size=6, max_size=6))
@@ -74,7 +74,7 @@ def test_the_divided_links_heading_counts_from_the_rear_half(turn: float, bends:
     """However the robot is bent: a bend of the third joint turns the divided link and leaves the rear half."""
     before = np.array(bends)
     after = before + np.array([0, 0, turn, 0, 0, 0])
-    change = senses.heading_from_rear_half(ROBOT, after) - senses.heading_from_rear_half(ROBOT, before)
+    change = senses.from_rear_half(ROBOT, after) - senses.from_rear_half(ROBOT, before)
     assert change == pytest.approx(turn, abs=1e-9)
 
 
@@ -86,16 +86,16 @@ def test_a_plane_is_known_from_the_weight_unless_the_straight_is_too_steep(
     c, s = math.cos(slope), math.sin(slope)
     axes = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])  # climbs by the slope
     bends = clamped(0.045, 1.0) + np.array([0, 0, swing, -swing, 0, 0])
-    way = senses.link_vectors(ROBOT, bends)
+    way = senses.ways(ROBOT, bends)
     heading = senses.angle_between(way[1:-1].sum(axis=0), way[3])
     turn = np.array([[math.cos(heading), -math.sin(heading), 0], [math.sin(heading), math.cos(heading), 0], [0, 0, 1]])
     link = axes @ about_x(plane) @ turn
-    seen = senses.plane_angle(ROBOT, reading(bends, down=np.array([[0, 0, -1.0] @ link] * 2)), axes)
+    seen = senses.plane_of(ROBOT, reading(bends, down=np.array([[0, 0, -1.0] @ link] * 2)), axes)
     if math.cos(slope) < senses.STEEPEST:
         assert seen is None
     elif seen is not None:
         assert math.remainder(seen - plane, 2 * math.pi) == pytest.approx(0.0, abs=1e-6)
-    assert senses.plane_angle(ROBOT, reading(bends), axes) is None
+    assert senses.plane_of(ROBOT, reading(bends), axes) is None
 
 
 @pytest.mark.parametrize("turn", ["left", "right"])
@@ -108,7 +108,7 @@ def test_a_clamped_robot_sees_a_straight_end_in_time_and_not_before(
     bends = clamped(pipe.radius, third)
 
     def sees(gap: float) -> bool:
-        tip = np.array([[-pipe.inner_edge - gap, -third * axle_offset(ROBOT, pipe.radius)]])
+        tip = np.array([[-pipe.inner_edge - gap, -third * room(ROBOT, pipe.radius)]])
         distances = laser.cast(tip, ROBOT.laser.angles[None], pipe.segments[None])
         return senses.sees_end(ROBOT, reading(bends, laser.measure(ROBOT.laser, distances)[0]), pipe.radius, third)
 
@@ -125,9 +125,7 @@ def test_a_roll_turns_the_plane_by_what_was_asked_and_the_robot_stays_where_it_i
     diameter: int, gravity: float, plane: float, third: float
 ) -> None:
     route, turn, start = PipeRoute.of(diameter, [(90, "left", 0)], [1500, 600]), math.radians(90), math.radians(plane)
-    q = np.concatenate(
-        [[0.0, third * axle_offset(ROBOT, route.radius - 1e-4), 0.0], clamped(route.radius - 1e-4, third)]
-    )
+    q = np.concatenate([[0.0, third * room(ROBOT, route.radius - 1e-4), 0.0], clamped(route.radius - 1e-4, third)])
     with closing(open_space("mujoco", ROBOT, 1, {}, gravity)) as backend:
         backend.reset(np.arange(1), [route], q[None], np.array([-1.0]), np.array([start]))
         first, place = backend.read().row(0), backend.truth().points[0, :, 0].mean()
@@ -141,7 +139,7 @@ def test_a_roll_turns_the_plane_by_what_was_asked_and_the_robot_stays_where_it_i
         truth, after = backend.truth(), backend.read().row(0)
     turned = np.arctan2(-truth.normals[0, :, 1], truth.normals[0, :, 2]) - start
     assert np.abs(np.remainder(turned - turn + math.pi, 2 * math.pi) - math.pi).max() < math.radians(12)
-    assert abs(after.roll) < 0.05 and nearest_zigzag(after.body.q) in (1.0, -1.0)
+    assert abs(after.roll) < 0.05 and nearest(after.body.q) in (1.0, -1.0)
     np.testing.assert_allclose(np.abs(after.body.q), np.abs(clamped(route.radius, 1.0)), atol=0.4)
     assert deepest < 1e-3
     assert abs(truth.points[0, :, 0].mean() - place) < 0.12

@@ -18,7 +18,7 @@ from pipenav.disturbances.disturbed_backend import DisturbedBackend
 from pipenav.errors import PipenavError
 from pipenav.pipes.centre_lines import CentreLines
 from pipenav.pipes.corner import PipeCorner
-from pipenav.policies.baselines.wall_distance import wall_distance
+from pipenav.policies.baselines.wall_distance import clearance
 from pipenav.robots.kinematics import waypoints
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import Outcome
@@ -29,7 +29,7 @@ from pipenav.tasks.traverse import observation
 from pipenav.tasks.traverse.batch import TraverseBatch
 from pipenav.tasks.traverse.config import TraverseConfig, TraverseReward
 from pipenav.tasks.traverse.episode import GRAVITY, TraverseEpisodes, sample
-from pipenav.tasks.traverse.outcome import OutcomeTracker, StepFacts, reward
+from pipenav.tasks.traverse.outcome import Facts, OutcomeTracker, reward
 from pipenav.testing import KinematicBackend
 from pipenav.testing.kinematic import KinematicOptions
 
@@ -62,7 +62,7 @@ def batch(start: TraverseEpisodes, config: TraverseConfig = CONFIG) -> Iterator[
 def test_starts_touch_nothing_and_leave_the_gap(seed: int) -> None:
     start = episodes(seed=seed)
     for i, pipe in enumerate(start.pipes):
-        room = wall_distance(ROBOT, pipe, start.q[i : i + 1], float(start.base[i]))[0]
+        room = clearance(ROBOT, pipe, start.q[i : i + 1], float(start.base[i]))[0]
         assert room >= -1e-9
         points = waypoints(ROBOT, start.q[i : i + 1])[0] + [start.base[i], 0.0]
         low, high = CONFIG.start_gap
@@ -241,7 +241,7 @@ def test_time_runs_out_on_one_that_still_comes_on() -> None:
 
 def test_the_reward_is_the_sum_of_its_terms_and_a_failure_is_one_number() -> None:
     config = TraverseReward(progress=2.0, passed=3.0, step=-0.5, force=-0.1, penetration=-1.0, failed=-7.0)
-    facts = StepFacts(
+    facts = Facts(
         np.array([0.1, 0.1]),
         np.array([5.0, 5.0]),
         np.array([1e-3, 0.0]),
