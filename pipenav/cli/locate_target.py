@@ -95,7 +95,7 @@ def _pipes(d: float | None, angle: float | None, turn: str | None, sets: list[st
 
 def _write(folder: Path, located: Located) -> None:
     from pipenav.drawing.style import png
-    from pipenav.motions.trajectory import write_trajectory
+    from pipenav.motions.trajectory_file import write_trajectory
     from pipenav.recording.locate_figure import locate_figure
     from pipenav.storage.atomic_files import atomic_write
 

@@ -206,7 +206,7 @@ def _locating(behaviour: str, robot: str | None, seed: int) -> tuple[Parse, Reco
 
 
 def _read(paths: list[Path], robot: str | None, simulator: RecordingSettings | None) -> list[Trajectory]:
-    from pipenav.motions.trajectory import read_trajectory
+    from pipenav.motions.trajectory_file import read_trajectory
     from pipenav.recording.live import play
     from pipenav.robots.robot import load_robot
 
@@ -226,7 +226,7 @@ def _sentence(trajectory: Trajectory) -> str:
 
 
 def _write(path: Path, trajectories: list[Trajectory], console: Console) -> None:
-    from pipenav.motions.trajectory import write_trajectory
+    from pipenav.motions.trajectory_file import write_trajectory
     from pipenav.recording.film import write_film
 
     if path.suffix.lower() == TABLE:

@@ -31,7 +31,8 @@ from pipenav.evaluation.locate_stage import LocateStage
 from pipenav.evaluation.rear_stage import RearStage
 from pipenav.evaluation.rolling_stage import rolling_stage
 from pipenav.evaluation.stage import Stage, StageStep, TaskStage
-from pipenav.locating.locator import LOCATORS, LocateConfig, Variant, robot_for
+from pipenav.locating.locator import LocateConfig, Variant, robot_for
+from pipenav.locating.variants import LOCATORS
 from pipenav.motions.mirror import join, rear_motion
 from pipenav.motions.trajectory import Motion
 from pipenav.pipes.pipe import Pipe
