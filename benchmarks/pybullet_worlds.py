@@ -22,7 +22,7 @@ from pipenav_pybullet import world
 from pipenav_pybullet.backend import PybulletOptions
 
 from pipenav.backends.messages import Command
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.simulators import open_simulator
 from pipenav.pipes.corner_sets import parse_corners
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.reach import episode

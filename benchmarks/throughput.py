@@ -29,7 +29,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import DummyVecEnv
 
 import pipenav.env  # noqa: F401  # registers the environment
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.simulators import open_simulator
 from pipenav.backends.wall_boxes import wall_boxes
 from pipenav.envs.sb3_env import TaskVecEnv
 from pipenav.learning.callback import noise_at

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipenav.backends.registry import availability, find_backends
+from pipenav.backends.plugins import find_backends
+from pipenav.backends.requirements import availability
 from pipenav.cli import main
 from pipenav.comparison.agreement import Agreement, Check, Sides, checks, compare
 from pipenav.robots.robot import load_robot, robot_names

@@ -10,7 +10,8 @@ import pytest
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Backend
 from pipenav.backends.messages import Command, Reading, Truth
-from pipenav.backends.registry import availability, find_backends
+from pipenav.backends.plugins import find_backends
+from pipenav.backends.requirements import availability
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import load_robot
 from pipenav.testing import CONTRACT, VARIATION_LAWS, Bench, KinematicBackend

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pipenav.backends.messages import Command, Reading
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.simulators import open_simulator
 from pipenav.deployment.mission import LOCATE_TICKS, PUSH, Back, Decision, Locate, Mission
 from pipenav.locating.locator import LocateConfig
 from pipenav.pipes.corner import PipeCorner

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from pipenav.backends.backend import Backend
 from pipenav.backends.messages import Command, Reading, Truth
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.simulators import open_simulator
 from pipenav.disturbances.disturbance import Disturbance
 from pipenav.disturbances.disturbed_backend import DisturbedBackend
 from pipenav.errors import PipenavError

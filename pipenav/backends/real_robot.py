@@ -1,4 +1,4 @@
-"""The seam of a real arm: a backend whose robot is one machine, that can be checked, emulated and stopped."""
+"""The seam of a real arm: a backend of one machine, which can be checked, calibrated, emulated and stopped."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from pipenav.robots.robot import RobotSpec
 
 
 class Sent(NamedTuple):
-    """What became of a command.
+    """Result of sending a command.
 
     Attributes:
-        positions: set-points as they were sent, in joint order [rad or m]; of the last ones where nothing was sent.
+        positions: set-points as they were sent, in joint order [rad or m]; the last ones where nothing was sent.
         clamped: names of the joints whose set-point was limited.
-        packet: the bytes as hexadecimal digits; empty where nothing could be sent.
+        packet: bytes that were sent, as hexadecimal digits; empty where nothing could be sent.
     """
 
     positions: list[float]
@@ -31,7 +31,7 @@ class Sent(NamedTuple):
 
 
 class Finding(NamedTuple):
-    """One line of a check: how it stands, what was found, and where something is wrong what to do."""
+    """Finding of a check: its level, what was found, and where something is wrong, what to do about it."""
 
     level: Literal["ok", "warning", "problem"]
     what: str
@@ -42,9 +42,9 @@ class Emulated(NamedTuple):
     """An arm made of software.
 
     Attributes:
-        options: open it.
-        base: where the robot's frame starts on the first leg's axis, x in the pipe's frame [m].
-        log: every byte on its bus, with its time.
+        options: settings that open it.
+        base: origin of the robot's frame on the first leg's axis, x in the pipe's frame [m].
+        log: file with every byte on its bus and the time of each.
     """
 
     options: BackendOptions
@@ -53,11 +53,11 @@ class Emulated(NamedTuple):
 
 
 class Recoder(NamedTuple):
-    """Repeats a recorded run's arithmetic without its machine.
+    """Repeats the arithmetic of a recorded mission without its machine.
 
     Attributes:
-        read: from the `raw` of a recorded tick to the reading that the run saw, or None where it saw none.
-        write: from a command to what would be sent.
+        read: computes the reading of a tick from its recorded `raw`; None where the mission saw none.
+        write: computes what would be sent for a command.
     """
 
     read: Callable[[Mapping[str, Any]], Reading | None]
@@ -68,65 +68,36 @@ class Calibrator(ABC):
     """Finds out how an arm is mounted, one joint at a time; asks and prints nothing itself.
 
     Attributes:
-        joints: their names, in order.
+        joints: names of the joints, in order.
     """
 
     joints: list[str]
 
     @abstractmethod
     def set_zero(self) -> None:
-        """The arm stands straight now, its carriage at the start: these are the joints' zeros."""
+        """Take the present positions as the joints' zeros: the arm stands straight, its carriage at the start."""
 
     @abstractmethod
     def nudge(self, joint: str) -> float:
-        """Move one joint's servo counter-clockwise a little and switch torque off again; by how much [rad]."""
+        """Turn a joint's servo counter-clockwise a little, switch torque off again, and return the angle [rad]."""
 
     @abstractmethod
     def set_direction(self, joint: str, positive: bool, moved_mm: float | None) -> None:
-        """What the nudge did: whether it was the joint's positive direction, and of a slide how far it went."""
+        """Note the effect of the nudge.
+
+        Args:
+            joint: name of the joint.
+            positive: whether it moved in its positive direction.
+            moved_mm: travel of a slide [mm]; None for a hinge.
+        """
 
     @abstractmethod
     def text(self) -> str:
-        """The content of arm.toml."""
+        """Content of arm.toml."""
 
     @abstractmethod
     def write_servos(self) -> list[str]:
-        """Store the arm's limits in the servos' EEPROM; what was written, one line for each servo."""
-
-    @abstractmethod
-    def cut(self) -> None:
-        """Switch torque off at once: allowed inside a signal handler."""
-
-    @abstractmethod
-    def off(self) -> list[str]:
-        """Switch torque off and ask back; never raises."""
-
-    @abstractmethod
-    def close(self) -> None: ...
-
-
-class RealRobot(Backend):
-    """One arm. `reset` switches it on where it is, `step` sends set-points and waits for the next tick.
-
-    Attributes:
-        complete: whether the last `read` was a whole one; after one that was not, `hold` instead of `step`.
-        warnings: what the person at the arm should know.
-    """
-
-    complete: bool
-    warnings: list[str]
-
-    @abstractmethod
-    def send(self, command: Command) -> Sent:
-        """Send set-points, limited, without waiting."""
-
-    @abstractmethod
-    def hold(self) -> None:
-        """Send nothing new: the arm keeps its last set-points, and is supervised as long as this is called often."""
-
-    @abstractmethod
-    def wait(self) -> None:
-        """Until the next tick is due, while sensors are listened to."""
+        """Store the arm's limits in the servos' EEPROM, and return a line about each servo."""
 
     @abstractmethod
     def cut(self) -> None:
@@ -137,21 +108,61 @@ class RealRobot(Backend):
         """Switch torque off and ask back; never raises.
 
         Returns:
-            The joints whose servo did not confirm.
+            Names of the joints whose servo did not confirm.
+        """
+
+    @abstractmethod
+    def close(self) -> None:
+        """Release everything; closing twice is harmless."""
+
+
+class RealRobot(Backend):
+    """A real arm. `reset` switches it on where it is, `step` sends set-points and waits for the next tick.
+
+    Attributes:
+        complete: whether the last `read` was complete; after an incomplete one, call `hold` instead of `step`.
+        warnings: sentences for the person at the arm.
+    """
+
+    complete: bool
+    warnings: list[str]
+
+    @abstractmethod
+    def send(self, command: Command) -> Sent:
+        """Send set-points within the limits, without waiting."""
+
+    @abstractmethod
+    def hold(self) -> None:
+        """Send nothing new: the arm keeps its last set-points, and is supervised as long as this is called often."""
+
+    @abstractmethod
+    def wait(self) -> None:
+        """Wait until the next tick is due, and listen to the sensors meanwhile."""
+
+    @abstractmethod
+    def cut(self) -> None:
+        """Switch torque off at once: allowed inside a signal handler."""
+
+    @abstractmethod
+    def off(self) -> list[str]:
+        """Switch torque off and ask back; never raises.
+
+        Returns:
+            Names of the joints whose servo did not confirm.
         """
 
     @abstractmethod
     def raw(self) -> dict[str, Any]:
-        """What the last tick brought and cost, as it goes into the telemetry: bytes, scan, warnings, seconds."""
+        """Record of the last tick for the telemetry: bytes, scan, warnings, seconds."""
 
     @abstractmethod
     def description(self) -> dict[str, Any]:
-        """What a replay needs to know of this machine."""
+        """Description of this machine that a replay needs."""
 
     @classmethod
     @abstractmethod
     def recoder(cls, robot: RobotSpec, description: Mapping[str, Any]) -> Recoder:
-        """The arithmetic of a machine with this description."""
+        """Recoder for a machine with this description."""
 
     @classmethod
     @abstractmethod
@@ -161,10 +172,10 @@ class RealRobot(Backend):
     @classmethod
     @abstractmethod
     def calibrator(cls, robot: RobotSpec, ports: Mapping[str, str]) -> Calibrator:
-        """A calibration of a new arm.
+        """Start the calibration of a new arm.
 
         Args:
-            robot: what it shall be.
+            robot: robot that the arm is built as.
             ports: devices of `servos`, `scanner` and, where there is one, `front`.
         """
 
@@ -173,22 +184,23 @@ class RealRobot(Backend):
     def emulate(
         cls, robot: RobotSpec, pipe: PipeCorner, folder: Path, seed: int, faults: Sequence[Mapping[str, Any]]
     ) -> AbstractContextManager[Emulated]:
-        """An arm made of software in a pipe, while the context lasts.
+        """Run an arm made of software in a pipe while the context lasts.
 
         Args:
             robot: the robot.
             pipe: the pipe around it.
-            folder: where its log of every byte goes.
-            seed: of where it stands, of noise and of faults.
-            faults: what goes wrong, see the plugin's documentation.
+            folder: folder for its log of every byte.
+            seed: seed of its start position, of noise and of faults.
+            faults: faults that it has, see the plugin's documentation.
         """
 
 
 def load_real_robot(name: str = "hardware") -> type[RealRobot]:
-    """The class of a machine's backend.
+    """Import the class of a real arm's backend.
 
     Raises:
-        UnknownName, BackendUnavailable: there is none of this name, or it cannot be loaded, or it is no machine.
+        UnknownName: no installed distribution declares it.
+        BackendUnavailable: it cannot be loaded, or it is no real arm.
     """
     kind = load_backend(name)
     if not issubclass(kind, RealRobot):

@@ -30,7 +30,8 @@ def _plugins() -> Table:
     from rich.table import Table
     from rich.text import Text
 
-    from pipenav.backends.registry import NONE_INSTALLED, availability, find_backends
+    from pipenav.backends.plugins import NONE_INSTALLED, find_backends
+    from pipenav.backends.requirements import availability
     from pipenav.errors import PipenavError
 
     if not find_backends():

@@ -11,7 +11,7 @@ import numpy as np
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Simulator
 from pipenav.backends.messages import Command, Control
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.simulators import open_simulator
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.centreline import CentrelineController
 from pipenav.robots.robot import RobotSpec

@@ -53,7 +53,7 @@ class SeededEpisodes:
         task: ReachConfig | Mapping[str, Any] | None,
         options: Mapping[str, Any] | None,
     ) -> None:
-        from pipenav.backends.registry import open_simulator
+        from pipenav.backends.simulators import open_simulator
 
         self.generators: list[np.random.Generator] = []
         self.episodes: dict[int, ReachEpisodes] = {}

@@ -11,7 +11,7 @@ from pipenav.arrays import Floats, Ints
 from pipenav.backends import backend
 from pipenav.backends.backend import CONTROL_PERIOD, Simulator
 from pipenav.backends.messages import Command, Reading, Truth
-from pipenav.errors import PipenavError
+from pipenav.backends.refusals import TooManyWalls
 from pipenav.pipes.pipe import Pipe
 from pipenav.robots import kinematics, laser
 from pipenav.robots.robot import RobotSpec
@@ -42,7 +42,7 @@ class KinematicBackend(Simulator):
         for i, pipe in zip(indices, pipes, strict=True):
             count = len(pipe.segments)
             if count > slots:
-                raise PipenavError(f"pipe {pipe.name} has {count} wall segments, this backend was opened for {slots}.")
+                raise TooManyWalls(pipe, slots)
             self._segments[i] = pipe.segments[-1]  # repeated in the slots that are left over
             self._segments[i, :count] = pipe.segments
         self._q[indices], self._qd[indices], self._time[indices], self._base[indices] = q, 0.0, 0.0, base

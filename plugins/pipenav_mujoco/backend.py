@@ -12,7 +12,6 @@ from pydantic import Field
 
 from pipenav.arrays import Floats, Ints
 from pipenav.backends import (
-    CONTROL_PERIOD,
     BackendOptions,
     Command,
     Control,
@@ -21,10 +20,10 @@ from pipenav.backends import (
     Truth,
     Variation,
     Windows,
+    physics_steps,
     strongest,
     wall_boxes,
 )
-from pipenav.errors import PipenavError
 from pipenav.pipes import Pipe
 from pipenav.robots import BASE, RobotSpec, kinematics, laser
 from pipenav_mujoco.model import Contact, build_spec
@@ -57,7 +56,7 @@ class MujocoBackend(Simulator):
         assert isinstance(options, MujocoOptions)
         self._robot = robot
         self._slots = wall_segments
-        self._substeps = _substeps(options.timestep)
+        self._substeps = physics_steps(options.timestep)
         contact = Contact(options.contact_time_constant, options.contact_impedance)
         self._model = build_spec(robot, wall_segments, options.timestep, contact).compile()
         self._batch = mujoco.batch.Batch(self._model, n, options.threads)
@@ -72,7 +71,7 @@ class MujocoBackend(Simulator):
     @classmethod
     def in_space(cls, robot: RobotSpec, n: int, options: BackendOptions, gravity: float) -> MujocoSpace:
         assert isinstance(options, MujocoOptions)
-        _substeps(options.timestep)
+        physics_steps(options.timestep)
         contact = Contact(options.contact_time_constant, options.contact_impedance)
         weight = gravity if options.gravity is None else options.gravity
         return MujocoSpace(robot, n, SpaceSettings(options.timestep, contact, weight, options.threads))
@@ -211,18 +210,3 @@ class MujocoBackend(Simulator):
 
     def close(self) -> None:
         self.__dict__.pop("_batch", None)
-
-
-def _substeps(timestep: float) -> int:
-    """Physics steps in a control period.
-
-    Raises:
-        PipenavError: they do not fill it.
-    """
-    steps = round(CONTROL_PERIOD / timestep)
-    if abs(steps * timestep - CONTROL_PERIOD) > 1e-9:
-        raise PipenavError(
-            f"a timestep of {timestep:g} s does not divide the control period of {CONTROL_PERIOD:g} s: "
-            "choose for example 0.0025 or 0.001."
-        )
-    return steps
