@@ -127,7 +127,7 @@ def test_backends(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
     assert ghost.startswith("ghost      no")
     assert "'no_such_ghost' is not installed; reinstall it" in ghost
     assert run("backends", "kinematic") == 0
-    assert "speed_share  1.0      share of their no-load speed" in capsys.readouterr().out
+    assert "speed_share  1.0      share of the no-load speed" in capsys.readouterr().out
     assert run("backends", "ghst") == 1
     assert "unknown backend 'ghst': did you mean 'ghost'?" in capsys.readouterr().err
 

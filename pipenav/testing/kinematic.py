@@ -1,4 +1,4 @@
-"""A backend without physics, for tests and examples of all that is built on backends."""
+"""A simulator without physics, for tests and examples of everything that is built on backends."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from pipenav.arrays import Floats, Ints
-from pipenav.backends import backend
-from pipenav.backends.backend import CONTROL_PERIOD, Simulator
+from pipenav.backends.backend import CONTROL_PERIOD, BackendOptions, Simulator
 from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.backends.refusals import TooManyWalls
 from pipenav.pipes.pipe import Pipe
@@ -17,10 +16,10 @@ from pipenav.robots import kinematics, laser
 from pipenav.robots.robot import RobotSpec
 
 
-class KinematicOptions(backend.BackendOptions):
-    """Settings of the backend without physics."""
+class KinematicOptions(BackendOptions):
+    """Settings of the simulator without physics."""
 
-    speed_share: float = Field(1.0, gt=0, le=1, description="share of their no-load speed that full drives reach")
+    speed_share: float = Field(1.0, gt=0, le=1, description="share of the no-load speed that joints reach at full duty")
 
 
 class KinematicBackend(Simulator):
@@ -28,7 +27,7 @@ class KinematicBackend(Simulator):
 
     Options = KinematicOptions
 
-    def __init__(self, robot: RobotSpec, n: int, options: backend.BackendOptions, wall_segments: int = 4) -> None:
+    def __init__(self, robot: RobotSpec, n: int, options: BackendOptions, wall_segments: int = 4) -> None:
         assert isinstance(options, KinematicOptions)
         self._robot = robot
         self._reach = options.speed_share * robot.speed_limits * CONTROL_PERIOD  # farthest in one step, (joints,)
