@@ -1,4 +1,4 @@
-"""n robots on PyBullet: the seam's side of it, which only hands out work and keeps what comes back."""
+"""n robots on PyBullet: the backend, which distributes the work to processes and keeps their answers."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class PybulletOptions(BackendOptions):
 
 
 class PybulletBackend(Simulator):
-    """See `pipenav.backends.Backend`."""
+    """Simulator of n robots in pipes of one plane, see `pipenav.backends.Simulator`."""
 
     Options = PybulletOptions
     can_vary = True
