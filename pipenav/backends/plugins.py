@@ -12,11 +12,11 @@ from importlib.metadata import entry_points
 GROUP = "pipenav.backends"
 """Entry-point group in which distributions declare backends."""
 
-NONE_INSTALLED = (
-    "no installed distribution declares a backend",
-    "install pipenav itself (pip install -e . in a checkout)",
-)
-"""Problem and remedy where there is no backend at all: pipenav's own come with its installation."""
+NONE_INSTALLED = "no installed distribution declares a backend"
+"""Problem where there is no backend at all."""
+
+INSTALL_PIPENAV = "install pipenav itself (pip install -e . in a checkout)"
+"""Remedy where there is no backend at all: pipenav's own come with its installation."""
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from pipenav.backends import plugins
 from pipenav.backends.backend import Backend, BackendOptions, Simulator
 from pipenav.backends.moved import UPDATE
-from pipenav.backends.plugins import GROUP, NONE_INSTALLED, BackendPlugin
+from pipenav.backends.plugins import GROUP, INSTALL_PIPENAV, NONE_INSTALLED, BackendPlugin
 from pipenav.backends.requirements import availability, without
 from pipenav.errors import BackendUnavailable, ConfigError, UnknownName
 from pipenav.robots.robot import RobotSpec
@@ -119,7 +119,7 @@ def flaw_of(loaded: object) -> Flaw | None:
 def _find(name: str) -> BackendPlugin:
     backends = plugins.find_backends()
     if not backends:
-        raise BackendUnavailable(name, *NONE_INSTALLED)
+        raise BackendUnavailable(name, NONE_INSTALLED, INSTALL_PIPENAV)
     if name not in backends:
         raise UnknownName("backend", name, backends)
     return backends[name]

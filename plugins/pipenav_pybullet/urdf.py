@@ -45,7 +45,7 @@ class Body(NamedTuple):
 
 
 def robot_urdf(robot: RobotSpec) -> str:
-    """URDF of the robot on a fixed mount, each link's frame at its joint; a link's discs lie on a further link, fixed to it.
+    """URDF of the robot on a fixed mount, each link's frame at its joint, a link's discs on a further link fixed to it.
 
     A free robot slides along two axes of the mount and turns there, without resistance.
 
@@ -53,9 +53,8 @@ def robot_urdf(robot: RobotSpec) -> str:
     the torque-speed line is applied by the world as efforts.
     """
     root = ElementTree.Element("robot", name=robot.name)
-    _add_inertial(
-        ElementTree.SubElement(root, "link", name="mount"), Body(1.0, 0.0, 0.0, 1.0)
-    )  # fixed, so that any values will do
+    mount = ElementTree.SubElement(root, "link", name="mount")
+    _add_inertial(mount, Body(1.0, 0.0, 0.0, 1.0))  # fixed, so that any values will do
     parent, offset = "mount", 0.0
     if robot.free:
         for name, axis in zip(SLIDES, ("1 0 0", "0 1 0"), strict=True):
@@ -104,7 +103,7 @@ def _add_wheel(root: ElementTree.Element, link: Link, wheel: Wheel, actuator: Ac
 
 
 def body(robot: RobotSpec, link: Link) -> Body:
-    """Rigid body of a link with parts of one density and its joint's rotor: as mass for a slide, as inertia for a hinge."""
+    """Rigid body of a link, its parts of one density, with the rotor of a slide as mass, of a hinge as inertia."""
     parts = link.parts
     volume = sum(part.volume for part in parts)
     masses = [link.mass * part.volume / volume for part in parts]
