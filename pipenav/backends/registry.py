@@ -103,7 +103,7 @@ class Flaw(NamedTuple):
 
 
 def flaw_of(loaded: object) -> Flaw | None:
-    """What keeps an object from being a backend's class; None if nothing does."""
+    """Flaw that keeps an object from being a backend's class; None if there is none."""
     if not (inspect.isclass(loaded) and issubclass(loaded, Backend)):
         return Flaw("is not a subclass of pipenav.backends.Backend")
     if not issubclass(loaded, Simulator) and hasattr(loaded, "truth"):

@@ -46,7 +46,7 @@ class MujocoOptions(BackendOptions):
 
 
 class MujocoBackend(Simulator):
-    """Simulator of n robots in pipes of one plane, see `pipenav.backends.Simulator`."""
+    """Simulator of n robots in the plane, see `pipenav.backends.Simulator`."""
 
     Options = MujocoOptions
     moves_in_space = True

@@ -42,7 +42,7 @@ class PybulletOptions(BackendOptions):
 
 
 class PybulletBackend(Simulator):
-    """Simulator of n robots in pipes of one plane, see `pipenav.backends.Simulator`."""
+    """Simulator of n robots in the plane, see `pipenav.backends.Simulator`."""
 
     Options = PybulletOptions
     can_vary = True
