@@ -51,7 +51,7 @@ HELD_OUT = [f"d={d},angle={a},turn={t}" for d in (76, 93, 114) for a in (58, 78,
 def make_batch(config: TrainConfig, seed: int) -> ReachBatch:
     """Robots of a training with this configuration."""
     robot, n = load_robot(config.robot), config.learner.robots
-    sets = [parse_pipes([name]) for name in config.pipes]
+    sets = [parse_corners([name]) for name in config.pipes]
     for pipes in sets:  # computed once for each pipe, in the first seconds of a training
         wall_boxes(pipes, 4, np.zeros(len(pipes)))
     rng = np.random.default_rng(seed)
