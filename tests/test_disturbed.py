@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipenav.arrays import Floats, Ints
-from pipenav.backends.backend import Backend, BackendOptions, Variation
+from pipenav.backends.backend import Backend, BackendOptions, Variation, Viewer
 from pipenav.backends.messages import Command, Control, Reading
 from pipenav.disturbances.disturbance import UNDISTURBED, Disturbance
-from pipenav.disturbances.disturbed_backend import DisturbedBackend, disturbed
+from pipenav.disturbances.disturbed_backend import DisturbedSimulator, disturbed
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import RobotSpec, load_robot
@@ -36,7 +36,7 @@ def plain(n: int) -> KinematicBackend:
     return KinematicBackend(ROBOT, n, KinematicOptions())
 
 
-class Bothered(DisturbedBackend):
+class Bothered(DisturbedSimulator):
     Options = KinematicOptions
 
     def __init__(self, robot: RobotSpec, n: int, options: BackendOptions, wall_segments: int = 4) -> None:
@@ -72,14 +72,14 @@ def test_commands_arrive_so_many_steps_late(latency: int, control: Control) -> N
     n = 2
     commands = Bench(KinematicBackend, n=n).commands(12, control)
     on_time = run(plain(n), n, commands)
-    late = run(DisturbedBackend(plain(n), ROBOT, n, Disturbance(latency=(latency, latency)), 0), n, commands)
+    late = run(DisturbedSimulator(plain(n), ROBOT, n, Disturbance(latency=(latency, latency)), 0), n, commands)
     for step, reading in enumerate(late):
         np.testing.assert_array_equal(reading.q, on_time[max(step - latency, 0)].q)
 
 
 def stand(disturbance: Disturbance, n: int = 40, steps: int = 50) -> tuple[Floats, Floats]:
     """Readings of robots that stand still in a wide pipe, (steps, n, beams), and the true ones, (beams,)."""
-    backend = DisturbedBackend(plain(n), ROBOT, n, disturbance, 0)
+    backend = DisturbedSimulator(plain(n), ROBOT, n, disturbance, 0)
     pipe = PipeCorner.of(300, 60)
     base = np.linspace(-0.7, -0.69, n)
     backend.reset(np.arange(n), [pipe] * n, np.zeros((n, 4)), base)
@@ -125,9 +125,9 @@ def test_missing_beams_are_missing_all_episode_long() -> None:
 @given(rows=st.permutations(range(6)).map(lambda order: np.array(order[:3])), seed=st.integers(0, 2**31))
 def test_an_episode_does_not_depend_on_its_neighbours(rows: Ints, seed: int) -> None:
     commands = Bench(KinematicBackend, n=6).commands(6)
-    all_of_them = run(DisturbedBackend(plain(6), ROBOT, 6, WORST, seed), 6, commands, np.arange(6))
+    all_of_them = run(DisturbedSimulator(plain(6), ROBOT, 6, WORST, seed), 6, commands, np.arange(6))
     some = [Command(control, values[rows]) for control, values in commands]
-    few = run(DisturbedBackend(plain(3), ROBOT, 3, WORST, seed), 3, some, rows)
+    few = run(DisturbedSimulator(plain(3), ROBOT, 3, WORST, seed), 3, some, rows)
     for one, other in zip(all_of_them, few, strict=True):
         for name, b in other.measured().items():
             np.testing.assert_array_equal(one.measured()[name][rows], b)
@@ -135,7 +135,7 @@ def test_an_episode_does_not_depend_on_its_neighbours(rows: Ints, seed: int) -> 
 
 def test_another_seed_or_another_start_is_disturbed_otherwise() -> None:
     def seen(seed: int, q: float) -> Floats:
-        backend = DisturbedBackend(plain(1), ROBOT, 1, Disturbance(noise=(0.02, 0.02)), seed)
+        backend = DisturbedSimulator(plain(1), ROBOT, 1, Disturbance(noise=(0.02, 0.02)), seed)
         return backend.reset(np.arange(1), [PipeCorner.of(300, 60)], np.full((1, 4), q), np.array([-0.7])).ranges
 
     assert np.array_equal(seen(0, 0.0), seen(0, 0.0))
@@ -146,6 +146,8 @@ def test_another_seed_or_another_start_is_disturbed_otherwise() -> None:
 class Varied(KinematicBackend):
     """Remembers how it was varied; does nothing with it."""
 
+    can_vary = True
+
     def vary(self, indices: Ints, variation: Variation) -> None:
         self.indices, self.variation = indices, variation
 
@@ -154,7 +156,7 @@ def test_a_simulator_is_told_what_was_drawn_for_the_robots_that_begin() -> None:
     n = 30
     inner = Varied(ROBOT, n, KinematicOptions())
     wanted = Disturbance(friction=(0.5, 1.5), mass=(0.8, 1.3), strength=(0.7, 0.9), gain=(1.1, 1.4))
-    backend = DisturbedBackend(inner, ROBOT, n, wanted, 0)
+    backend = DisturbedSimulator(inner, ROBOT, n, wanted, 0)
     start = starts(Bench(KinematicBackend, n=n))
     backend.reset(*start)
     shapes = {"friction": (n,), "mass": (n, 4), "strength": (n, 4), "gain": (n, 4)}
@@ -175,3 +177,20 @@ def test_a_simulator_is_told_what_was_drawn_for_the_robots_that_begin() -> None:
 def test_a_backend_that_cannot_vary_its_robots_says_so() -> None:
     with pytest.raises(PipenavError, match="KinematicBackend cannot change friction, mass, strength or gain"):
         disturbed(plain(1), ROBOT, 1, Disturbance(mass=(1.0, 1.2)), 0)
+
+
+class Watched(KinematicBackend):
+    """Has a window on its first robot."""
+
+    has_viewer = True
+
+    def open_viewer(self) -> Viewer:
+        raise PipenavError("its own window")
+
+
+def test_the_window_is_the_simulators_own() -> None:
+    backend = DisturbedSimulator(Watched(ROBOT, 1, KinematicOptions()), ROBOT, 1, WORST, 0)
+    assert backend.has_viewer
+    with pytest.raises(PipenavError, match="its own window"):
+        backend.open_viewer()
+    assert not DisturbedSimulator(plain(1), ROBOT, 1, WORST, 0).has_viewer

@@ -18,7 +18,7 @@ from stable_baselines3.common import env_checker as sb3_checker
 from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.monitor import Monitor
 
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.simulators import open_simulator
 from pipenav.env import CornerEnv, CornerVectorEnv
 from pipenav.envs.sb3_env import TaskVecEnv
 from pipenav.errors import ConfigError, PipenavError, UnknownName

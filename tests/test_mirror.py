@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipenav.arrays import Ints
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.simulators import open_simulator
 from pipenav.errors import PipenavError
 from pipenav.evaluation.rear_stage import RearStage
 from pipenav.motions import follower, mirror

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipenav.backends.backend import Backend
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.simulators import open_simulator
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines import sequence

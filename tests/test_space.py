@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from pipenav.arrays import Floats
-from pipenav.backends.registry import open_simulator, open_space
+from pipenav.backends.simulators import open_simulator, open_space
 from pipenav.backends.spatial import SpaceBackend
 from pipenav.errors import PipenavError
 from pipenav.pipes.route import PipeRoute

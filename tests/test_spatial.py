@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipenav.backends.messages import Reading
-from pipenav.backends.registry import open_space
+from pipenav.backends.simulators import open_space
 from pipenav.backends.spatial import SpaceReading
 from pipenav.errors import PipenavError
 from pipenav.evaluation.results import read_evaluation

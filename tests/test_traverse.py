@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from pipenav.backends.backend import Backend
 from pipenav.backends.messages import Command, Reading, Truth
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.simulators import open_simulator
 from pipenav.disturbances.disturbance import Disturbance
-from pipenav.disturbances.disturbed_backend import DisturbedBackend
+from pipenav.disturbances.disturbed_backend import DisturbedSimulator
 from pipenav.errors import PipenavError
 from pipenav.pipes.centre_lines import CentreLines
 from pipenav.pipes.corner import PipeCorner
@@ -303,7 +303,7 @@ def test_a_disturbed_robot_falls_too() -> None:
     n = 1
     simulator = open_simulator("mujoco", ROBOT, n, {"threads": 1})
     config = CONFIG.model_copy(update={"inclination_deg": (180.0, 180.0)})
-    with closing(DisturbedBackend(simulator, ROBOT, n, Disturbance(mass=(1.5, 1.5)), 0)) as disturbed:
+    with closing(DisturbedSimulator(simulator, ROBOT, n, Disturbance(mass=(1.5, 1.5)), 0)) as disturbed:
         one = TraverseBatch(ROBOT, config, disturbed, n, lambda _: episodes(config, pipes=[PipeCorner.of(120, 90)]))
         one.reset()
         before = one.q[0, 0]

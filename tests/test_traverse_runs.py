@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Backend, BackendOptions
 from pipenav.backends.messages import Command, Reading, Truth
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.simulators import open_simulator
 from pipenav.disturbances.disturbance import load_disturbance
 from pipenav.disturbances.disturbed_backend import disturbed
 from pipenav.errors import PipenavError

@@ -55,7 +55,8 @@ def locate_target(
     """
     from rich.progress import track
 
-    from pipenav.backends.registry import check_options, load_simulator
+    from pipenav.backends.registry import check_options
+    from pipenav.backends.simulators import load_simulator
     from pipenav.cli.options import parse_options
     from pipenav.recording.record import RecordingSettings, record_locate
     from pipenav.robots.robot import load_robot

@@ -73,7 +73,8 @@ def mirror_rear(
 
 def _replay(plan: Trajectory, backend: str, options: list[str]) -> tuple[Trajectory, str]:
     """What the arm did, and the same in a sentence."""
-    from pipenav.backends.registry import check_options, load_simulator
+    from pipenav.backends.registry import check_options
+    from pipenav.backends.simulators import load_simulator
     from pipenav.cli.options import parse_options
     from pipenav.recording.record import RecordingSettings, record_rear, tracking
     from pipenav.units import m_to_mm, rad_to_deg

@@ -126,7 +126,8 @@ def _checked_outputs(
 
 @contextmanager
 def _simulator(backend: str, options: list[str], live: bool) -> Iterator[RecordingSettings]:
-    from pipenav.backends.registry import check_options, load_simulator
+    from pipenav.backends.registry import check_options
+    from pipenav.backends.simulators import load_simulator
     from pipenav.cli.options import parse_options
     from pipenav.recording.live import live_window
     from pipenav.recording.record import RecordingSettings

@@ -48,7 +48,7 @@ class SeededEpisodes:
     """
 
     def __init__(self, n: int, settings: CornerSettings) -> None:
-        from pipenav.backends.registry import open_simulator
+        from pipenav.backends.simulators import open_simulator
 
         self.generators: list[np.random.Generator] = []
         self.episodes: dict[int, ReachEpisodes] = {}

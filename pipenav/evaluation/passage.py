@@ -16,7 +16,7 @@ import numpy as np
 
 from pipenav.arrays import Flags, Floats, Ints
 from pipenav.backends.backend import Simulator
-from pipenav.backends.registry import DEFAULT_SIMULATOR, SimulatorSettings
+from pipenav.backends.simulators import DEFAULT_SIMULATOR, SimulatorSettings
 from pipenav.disturbances.disturbance import UNDISTURBED, Disturbance
 from pipenav.disturbances.disturbed_backend import disturbed
 from pipenav.evaluation.episode_runner import (

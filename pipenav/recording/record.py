@@ -11,7 +11,7 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.backends.backend import Simulator
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.simulators import open_simulator
 from pipenav.evaluation.episode_runner import random_start
 from pipenav.evaluation.locate_stage import LocateStage
 from pipenav.evaluation.rear_stage import RearStage

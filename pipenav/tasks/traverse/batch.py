@@ -7,7 +7,7 @@ import numpy as np
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Simulator
 from pipenav.backends.messages import Reading, Truth
-from pipenav.errors import PipenavError
+from pipenav.backends.refusals import CannotIncline
 from pipenav.pipes.centre_lines import CentreLines
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.pipe import Pipe
@@ -42,7 +42,7 @@ class TraverseBatch(TrainingBatch):
     ) -> None:
         check_robot(robot)
         if config.inclination_deg is not None and not simulator.can_incline:
-            raise PipenavError(f"{type(simulator).__name__} knows no gravity along the pipe: choose --backend mujoco.")
+            raise CannotIncline(simulator)
         self.robot, self.config, self.n = robot, config, n
         self._simulator, self._source = simulator, source
         self._scale = np.concatenate([part.scale for part in observation.layout(robot, config)])
