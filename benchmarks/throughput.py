@@ -1,12 +1,12 @@
-"""How fast the default preset is, as ratios taken in one run: `python benchmarks/throughput.py`.
+"""Speed of the default preset, as ratios measured in one go: `python benchmarks/throughput.py`.
 
 (a) bare physics: the same model in MuJoCo's Batch on all cores, nothing else
 (b) the vector environment: laser, reward and resets as well
 (c) training with the default preset, updates included
 (d) Stable-Baselines3's default PPO on one Gymnasium environment under DummyVecEnv
 
-Each is measured in turns, several times, and the medians are compared, since the machine may be shared. Then (c) and
-(d) are trained until 99 % of held-out episodes succeed.
+They are measured alternately, several times, and the medians are compared, since the machine may be shared. Then (c)
+and (d) are trained until 99 % of held-out episodes succeed.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import os
 import statistics
 import time
 from collections.abc import Callable
+from typing import NamedTuple
 
 for variable in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ[variable] = "1"  # before numpy is imported; physics has the cores
@@ -29,7 +30,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import DummyVecEnv
 
 import pipenav.env  # noqa: F401  # registers the environment
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.simulators import open_simulator
 from pipenav.backends.wall_boxes import wall_boxes
 from pipenav.envs.sb3_env import TaskVecEnv
 from pipenav.learning.callback import noise_at
@@ -40,6 +41,7 @@ from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach import episode
 from pipenav.tasks.reach.batch import ReachBatch
+from pipenav.tasks.reach.task import ReachTask
 from pipenav.tasks.sampling import random_episodes
 
 HELD_OUT = [f"d={d},angle={a},turn={t}" for d in (76, 93, 114) for a in (58, 78, 98, 118) for t in ("left", "right")]
@@ -47,17 +49,25 @@ HELD_OUT = [f"d={d},angle={a},turn={t}" for d in (76, 93, 114) for a in (58, 78,
 
 
 def make_batch(config: TrainConfig, seed: int) -> ReachBatch:
+    """Robots of a training with this configuration."""
     robot, n = load_robot(config.robot), config.learner.robots
     sets = [parse_corners([name]) for name in config.pipes]
-    for pipes in sets:  # worked out once for each pipe, in the first seconds of a training
+    for pipes in sets:  # computed once for each pipe, in the first seconds of a training
         wall_boxes(pipes, 4, np.zeros(len(pipes)))
     rng = np.random.default_rng(seed)
-    source = random_episodes(robot, config.task, sets, rng, EPISODE_STOCK)
+    source = random_episodes(ReachTask(config.task), robot, sets, rng, EPISODE_STOCK)
     return ReachBatch(robot, config.task, open_simulator(config.backend, robot, n, config.options), n, source)
 
 
+class Rates(NamedTuple):
+    """Control steps per second of bare physics (a) and of the vector environment (b)."""
+
+    bare: float
+    full: float
+
+
 class SideBySide:
-    """(a) and (b), control step by control step: the same robots, states and actions, with and without all but physics.
+    """Measures (a) and (b) on the same robots, states and actions, control step by control step.
 
     The learner of (c) acts, so that contacts are as frequent as in training.
     """
@@ -66,11 +76,11 @@ class SideBySide:
         self.batch = make_batch(config, seed=1)
         self.env, self.actor = TaskVecEnv(self.batch), actor
         self.observation = self.env.reset()
-        backend = self.batch._backend
+        backend = self.batch._simulator
         self.physics, self.substeps = backend._batch, backend._substeps
 
-    def rates(self, steps: int) -> tuple[float, float]:
-        """Control steps per second of (a) and of (b)."""
+    def rates(self, steps: int) -> Rates:
+        """Measure both over so many control steps."""
         bare = full = 0.0
         for _ in range(steps):
             actions, _ = self.actor.predict(self.observation)
@@ -87,22 +97,31 @@ class SideBySide:
             bare += time.perf_counter() - started
             self.physics.state[:] = after
         samples = steps * self.batch.n
-        return samples / bare, samples / full
+        return Rates(samples / bare, samples / full)
 
 
-def rate(run: Callable[[], object], samples: int) -> float:
+def rate(action: Callable[[], object], samples: int) -> float:
+    """Samples per second of an action that takes so many."""
     started = time.perf_counter()
-    run()
+    action()
     return samples / (time.perf_counter() - started)
 
 
 def baseline_env() -> gymnasium.Env:
+    """Gymnasium environment of (d)."""
     config = load_config()
     return gymnasium.make("pipenav/Corner-v0", pipes=list(config.pipes), task=config.task)
 
 
 class UntilSolved(BaseCallback):
-    """Evaluate every so often; stop at 99 % on held-out pipes. Time spent in evaluation is not counted."""
+    """Ends a training at 99 % success on held-out pipes, or at a time limit.
+
+    Args:
+        config: configuration of the training.
+        every: control steps from one evaluation to the next.
+        limit_s: longest time of training, without its evaluations [s].
+        set_noise: whether the exploration noise follows the configuration, as in pipenav's own training.
+    """
 
     def __init__(self, config: TrainConfig, every: int, limit_s: float, set_noise: bool) -> None:
         super().__init__()
@@ -126,12 +145,13 @@ class UntilSolved(BaseCallback):
 
 
 def held_out_success(model: PPO, config: TrainConfig, each: int = 10) -> float:
+    """Success rate of a model on the held-out pipes, with `each` episodes in each."""
     robot = load_robot(config.robot)
     pipes = [pipe for pipe in parse_corners(HELD_OUT) for _ in range(each)]
     rng = np.random.default_rng(3)
     episodes = episode.sample(robot, config.task, pipes, rng)
     backend = open_simulator(config.backend, robot, len(pipes), config.options)
-    batch = ReachBatch(robot, config.task, backend, len(pipes), lambda _robots: episodes)
+    batch = ReachBatch(robot, config.task, backend, len(pipes), lambda _: episodes)
     observation, ended = batch.reset(), np.zeros(len(pipes), np.int8)
     while not ended.all():
         actions, _ = model.predict(observation.astype(np.float32), deterministic=True)
@@ -152,6 +172,7 @@ def main() -> None:
 
 
 def measure_rates(config: TrainConfig, repeats: int) -> dict[str, float]:
+    """Rates of (a) to (d) and their ratios, by their names in the output."""
     n, steps = config.learner.robots, config.learner.rollout_steps
     ours = new_model(config, TaskVecEnv(make_batch(config, seed=4)))
     plain = PPO("MlpPolicy", DummyVecEnv([baseline_env]), device="cpu", seed=0)
@@ -161,9 +182,9 @@ def measure_rates(config: TrainConfig, repeats: int) -> dict[str, float]:
     side_by_side.rates(steps)
     rates: dict[str, list[float]] = {key: [] for key in "abcd"}
     for _ in range(repeats):
-        bare, full = side_by_side.rates(2 * steps)
-        rates["a"].append(bare)
-        rates["b"].append(full)
+        measured = side_by_side.rates(2 * steps)
+        rates["a"].append(measured.bare)
+        rates["b"].append(measured.full)
         rates["c"].append(rate(lambda: ours.learn(4 * n * steps, reset_num_timesteps=False), 4 * n * steps))
         rates["d"].append(rate(lambda: plain.learn(2048, reset_num_timesteps=False), 2048))
     median = {key: statistics.median(values) for key, values in rates.items()}
@@ -179,6 +200,7 @@ def measure_rates(config: TrainConfig, repeats: int) -> dict[str, float]:
 
 
 def measure_times(config: TrainConfig, limit: float) -> dict[str, float]:
+    """Training times of (c) and (d), by their names in the output."""
     ours = new_model(config, TaskVecEnv(make_batch(config, seed=5)))
     fast = UntilSolved(config, 4096, limit, set_noise=True)
     ours.learn(config.steps, callback=fast)

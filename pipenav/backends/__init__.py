@@ -1,13 +1,22 @@
 """The seams that a simulator or an arm implements, how plugins are found, and what they may use.
 
-A plugin imports from `pipenav.backends`, `pipenav.robots`, `pipenav.pipes` and `pipenav.errors` (and the array types and
-unit conversions in `pipenav.arrays` and `pipenav.units`), and from nothing else of pipenav.
+A plugin imports from `pipenav.backends`, `pipenav.robots`, `pipenav.pipes` and `pipenav.errors`, and takes array types
+and unit conversions from `pipenav.arrays` and `pipenav.units`. It imports nothing else of pipenav.
 """
 
 from pipenav.backends import safety
-from pipenav.backends.backend import CONTROL_PERIOD, Backend, BackendOptions, Simulator, Variation, Viewer
+from pipenav.backends.backend import (
+    CONTROL_PERIOD,
+    Backend,
+    BackendOptions,
+    Simulator,
+    Variation,
+    Viewer,
+    physics_steps,
+)
 from pipenav.backends.contact_force import Windows, strongest
 from pipenav.backends.messages import Command, Control, Reading, Truth
+from pipenav.backends.plugins import find_backends
 from pipenav.backends.real_robot import (
     ArmStart,
     Calibrator,
@@ -18,19 +27,11 @@ from pipenav.backends.real_robot import (
     Sent,
     load_real_robot,
 )
-from pipenav.backends.registry import (
-    DEFAULT_SIMULATOR,
-    SimulatorSettings,
-    availability,
-    check_options,
-    find_backends,
-    load_backend,
-    load_simulator,
-    open_backend,
-    open_simulator,
-    open_space,
-)
+from pipenav.backends.refusals import CannotIncline, CannotVary, NoViewer, PlaneOnly, TooManyWalls, UnevenTimestep
+from pipenav.backends.registry import check_options, load_backend, open_backend
+from pipenav.backends.requirements import availability
 from pipenav.backends.safety import Bounds, Deadlines, Limited, Repeats, Stopped
+from pipenav.backends.simulators import DEFAULT_SIMULATOR, SimulatorSettings, load_simulator, open_simulator, open_space
 from pipenav.backends.spatial import HALVES, SpaceBackend, SpaceReading, SpaceTruth
 from pipenav.backends.wall_boxes import OUTER_THICKNESS, PARKED, WALL_HALF_HEIGHT, Edge, WallBoxes, wall_boxes
 
@@ -46,6 +47,8 @@ __all__ = [
     "BackendOptions",
     "Bounds",
     "Calibrator",
+    "CannotIncline",
+    "CannotVary",
     "Command",
     "Control",
     "Deadlines",
@@ -53,6 +56,8 @@ __all__ = [
     "Emulated",
     "Finding",
     "Limited",
+    "NoViewer",
+    "PlaneOnly",
     "Reading",
     "RealRobot",
     "Recoder",
@@ -64,7 +69,9 @@ __all__ = [
     "SpaceReading",
     "SpaceTruth",
     "Stopped",
+    "TooManyWalls",
     "Truth",
+    "UnevenTimestep",
     "Variation",
     "Viewer",
     "WallBoxes",
@@ -78,6 +85,7 @@ __all__ = [
     "open_backend",
     "open_simulator",
     "open_space",
+    "physics_steps",
     "safety",
     "strongest",
     "wall_boxes",

@@ -4,19 +4,29 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol
+from typing import ClassVar, NamedTuple, Protocol
 
 from pipenav.arrays import Floats, Ints, Table
 from pipenav.backends.messages import Command, Reading, Truth
-from pipenav.errors import PipenavError
+from pipenav.backends.refusals import CannotIncline, CannotVary, NoViewer, PlaneOnly, UnevenTimestep
+from pipenav.backends.spatial import SpaceBackend
 from pipenav.pipes.pipe import Pipe
 from pipenav.robots.robot import RobotSpec
 
-if TYPE_CHECKING:
-    from pipenav.backends.spatial import SpaceBackend
-
 CONTROL_PERIOD = 0.1
-"""One control step [s] (thesis 4.4.2: t_s = 0.1 s)."""
+"""Duration of a control step [s] (thesis 4.4.2: t_s = 0.1 s)."""
+
+
+def physics_steps(timestep: float) -> int:
+    """Number of physics steps of `timestep` [s] in a control period.
+
+    Raises:
+        UnevenTimestep: a whole number of them does not fill the control period.
+    """
+    steps = round(CONTROL_PERIOD / timestep)
+    if abs(steps * timestep - CONTROL_PERIOD) > 1e-9:
+        raise UnevenTimestep(timestep, CONTROL_PERIOD)
+    return steps
 
 
 class BackendOptions(Table):
@@ -31,7 +41,7 @@ class Backend(ABC):
         robot: the robot, a `RobotSpec`.
         n: number of robots.
         options: an instance of the class's `Options`.
-        wall_segments: largest number of wall segments of any pipe that `reset` will be given.
+        wall_segments: largest number of wall segments of any pipe that `reset` will receive.
     """
 
     Options: type[BackendOptions]
@@ -41,11 +51,14 @@ class Backend(ABC):
         """Put some robots at rest into pipes, leave the others untouched, and return what the k robots' sensors read.
 
         Args:
-            indices: which robots, sorted and unique, (k,).
-            pipes: the pipe of each, k of them.
-            q: configurations in the robots' frames: joint positions, of a free robot its first link's pose before them,
-                (k, coordinates) [rad or m].
-            base: where each robot's frame starts on the first leg's axis, x in the pipe's frame, (k,) [m].
+            indices: robots that are reset, sorted and unique, (k,).
+            pipes: pipe of each of these robots, k of them.
+            q: configurations in the robots' frames: joint positions, preceded in a free robot by the pose of its first
+                link, (k, coordinates) [rad or m].
+            base: origin of each robot's frame on the first leg's axis, x in the pipe's frame, (k,) [m].
+
+        Raises:
+            PipenavError: a pipe has more wall segments than the backend was opened for.
         """
 
     @abstractmethod
@@ -54,7 +67,7 @@ class Backend(ABC):
 
     @abstractmethod
     def read(self) -> Reading:
-        """Present sensor readings, in arrays that belong to the caller."""
+        """Return the present sensor readings, in arrays that belong to the caller."""
 
     @abstractmethod
     def close(self) -> None:
@@ -62,14 +75,14 @@ class Backend(ABC):
 
 
 class Variation(NamedTuple):
-    """How far k robots differ from their description: factors, 1 where they do not.
+    """Factors by which k robots differ from their description, 1 where they do not.
 
     Attributes:
         friction: factor on the friction coefficient, (k,).
         mass: factor on the mass and the inertia of each link, (k, links).
-        strength: factor on each actuator's effort limit and speed limit alike, as a higher supply voltage gives a
-            motor, (k, actuators).
-        gain: factor on the duty that each on-board controller asks for at an error, (k, actuators).
+        strength: factor on both the effort limit and the speed limit of each actuator, as if the supply voltage had
+            changed, (k, actuators).
+        gain: factor on the duty that each on-board controller asks for at a given error, (k, actuators).
     """
 
     friction: Floats
@@ -78,7 +91,7 @@ class Variation(NamedTuple):
     gain: Floats
 
     def part(self, rows: Ints) -> Variation:
-        """The variation of some of the robots, by their rows."""
+        """Variation of some of the robots, by their rows."""
         return Variation(*(column[rows] for column in self))
 
 
@@ -95,9 +108,10 @@ class Viewer(Protocol):
 
 
 class Simulator(Backend):
-    """A backend that computes the world, and so also knows what no sensor tells.
+    """A backend that computes the world, and so also knows what no sensor measures.
 
-    What a simulator can do besides is asked by its `can_...` properties; a method whose property is false refuses.
+    Some abilities are optional: `vary`, `incline`, `open_viewer` and `in_space`. A property tells whether a simulator
+    has each of them; the method of an ability that it lacks raises an error.
     """
 
     moves_in_space: ClassVar[bool] = False
@@ -105,7 +119,7 @@ class Simulator(Backend):
 
     @abstractmethod
     def truth(self) -> Truth:
-        """State of the world and contacts of the last control period."""
+        """State of the world now, and contacts of the last control period."""
 
     @property
     def can_vary(self) -> bool:
@@ -128,38 +142,36 @@ class Simulator(Backend):
         It is called right before a reset of the same robots.
 
         Args:
-            indices: which robots, sorted and unique, (k,).
-            variation: how these robots differ.
+            indices: robots that are varied, sorted and unique, (k,).
+            variation: differences of these robots.
 
         Raises:
-            PipenavError: the simulator cannot do it.
+            CannotVary: the simulator cannot do it.
         """
-        raise PipenavError(
-            f"{type(self).__name__} cannot change friction, mass, strength or gain of single robots: leave them out of "
-            "the disturbance, or choose another backend."
-        )
+        raise CannotVary(self)
 
     def incline(self, indices: Ints, gravity: Floats) -> None:  # noqa: ARG002  # the signature of the seam
-        """Let gravity act along the plane of some robots' pipes until they are inclined again; it does not at first.
+        """Let gravity act in the plane of some robots' pipes until they are inclined again; at first it does not.
 
         It is called right before a reset of the same robots, after `vary` where that is called too.
 
         Args:
-            indices: which robots, sorted and unique, (k,).
-            gravity: the part of gravity in the pipe's plane, axes of the pipe's frame, (k, 2) [m/s^2].
+            indices: robots whose pipes are inclined, sorted and unique, (k,).
+            gravity: part of gravity in the pipe's plane, axes of the pipe's frame, (k, 2) [m/s^2].
 
         Raises:
-            PipenavError: the simulator cannot do it.
+            CannotIncline: the simulator cannot do it.
         """
-        raise PipenavError(f"{type(self).__name__} knows no gravity along the pipe: choose --backend mujoco.")
+        raise CannotIncline(self)
 
     def open_viewer(self) -> Viewer:
         """Open a window on the first robot.
 
         Raises:
-            PipenavError: the simulator has none, or there is no display.
+            NoViewer: the simulator has none.
+            PipenavError: there is no display.
         """
-        raise PipenavError(f"{type(self).__name__} has no viewer: choose --backend mujoco.")
+        raise NoViewer(self)
 
     @classmethod
     def in_space(
@@ -169,15 +181,15 @@ class Simulator(Backend):
         options: BackendOptions,  # noqa: ARG003
         gravity: float,  # noqa: ARG003
     ) -> SpaceBackend:
-        """Robots in space, for routes that leave the plane.
+        """Construct robots in space, for routes that leave the plane.
 
         Args:
             robot: the robot, with a roll joint.
             n: number of robots.
-            options: an instance of the class's `Options`; it may overrule gravity.
+            options: an instance of the class's `Options`; it may override gravity.
             gravity: gravity downwards, along -z [m/s^2].
 
         Raises:
-            PipenavError: the simulator offers none.
+            PlaneOnly: the simulator offers none.
         """
-        raise PipenavError(f"{cls.__name__} moves robots in a plane alone: choose --backend mujoco.")
+        raise PlaneOnly(cls.__name__)

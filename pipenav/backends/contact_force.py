@@ -7,7 +7,7 @@ import numpy as np
 from pipenav.arrays import Floats
 
 FORCE_WINDOW = 0.01
-"""Contact forces are means over this time, one window after the other [s].
+"""Duration of a window; contact forces are means over windows, one after the other [s].
 
 The force of a single physics step during an impact depends on the step and on the contact's stiffness, its impulse
 does not; ten milliseconds is also what a force gauge resolves.
@@ -15,7 +15,15 @@ does not; ten milliseconds is also what a force gauge resolves.
 
 
 class Windows:
-    """The windows of a control period of so many physics steps; `count` of them."""
+    """Windows of a control period.
+
+    Args:
+        substeps: physics steps in the control period.
+        timestep: physics step [s].
+
+    Attributes:
+        count: number of windows.
+    """
 
     def __init__(self, substeps: int, timestep: float) -> None:
         window = np.arange(substeps) // max(1, round(FORCE_WINDOW / timestep))
@@ -24,12 +32,12 @@ class Windows:
         self._weights = member / member.sum(axis=1, keepdims=True)
 
     def means(self, records: Floats) -> Floats:
-        """Mean over each window of values recorded in each physics step, (n, substeps, m) -> (n, windows, m)."""
+        """Mean over each window of the values of every physics step, (n, substeps, m) -> (n, windows, m)."""
         return np.asarray(self._weights @ records)
 
 
 def strongest(forces: Floats) -> Floats:
-    """The largest of each link's forces, in any number of axes, (n, windows, links, axes) -> (n, links, axes) [N]."""
+    """Largest force on each link, in any number of axes, (n, windows, links, axes) -> (n, links, axes) [N]."""
     peak = (forces**2).sum(axis=-1).argmax(axis=1)  # (n, links)
     indices, links = np.ogrid[: peak.shape[0], : peak.shape[1]]
     return np.asarray(forces[indices, peak, links])

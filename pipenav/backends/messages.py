@@ -1,4 +1,4 @@
-"""What passes between a backend and the rest: what sensors give, what only a simulator knows, what is commanded."""
+"""Messages between a backend and its users: sensor readings, the truth that only a simulator knows, and commands."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ Control = Literal["torque", "position"]
 
 
 class Reading(NamedTuple):
-    """What the robots' own sensors give. A policy sees this and nothing else of the world.
+    """Readings of the robots' own sensors. A policy sees these and nothing else of the world.
 
     Attributes:
         q: joint positions, (n, joints) [rad or m].
         qd: joint speeds, (n, joints) [rad/s or m/s].
         ranges: laser readings from right to left, (n, beams) [m].
         time: time since each robot's reset, (n,) [s].
-        wheel_speeds: of the wheels, to the left about their axles, (n, wheels) [rad/s]; None where there are none.
-        loads: drive that each on-board controller asks for, as a share of full voltage in [-1, 1]: the joints', then
+        wheel_speeds: speeds of the wheels, to the left about their axles, (n, wheels) [rad/s]; None where there are
+            none.
+        loads: duty that each on-board controller asks for, a share of full voltage in [-1, 1]: the joints', then
             the wheels', (n, actuators); None where it is not measured.
     """
 
@@ -30,7 +31,7 @@ class Reading(NamedTuple):
     loads: Floats | None = None
 
     def part(self, indices: Ints) -> Reading:
-        """The readings of some robots, k of them."""
+        """Readings of some robots, k of them."""
         return Reading(**{name: column[indices] for name, column in self.measured().items()})
 
     def put(self, indices: Ints, part: Reading) -> None:
@@ -40,12 +41,12 @@ class Reading(NamedTuple):
                 column[indices] = rows
 
     def measured(self) -> dict[str, Floats]:
-        """All that is measured, by name."""
+        """All quantities that are measured, by name."""
         return {name: column for name, column in self._asdict().items() if column is not None}
 
 
 class Truth(NamedTuple):
-    """What only a simulator knows; rewards and verdicts may use it, policies never.
+    """State that only a simulator knows; rewards and outcomes may use it, policies never.
 
     Force and penetration are the peaks over the last control period; force is a mean over 10 ms, so that it does not
     depend on the physics step.
@@ -55,7 +56,7 @@ class Truth(NamedTuple):
         contact_force: largest net force of the pipe on any one link, (n,) [N].
         penetration: deepest overlap of robot and pipe, (n,) [m].
         contact_share: share of the physics steps with contact, (n,).
-        link_forces: net force of the pipe on each link when that was largest, axes of the pipe's frame,
+        link_forces: net force of the pipe on each link at the moment when it was largest, axes of the pipe's frame,
             (n, links, 2) [N].
     """
 
@@ -67,12 +68,12 @@ class Truth(NamedTuple):
 
 
 class Command(NamedTuple):
-    """What all robots shall do for one control period.
+    """Command to all robots for one control period.
 
     Attributes:
-        control: `torque`: values are drives, the share of each actuator's effort limit in [-1, 1];
+        control: `torque`: values are duties, the share of each actuator's effort limit in [-1, 1];
             `position`: values are set-points for the on-board controllers, positions of joints and speeds of wheels.
-        values: the joints', then the wheels', (n, actuators) [1, or rad and m, and rad/s].
+        values: duties or set-points of the joints, then of the wheels, (n, actuators) [1, or rad and m, and rad/s].
     """
 
     control: Control

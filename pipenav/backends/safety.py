@@ -1,7 +1,7 @@
-"""What keeps a real arm from harm: pure limits on what it is told, and rules that say when it must stop.
+"""Safety of a real arm: pure functions that limit set-points, and rules that decide when the arm must stop.
 
 Limits shorten a command; they never replace a nonsensical one by a number. A rule that is broken raises `Stopped`,
-which is final: whoever catches it switches torque off, and only a person starts again.
+which is final: its handler switches torque off, and only a person starts again.
 """
 
 from __future__ import annotations
@@ -15,17 +15,19 @@ from pipenav.arrays import Flags, Floats
 from pipenav.errors import PipenavError
 
 DEADLINE = 1.0
-"""Control periods in which a tick must have done its work; a longer one is counted as missed."""
+"""Duration within which a tick must have done its work [control periods]; a longer tick is counted as missed."""
 
 LAST_DEADLINE = 1.5
-"""Control periods after which a single late tick stops the arm; two missed in a row do so too."""
+"""Duration after which a single late tick stops the arm [control periods]; two missed in a row do so too."""
 
 
 class Stopped(PipenavError):
-    """The arm was stopped. Final for this run.
+    """The arm was stopped, which is final for this mission.
 
     Attributes:
-        cause: one word for tables and logs, as `docs/hardware.md` explains it.
+        cause: word for tables and logs, as `docs/hardware.md` explains it.
+        what: what happened.
+        remedy: what to do about it.
     """
 
     def __init__(self, cause: str, what: str, remedy: str) -> None:
@@ -34,12 +36,12 @@ class Stopped(PipenavError):
 
 
 class Bounds(NamedTuple):
-    """What a goal may be, in any unit, (joints,) each.
+    """Bounds on set-points, in any unit, (joints,) each.
 
     Attributes:
-        lower, upper: the joint limits.
-        step: farthest from the last goal that the next one may be: the speed limit times the control period.
-        slack: how much farther than `step` from where the joint is.
+        lower, upper: joint limits.
+        step: largest distance between the last set-point and the next: the speed limit times the control period.
+        slack: distance by which a set-point may be farther than `step` from the joint's position.
     """
 
     lower: Floats
@@ -49,25 +51,25 @@ class Bounds(NamedTuple):
 
 
 class Limited(NamedTuple):
-    """A goal as it may be sent.
+    """Set-points within their bounds.
 
     Attributes:
-        goal: (joints,); meaningless where `empty`.
-        clamped: joints whose goal was changed, (joints,).
-        empty: joints for which no goal would do, (joints,): they are farther from their last goal, or from their
-            limits, than a step. Then nothing is sent, for any joint.
+        set_points: set-points that may be sent, (joints,); meaningless where `empty`.
+        clamped: joints whose set-point was changed, (joints,).
+        empty: joints for which no set-point is within the bounds, (joints,): they are farther from their last
+            set-point, or from their limits, than a step. Then nothing is sent, for any joint.
     """
 
-    goal: Floats
+    set_points: Floats
     clamped: Flags
     empty: Flags
 
 
 def require_finite(values: ArrayLike, what: str) -> Floats:
-    """The values as an array of numbers.
+    """Values as an array of finite numbers.
 
     Raises:
-        Stopped: any of them is no finite number. Clamping would turn it into a limit, and the arm would drive there.
+        Stopped: a value is no finite number. Clamping would turn it into a limit, and the arm would move there.
     """
     try:
         array = np.asarray(values, float)
@@ -80,27 +82,31 @@ def require_finite(values: ArrayLike, what: str) -> Floats:
     return array
 
 
-def limited(goal: Floats, present: Floats, last: Floats, bounds: Bounds) -> Limited:
-    """The goal within the joint limits, a step from the last goal, and a step and the slack from where the joint is.
+def limited(set_points: Floats, present: Floats, last: Floats, bounds: Bounds) -> Limited:
+    """Limit set-points to the joint limits, a step from the last ones, and a step and the slack from the joints.
 
     Args:
-        goal: finite, (joints,).
-        present: where the joints are, (joints,).
-        last: the goal before, (joints,).
-        bounds: in the same units.
+        set_points: set-points that are wanted, finite, (joints,).
+        present: positions of the joints, (joints,).
+        last: set-points before these, (joints,).
+        bounds: bounds in the same units.
     """
     reach = bounds.step + bounds.slack
     low = np.maximum.reduce([bounds.lower, last - bounds.step, present - reach])
     high = np.minimum.reduce([bounds.upper, last + bounds.step, present + reach])
-    allowed = np.clip(goal, low, high)
-    return Limited(allowed, allowed != goal, low > high)
+    allowed = np.clip(set_points, low, high)
+    return Limited(allowed, allowed != set_points, low > high)
 
 
 class Deadlines:
-    """Counts ticks that were late, and stops the arm when that is no accident any more.
+    """Counts late ticks, and stops the arm when they are too late or too many in a row.
+
+    Args:
+        period: control period [s].
+        patience: factor on both deadlines.
 
     Attributes:
-        missed: how many were late.
+        missed: number of late ticks.
     """
 
     def __init__(self, period: float, patience: float = 1.0) -> None:
@@ -109,20 +115,20 @@ class Deadlines:
         self._late = self._late_before = False
 
     def begin(self) -> None:
-        """The next tick."""
+        """Begin the next tick."""
         self._late, self._late_before = False, self._late
 
     def note(self, taken: float) -> None:
-        """Something of the tick was done `taken` seconds after it was due; however often, a tick is late once."""
+        """Note that a part of the tick was done `taken` seconds after the tick was due; a tick counts as late once."""
         if taken > self._limit and not self._late:
             self._late = True
             self.missed += 1
 
     def check(self, taken: float) -> None:
-        """Whether a tick may go on `taken` seconds after it was due.
+        """Check that a tick may go on `taken` seconds after it was due.
 
         Raises:
-            Stopped: much too late, or late twice in a row.
+            Stopped: it is much too late, or late after another late tick.
         """
         self.note(taken)
         if taken > self._last or (self._late and self._late_before):
@@ -135,7 +141,7 @@ class Deadlines:
 
 
 class Repeats:
-    """A rule that may be broken for a while: `allowed` checks in a row are forgiven, the next one is not."""
+    """A rule that may be broken for a while: `allowed` breaches in a row are forgiven, the next one is not."""
 
     def __init__(self, allowed: int) -> None:
         self._allowed, self._count = allowed, 0

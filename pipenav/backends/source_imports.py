@@ -1,7 +1,7 @@
-"""What importing a module would import, read from its source: nothing is executed.
+"""Imports of a module, read from its source: nothing is executed.
 
-Counted are imports that run unconditionally with the module: not those in functions, under `if`, or in a `try` with
-handlers, which a module can do without. Files of the module's own package are followed, other packages are not.
+Only imports that run unconditionally with the module are counted: not those in functions, under `if`, or in a `try`
+with handlers, which a module can do without. Files of the module's own package are followed, other packages are not.
 """
 
 from __future__ import annotations
@@ -23,8 +23,10 @@ def can_find(top: str) -> bool:
         return False
 
 
-def imported_packages(module: str) -> Iterator[str]:
-    """Top-level names of the packages that importing `module` needs: its own first, then those its files import.
+def imported_modules(module: str) -> Iterator[str]:
+    """Names that importing `module` needs from other packages, after the name of its own top-level package.
+
+    An import `from a import b` counts as a and as a.b, which may be a module.
 
     Raises:
         SyntaxError, ValueError, OSError: a file of the module's package cannot be read or parsed.
@@ -46,11 +48,11 @@ def imported_packages(module: str) -> Iterator[str]:
             if imported.partition(".")[0] == top:
                 waiting.append(imported)
             else:
-                yield imported.partition(".")[0]
+                yield imported
 
 
 def _source_of(module: str) -> Path | None:
-    """The file of a module, found from its top-level package (finding a submodule's spec would import its parent)."""
+    """File of a module, found from its top-level package (finding a submodule's spec would import its parent)."""
     top, *rest = module.split(".")
     spec = find_spec(top)
     if spec is None:
@@ -66,7 +68,7 @@ def _source_of(module: str) -> Path | None:
 
 
 def _imported(body: list[ast.stmt], package: str) -> Iterator[str]:
-    """Modules that these statements import unconditionally; for `from a import b` also a.b, which may be a module."""
+    """Modules that these statements import unconditionally; for `from a import b` also a.b."""
     for node in body:
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)

@@ -1,7 +1,7 @@
-"""The seam for robots in space: what a simulator offers besides `Backend`, where pipes leave the plane.
+"""The seam for robots in space, where pipes leave the plane: what `Simulator.in_space` returns.
 
-The robot is the one of the plane, a chain that bends in a plane of its own, but free in space; its roll joint divides
-it into two halves, and the plane of the front half is turned from the rear half's by that joint's position.
+A robot is the same chain as in the plane, and bends in a plane of its own, but it is free in space. Its roll joint
+divides it into two halves; the plane of the front half is turned from that of the rear half by the joint's position.
 """
 
 from __future__ import annotations
@@ -15,20 +15,20 @@ from pipenav.backends.messages import Reading
 from pipenav.pipes.route import PipeRoute
 
 HALVES = 2
-"""The rear half, then the front half."""
+"""Number of halves of a robot with a roll joint: the rear half, then the front half."""
 
 
 class SpaceReading(NamedTuple):
-    """What the robots' own sensors give.
+    """Readings of the robots' own sensors in space.
 
     Attributes:
-        body: what they give in the plane too.
+        body: readings that there are in the plane too.
         roll: position of the roll joint, (n,) [rad].
-        down: what an accelerometer in either half of the divided link gives at rest, turned round: which way is down,
-            in the half's frame (x forwards along the link, y to its left, z across its plane), unit vectors
+        down: direction downwards in the frame of each half of the divided link (x forwards along the link, y to its
+            left, z across its plane): the reversed reading of an accelerometer there at rest, unit vectors
             (n, halves, 3); 0 where nothing has weight.
-        turned: by how much either half of the divided link turned about its x, y and z in the last control period, as
-            its gyroscope sums it up, (n, halves, 3) [rad].
+        turned: rotation of each half of the divided link about its x, y and z in the last control period, as its
+            gyroscope sums it up, (n, halves, 3) [rad].
     """
 
     body: Reading
@@ -37,21 +37,21 @@ class SpaceReading(NamedTuple):
     turned: Floats
 
     def row(self, i: int) -> SpaceReading:
-        """That of one robot: its arrays without their first axis."""
+        """Reading of one robot: its arrays without their first axis."""
         body = Reading(**{name: column[i] for name, column in self.body.measured().items()})
         return SpaceReading(body, self.roll[i], self.down[i], self.turned[i])
 
 
 class SpaceTruth(NamedTuple):
-    """What only a simulator knows; rewards and verdicts may use it, policies never. As `Truth`, in space.
+    """State that only a simulator knows, as `Truth` in the plane; rewards and outcomes may use it, policies never.
 
     Attributes:
-        points: rear end, joints and tip in the run's frame, (n, links + 1, 3) [m].
-        normals: of the halves' planes, (n, halves, 3).
+        points: rear end, joints and tip in the route's frame, (n, links + 1, 3) [m].
+        normals: unit normals of the halves' planes, (n, halves, 3).
         contact_force: largest net force of the pipe on any one link, (n,) [N].
         penetration: deepest overlap of robot and pipe, (n,) [m].
         contact_share: share of the physics steps with contact, (n,).
-        link_forces: net force of the pipe on each link when that was largest, (n, links, 3) [N].
+        link_forces: net force of the pipe on each link at the moment when it was largest, (n, links, 3) [N].
     """
 
     points: Floats
@@ -63,18 +63,18 @@ class SpaceTruth(NamedTuple):
 
 
 class SpaceBackend(ABC):
-    """n robots of one kind, each in a run of its own, stepped together."""
+    """n robots of one kind in space, each in a route of its own, stepped together."""
 
     @abstractmethod
     def reset(self, indices: Ints, routes: Sequence[PipeRoute], q: Floats, base: Floats, plane: Floats) -> SpaceReading:
-        """Put some robots at rest into runs; the others are untouched. What the k robots' sensors give there.
+        """Put some robots at rest into routes, leave the others untouched, and return the k robots' readings.
 
         Args:
-            indices: which robots, sorted and unique, (k,).
-            routes: the run of each, k of them.
+            indices: robots that are reset, sorted and unique, (k,).
+            routes: route of each of these robots, k of them.
             q: configurations in the robots' frames, as for `Backend.reset`, (k, coordinates) [rad or m].
-            base: where each robot's frame starts on the first leg's axis, x in the run's frame, (k,) [m].
-            plane: how far each robot's plane is turned from the x-y plane, about x by the right-hand rule, (k,) [rad].
+            base: origin of each robot's frame on the first leg's axis, x in the route's frame, (k,) [m].
+            plane: angle from the x-y plane to each robot's plane, about x by the right-hand rule, (k,) [rad].
         """
 
     @abstractmethod
@@ -82,17 +82,18 @@ class SpaceBackend(ABC):
         """Advance every robot by one control period.
 
         Args:
-            set_points: for the on-board controllers, positions of joints and speeds of wheels, (n, actuators).
+            set_points: set-points of the on-board controllers, positions of joints and speeds of wheels, (n, actuators)
+                [rad or m, rad/s].
             roll: set-points of the roll joints, (n,) [rad].
         """
 
     @abstractmethod
     def read(self) -> SpaceReading:
-        """What the sensors give now, in arrays of the caller's own."""
+        """Return the present sensor readings, in arrays that belong to the caller."""
 
     @abstractmethod
     def truth(self) -> SpaceTruth:
-        """What a simulator knows of the last control period."""
+        """State of the world now, and contacts of the last control period."""
 
     @abstractmethod
     def close(self) -> None:

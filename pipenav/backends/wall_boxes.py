@@ -9,14 +9,14 @@ from typing import NamedTuple
 import numpy as np
 
 from pipenav.arrays import Floats
-from pipenav.errors import PipenavError
+from pipenav.backends.refusals import TooManyWalls
 from pipenav.pipes.pipe import Pipe
 
 WALL_HALF_HEIGHT = 0.05
-"""Half height of a wall box [m]: taller than any robot, so that contacts are those of the plane."""
+"""Half height of a wall box [m]: taller than any robot, so that contacts lie in the plane."""
 
 OUTER_THICKNESS = 0.02
-"""Thickness of a wall box behind its face [m]: nothing can be pushed out at its back."""
+"""Thickness of a wall box behind its face [m]: enough that nothing is pushed out at its back."""
 
 INNER_THICKNESS = 1e-4
 """Thickness of the boxes next to a convex edge [m].
@@ -27,15 +27,15 @@ thin wall stops it as a thick one does until half the link is through.
 """
 
 PARKED = 100.0
-"""Where wall boxes that a pipe does not need stand [m]."""
+"""Height at which the wall boxes stand that a pipe does not need [m]."""
 
 
 class WallBoxes(NamedTuple):
     """Walls of k robots in the robots' frames.
 
     Attributes:
-        position, quaternion, half_size: of the boxes, (k, slots, 3), (k, slots, 4), (k, slots, 3) [m].
-        segments: their faces, a pipe's last one repeated in the slots that are left over, (k, slots, 2, 2) [m].
+        position, quaternion, half_size: pose and size of the boxes, (k, slots, 3), (k, slots, 4), (k, slots, 3) [m].
+        segments: faces of the boxes, a pipe's last one repeated in the slots that are left over, (k, slots, 2, 2) [m].
     """
 
     position: Floats
@@ -45,7 +45,7 @@ class WallBoxes(NamedTuple):
 
 
 class Edge(NamedTuple):
-    """How boxes end at a convex edge: their thickness there, and by how much they end before it [m]."""
+    """Ends of boxes at a convex edge: their thickness there, and the gap between them and the edge [m]."""
 
     thickness: float = INNER_THICKNESS
     gap: float = 0.0
@@ -56,13 +56,13 @@ SHARP = Edge()
 
 
 def wall_boxes(pipes: Sequence[Pipe], slots: int, base: Floats, edge: Edge = SHARP) -> WallBoxes:
-    """The wall segments of each robot's pipe as boxes behind their faces; slots that are left over are parked far away.
+    """Wall segments of each robot's pipe as boxes behind their faces; slots that are left over are parked far away.
 
-    The robot never moves its mount: the walls come to it, so `base` (k,), where the robot's frame starts on the first
-    leg's axis, is subtracted.
+    A robot's mount never moves, the walls come to it: `base` (k,), the origin of the robot's frame on the first leg's
+    axis, is subtracted.
 
     Raises:
-        PipenavError: a pipe has more wall segments than there are slots.
+        TooManyWalls: a pipe has more wall segments than there are slots.
     """
     rows = np.array([_boxes(pipe, slots, edge) for pipe in pipes]).reshape(len(pipes), slots, -1)
     walls = WallBoxes(rows[..., :3], rows[..., 3:7], rows[..., 7:10], rows[..., 10:].reshape(len(pipes), slots, 2, 2))
@@ -73,15 +73,13 @@ def wall_boxes(pipes: Sequence[Pipe], slots: int, base: Floats, edge: Edge = SHA
 
 @lru_cache(maxsize=4096)  # every pipe of the largest shipped training set
 def _boxes(pipe: Pipe, slots: int, edge: Edge) -> Floats:
-    """The boxes of one pipe in its own frame, one row each: position, quaternion, half size, both ends of the face.
+    """Boxes of one pipe in its own frame, one row each: position, quaternion, half size, both ends of the face.
 
     Where the free space is convex (the outer wall's vertices) a box runs on past the vertex by its thickness, so that
     no gap opens between neighbours; at an inner edge boxes end at the vertex and are thin.
     """
     if len(pipe.segments) > slots:
-        raise PipenavError(
-            f"pipe {pipe.name} has {len(pipe.segments)} wall segments, this backend was opened for {slots}."
-        )
+        raise TooManyWalls(pipe, slots)
     used = np.arange(slots) < len(pipe.segments)
     edges = np.ones((slots, 2), bool)
     edges[used] = pipe.edges

@@ -1,4 +1,4 @@
-"""`pipenav backends`: what is installed, what is missing for it, and the settings of one."""
+"""`pipenav backends`: a list of the installed backends and of what is missing for them, or the settings of one."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def backends(
-    name: Annotated[str | None, typer.Argument(help="Show the settings of this backend.", show_default=False)] = None,
+    name: Annotated[str | None, typer.Argument(help="Backend whose settings are shown.", show_default=False)] = None,
 ) -> None:
     """List the installed backends, or the settings of one.
 
@@ -30,16 +30,17 @@ def _plugins() -> Table:
     from rich.table import Table
     from rich.text import Text
 
-    from pipenav.backends.registry import NONE_INSTALLED, availability, find_backends
+    from pipenav.backends.plugins import INSTALL_PIPENAV, NONE_INSTALLED, find_backends
+    from pipenav.backends.requirements import availability
     from pipenav.errors import PipenavError
 
     if not find_backends():
-        raise PipenavError("{}; {}.".format(*NONE_INSTALLED))
-    table = Table("backend", "runs here", "from", "what is missing", box=None, pad_edge=False)
+        raise PipenavError(f"{NONE_INSTALLED}; {INSTALL_PIPENAV}.")
+    table = Table("backend", "runs here", "from", "why not, and what to do", box=None, pad_edge=False)
     for plugin in find_backends().values():
-        can_load, missing, remedy = availability(plugin)
-        runs = Text("yes", "green") if can_load else Text("no", "red")
-        why = Text(f"{missing}; {remedy}" if missing else "")
+        known = availability(plugin)
+        runs = Text("yes", "green") if known.can_load else Text("no", "red")
+        why = Text(f"{known.missing}; {known.remedy}" if known.missing else "")
         table.add_row(Text(plugin.name, "bold"), runs, plugin.origin, why)
     return table
 

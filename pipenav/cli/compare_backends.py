@@ -1,4 +1,4 @@
-"""`pipenav compare-backends`."""
+"""`pipenav compare-backends`: a table and pictures of how far two simulators agree."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ if TYPE_CHECKING:
 
 def compare_backends(
     reference: Annotated[str, typer.Option(help="Simulator to compare with; see `pipenav backends`.")] = "mujoco",
-    other: Annotated[str, typer.Option(help="Simulator that is compared.")] = "pybullet",
+    other: Annotated[str, typer.Option(help="Simulator to be compared.")] = "pybullet",
     robot: Annotated[str, typer.Option(help="Robot; see `pipenav robots`.")] = "basic",
     out: Annotated[
-        Path | None, typer.Option(help="Folder of the pictures; default runs/compare-OTHER-ROBOT.", show_default=False)
+        Path | None, typer.Option(help="Folder for the pictures; default runs/compare-OTHER-ROBOT.", show_default=False)
     ] = None,
 ) -> None:
     """Show how far two simulators agree: free motion, laser, passages and contact, as a table and pictures.
 
-    Exit code 1 where a difference is larger than allowed. docs/transfer.md tells what is compared.
+    Exit code 1 where a difference is larger than allowed. docs/transfer.md explains what is compared.
 
     Examples:
 
@@ -35,6 +35,7 @@ def compare_backends(
     """
     from rich.console import Console
 
+    from pipenav.backends.simulators import SimulatorSettings
     from pipenav.comparison.agreement import checks, compare
     from pipenav.comparison.figures import free_motion_figure, passages_figure, walls_figure
     from pipenav.drawing.style import png
@@ -44,7 +45,7 @@ def compare_backends(
     spec, names = load_robot(robot), (reference, other)
     folder = prepare_folder(out or Path("runs") / f"compare-{other}-{spec.name}")
     with Console(stderr=True).status(f"running {spec.name} in {reference} and in {other}"):
-        agreement = compare(spec, names)
+        agreement = compare(spec, SimulatorSettings(reference), SimulatorSettings(other))
         figures = {"free-motion": free_motion_figure, "passages": passages_figure, "walls": walls_figure}
         pictures = {folder / f"{name}.png": png(draw(spec, agreement, names)) for name, draw in figures.items()}
     atomic_write_all(pictures)

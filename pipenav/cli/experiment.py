@@ -41,7 +41,7 @@ def experiment(
 
         pipenav experiment a --seeds 1 --steps 20000 --episodes 4 --out runs/quick-look
     """
-    from pipenav.backends.registry import load_simulator
+    from pipenav.backends.simulators import load_simulator
     from pipenav.cli.signals import stop_signals
     from pipenav.experiments.definition import chosen
     from pipenav.experiments.report import write_report

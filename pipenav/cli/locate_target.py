@@ -55,7 +55,8 @@ def locate_target(
     """
     from rich.progress import track
 
-    from pipenav.backends.registry import check_options, load_simulator
+    from pipenav.backends.registry import check_options
+    from pipenav.backends.simulators import load_simulator
     from pipenav.cli.options import parse_options
     from pipenav.recording.record import RecordingSettings, record_locate
     from pipenav.robots.robot import load_robot
@@ -95,7 +96,7 @@ def _pipes(d: float | None, angle: float | None, turn: str | None, sets: list[st
 
 def _write(folder: Path, located: Located) -> None:
     from pipenav.drawing.style import png
-    from pipenav.motions.trajectory import write_trajectory
+    from pipenav.motions.trajectory_file import write_trajectory
     from pipenav.recording.locate_figure import locate_figure
     from pipenav.storage.atomic_files import atomic_write
 

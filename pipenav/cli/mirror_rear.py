@@ -45,7 +45,7 @@ def mirror_rear(
     from rich.console import Console
 
     from pipenav.motions.mirror import hand_over, plan_rear
-    from pipenav.motions.trajectory import read_trajectory, write_trajectory
+    from pipenav.motions.trajectory_file import read_trajectory, write_trajectory
     from pipenav.robots.robot import load_robot
     from pipenav.units import m_to_mm, rad_to_deg
 
@@ -59,8 +59,9 @@ def mirror_rear(
     console.print(f"written: {out}, {len(plan.q)} rows, {plan.time[-1]:.1f} s, {plan.header.pipe.label}")
     jump = hand_over(plan.robot, parts[-1].motion)
     console.print(
-        f"hand-over jump: the robot's middle {m_to_mm(jump.distance):.0f} mm ({m_to_mm(jump.along):.0f} mm along the "
-        f"pipe) and {rad_to_deg(jump.turn):.0f} deg; largest joint change {rad_to_deg(jump.joint):.0f} deg"
+        f"hand-over jump: the robot's middle {m_to_mm(jump.straight):.0f} mm ({m_to_mm(jump.distance):.0f} mm along "
+        f"the pipe) and {rad_to_deg(jump.turn_angle):.0f} deg; "
+        f"largest joint change {rad_to_deg(jump.joint_change):.0f} deg"
     )
     if replay:
         replayed = _replay(plan, backend, option or [])
@@ -72,7 +73,8 @@ def mirror_rear(
 
 def _replay(plan: Trajectory, backend: str, options: list[str]) -> tuple[Trajectory, str]:
     """What the arm did, and the same in a sentence."""
-    from pipenav.backends.registry import check_options, load_simulator
+    from pipenav.backends.registry import check_options
+    from pipenav.backends.simulators import load_simulator
     from pipenav.cli.options import parse_options
     from pipenav.recording.record import RecordingSettings, record_rear, tracking
     from pipenav.units import m_to_mm, rad_to_deg

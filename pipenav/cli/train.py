@@ -103,7 +103,8 @@ def _prepare(
 
 def _check_names(config: TrainConfig) -> None:
     """Refuse unknown names, and a robot or a backend that cannot do it, before a folder is made for them."""
-    from pipenav.backends.registry import check_options, load_simulator
+    from pipenav.backends.registry import check_options
+    from pipenav.backends.simulators import load_simulator
     from pipenav.robots.robot import load_robot
     from pipenav.tasks.registry import task_of
 

@@ -126,7 +126,8 @@ def _checked_outputs(
 
 @contextmanager
 def _simulator(backend: str, options: list[str], live: bool) -> Iterator[RecordingSettings]:
-    from pipenav.backends.registry import check_options, load_simulator
+    from pipenav.backends.registry import check_options
+    from pipenav.backends.simulators import load_simulator
     from pipenav.cli.options import parse_options
     from pipenav.recording.live import live_window
     from pipenav.recording.record import RecordingSettings
@@ -206,7 +207,7 @@ def _locating(behaviour: str, robot: str | None, seed: int) -> tuple[Parse, Reco
 
 
 def _read(paths: list[Path], robot: str | None, simulator: RecordingSettings | None) -> list[Trajectory]:
-    from pipenav.motions.trajectory import read_trajectory
+    from pipenav.motions.trajectory_file import read_trajectory
     from pipenav.recording.live import play
     from pipenav.robots.robot import load_robot
 
@@ -226,7 +227,7 @@ def _sentence(trajectory: Trajectory) -> str:
 
 
 def _write(path: Path, trajectories: list[Trajectory], console: Console) -> None:
-    from pipenav.motions.trajectory import write_trajectory
+    from pipenav.motions.trajectory_file import write_trajectory
     from pipenav.recording.film import write_film
 
     if path.suffix.lower() == TABLE:

@@ -1,1 +1,1 @@
-"""Two simulators side by side: `pipenav compare-backends`."""
+"""Comparison of two simulators, side by side: `pipenav compare-backends`."""

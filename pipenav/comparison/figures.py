@@ -1,4 +1,4 @@
-"""The pictures of two simulators side by side, in millimetres, degrees and newtons."""
+"""Pictures of two simulators side by side, in millimetres, degrees and newtons."""
 
 from __future__ import annotations
 
@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD
-from pipenav.comparison.agreement import CORNERS, Agreement, Sides, passage_difference
+from pipenav.comparison.agreement import Agreement, Sides, tip_distance
+from pipenav.comparison.trials import CORNERS
 from pipenav.drawing.style import GRID, INK, MAIN, MUTED, SECOND
 from pipenav.robots.robot import RobotSpec
 from pipenav.units import rad_to_deg
@@ -18,17 +20,17 @@ if TYPE_CHECKING:
 
 REFERENCE: dict[str, Any] = {"color": MAIN, "lw": 3.2, "alpha": 0.45}
 OTHER: dict[str, Any] = {"color": SECOND, "lw": 1.2}
-"""The reference is broad and pale, the other narrow on top of it: where they agree, both are seen."""
+"""Styles of the curves: the reference is broad and pale, the other narrow on top of it, so that both are seen."""
 
 
 def free_motion_figure(robot: RobotSpec, agreement: Agreement, names: tuple[str, str]) -> Figure:
-    """Each joint's own motion under a pulse of drive and a step of its set-point, and the differences below."""
+    """Motion of each joint under a pulse of duty and a step of its set-point, and the differences below."""
     joints = robot.joints
     figure = _figure(3.0 * len(joints), 7.2)
     rows = figure.subplots(3, len(joints), sharex=True)
     for j, joint in enumerate(joints):
         factor, unit = (rad_to_deg(1.0), "deg") if joint.type == "hinge" else (1e3, "mm")
-        for row, (what, sides) in enumerate((("pulse of drive", agreement.driven), ("step", agreement.stepped))):
+        for row, (what, sides) in enumerate((("pulse of duty", agreement.driven), ("step", agreement.stepped))):
             axes = rows[row, j]
             _curves(axes, Sides(*(factor * side[j, :, j] for side in sides)), names)
             axes.set_ylabel(f"{joint.name} [{unit}]")
@@ -47,10 +49,10 @@ def free_motion_figure(robot: RobotSpec, agreement: Agreement, names: tuple[str,
 
 
 def passages_figure(robot: RobotSpec, agreement: Agreement, names: tuple[str, str]) -> Figure:
-    """The tip on the same open-loop passages, and how far apart the two tips are."""
+    """Paths of the tip on the same open-loop passages, and the distance between the two tips."""
     figure = _figure(3.2 * len(CORNERS), 6.4)
     rows = figure.subplots(2, len(CORNERS), height_ratios=[2, 1])
-    apart = 1e3 * passage_difference(agreement)
+    apart = 1e3 * tip_distance(agreement)
     for i, pipe in enumerate(CORNERS):
         axes = rows[0, i]
         for wall in pipe.walls:
@@ -101,9 +103,9 @@ def _curves(axes: Axes, sides: Sides, names: tuple[str, str]) -> None:
     _plain(axes)
 
 
-def _times(steps: int) -> np.ndarray:
-    """Of the start and the end of each control step [s]."""
-    return CONTROL_PERIOD * np.arange(steps + 1)
+def _times(steps: int) -> Floats:
+    """Times at the start of the first control step and at the end of each [s]."""
+    return np.asarray(CONTROL_PERIOD * np.arange(steps + 1))
 
 
 def _plain(axes: Axes) -> None:

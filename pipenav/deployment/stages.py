@@ -11,7 +11,8 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.backends.messages import Command, Reading
-from pipenav.locating.locator import LocateConfig, MapLocator
+from pipenav.locating.locator import LocateConfig
+from pipenav.locating.map_locator import MapLocator
 from pipenav.motions.follower import Follower
 from pipenav.policies.policy import Policy
 from pipenav.robots import frames, kinematics

@@ -12,7 +12,7 @@ from pipenav.deployment.picture import mission_picture
 from pipenav.deployment.plan import PICTURE, MissionPlan
 from pipenav.deployment.trajectories import ArmPlacement, parts, placement_of
 from pipenav.locating.locator import LocateConfig
-from pipenav.motions.trajectory import write_trajectory
+from pipenav.motions.trajectory_file import write_trajectory
 from pipenav.pipes.corner import PipeCorner
 from pipenav.storage.atomic_files import atomic_write
 

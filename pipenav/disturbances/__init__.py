@@ -1,1 +1,1 @@
-"""What goes wrong on a real arm: ranges, and a backend that errs by them (the TOML files stay here)."""
+"""Faults of a real arm, as ranges in TOML files, and a simulator that shows them."""

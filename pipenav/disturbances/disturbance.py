@@ -1,4 +1,4 @@
-"""What goes wrong on a real arm, as ranges: for randomised training and for `pipenav eval --disturb`."""
+"""Disturbances: faults of a real arm as ranges, for randomised training and for `pipenav eval --disturb`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Number = TypeVar("Number", int, float)
 Task = TypeVar("Task", bound=BaseModel)
 
 MAX_LATENCY = 5
-"""Control steps; half a second is more than any bus needs."""
+"""Largest latency that can be set [control steps]: half a second is more than any bus needs."""
 
 
 def _ordered(span: tuple[Number, Number]) -> tuple[Number, Number]:
@@ -40,9 +40,9 @@ class Disturbance(Table):
     """
 
     friction: Factors = Field((1.0, 1.0), description="factor on the friction coefficient")
-    mass: Factors = Field((1.0, 1.0), description="factor on mass and inertia, one for each link")
-    strength: Factors = Field((1.0, 1.0), description="factor on an actuator's effort and speed, one for each joint")
-    gain: Factors = Field((1.0, 1.0), description="factor on a position controller's gain, one for each joint")
+    mass: Factors = Field((1.0, 1.0), description="factor on mass and inertia, drawn for each link")
+    strength: Factors = Field((1.0, 1.0), description="factor on an actuator's effort and speed, drawn for each joint")
+    gain: Factors = Field((1.0, 1.0), description="factor on a position controller's gain, drawn for each joint")
     latency: Steps = Field((0, 0), description="control steps by which every command arrives late")
     noise: Shares = Field((0.0, 0.0), description="standard deviation of a laser reading that meets a wall [m]")
     dropouts: Shares = Field((0.0, 0.0), description="share of all readings that are the laser's minimum instead")
@@ -54,7 +54,7 @@ class Disturbance(Table):
 
     @property
     def varies_robots(self) -> bool:
-        """Whether robots differ from their description, which needs a simulator's help."""
+        """Whether robots differ from their description, which only some simulators can do (`Simulator.can_vary`)."""
         return any(span != (1.0, 1.0) for span in (self.friction, self.mass, self.strength, self.gain))
 
     @property
@@ -63,10 +63,10 @@ class Disturbance(Table):
         return self.model_copy(update={"start_bend": None, "start_gap": None}) != Disturbance()
 
     def starts(self, task: Task) -> Task:
-        """The task with the start poses that are wanted here.
+        """Copy of the task with the start poses that are set here.
 
         Raises:
-            PipenavError: a task whose robot does not start as is wanted.
+            PipenavError: the task has no such start pose.
         """
         given = {"start_bend": self.start_bend, "start_gap": self.start_gap}
         wanted = {key: value for key, value in given.items() if value is not None}
@@ -79,17 +79,17 @@ UNDISTURBED = Disturbance()
 
 
 def disturbance_names() -> list[str]:
-    """The shipped disturbances."""
+    """Names of the shipped disturbances."""
     return sorted(path.stem for path in shipped.disturbances_dir().glob("*.toml"))
 
 
 def load_disturbance(text: str) -> Disturbance:
-    """A shipped disturbance by its name, or one from a TOML file.
+    """Load a shipped disturbance by its name, or a disturbance from a TOML file.
 
     Raises:
-        UnknownName: neither.
-        ConfigError: a file that describes none.
-        FileProblem: a file that cannot be read.
+        UnknownName: the text is neither a shipped name nor a TOML file.
+        ConfigError: the file describes no disturbance.
+        FileProblem: the file cannot be read.
     """
     path = Path(text)
     if text in disturbance_names():

@@ -1,7 +1,7 @@
-"""A backend whose robots are not what their description says, whose commands come late and whose laser errs.
+"""A simulator whose robots differ from their description, whose commands come late and whose laser errs.
 
-It stands between a backend and whoever drives it. Friction, masses and motors are the simulator's part
-(`Simulator.vary`); late commands and bad readings are made here, alike for every backend.
+It wraps another simulator. That one changes friction, masses and motors (`Simulator.vary`); late commands and bad
+readings are made here, in the same way for every simulator.
 """
 
 from __future__ import annotations
@@ -11,43 +11,47 @@ from collections.abc import Sequence
 import numpy as np
 
 from pipenav.arrays import Floats, Ints
-from pipenav.backends.backend import BackendOptions, Simulator, Variation
+from pipenav.backends.backend import Simulator, Variation, Viewer
 from pipenav.backends.messages import Command, Reading, Truth
+from pipenav.backends.refusals import CannotVary
 from pipenav.disturbances.disturbance import MAX_LATENCY, Disturbance
-from pipenav.errors import PipenavError
 from pipenav.pipes.pipe import Pipe
 from pipenav.robots import laser
 from pipenav.robots.robot import RobotSpec
 
 
 def disturbed(simulator: Simulator, robot: RobotSpec, n: int, disturbance: Disturbance, seed: int) -> Simulator:
-    """The simulator under a disturbance; itself where that does nothing.
+    """Put a simulator under a disturbance; the simulator itself where the disturbance does nothing.
 
     Raises:
-        PipenavError: the robots are to differ from their description, which the simulator cannot do.
+        CannotVary: the robots are to differ from their description, and the simulator cannot make them do so.
     """
     return DisturbedSimulator(simulator, robot, n, disturbance, seed) if disturbance.acts else simulator
 
 
 class DisturbedSimulator(Simulator):
-    """n robots of another backend under a disturbance.
+    """n robots of another simulator under a disturbance.
 
-    What befalls an episode depends on the seed, on where it starts and on its pipe alone, as every robot then draws
-    from a generator of its own: neither on how many robots there are, nor on what the others do. Each stage of a
-    passage is an episode of its own.
+    The disturbances of an episode depend on the seed, on the start pose and on the pipe alone, because every robot
+    draws from a generator of its own that is seeded by these. They depend neither on the number of robots nor on the
+    others' motion. Each stage of a passage is an episode of its own.
 
-    Before a late command arrives, a robot holds its start position, or has no drive.
+    Before a late command arrives, a robot holds its start position, or its duty is zero.
+
+    It draws the variation of its robots itself, and so cannot be varied.
+
+    Args:
+        inner: the simulator that is disturbed.
+        robot: the robot.
+        n: number of robots.
+        disturbance: ranges from which each episode draws.
+        seed: seed of all episodes.
     """
-
-    Options = BackendOptions
 
     def __init__(self, inner: Simulator, robot: RobotSpec, n: int, disturbance: Disturbance, seed: int) -> None:
         self._inner, self._robot, self._disturbance, self._seed = inner, robot, disturbance, seed
         if disturbance.varies_robots and not inner.can_vary:
-            raise PipenavError(
-                f"{type(inner).__name__} cannot change friction, mass, strength or gain of single robots: leave them "
-                "out of the disturbance, or choose another backend."
-            )
+            raise CannotVary(inner)
         actuators, beams = len(robot.driven_actuators), robot.laser.beams
         self._generators = [np.random.default_rng(seed) for _ in range(n)]
         self._latency, self._age = np.zeros(n, int), np.zeros(n, int)
@@ -78,6 +82,13 @@ class DisturbedSimulator(Simulator):
     def incline(self, indices: Ints, gravity: Floats) -> None:
         self._inner.incline(indices, gravity)
 
+    @property
+    def has_viewer(self) -> bool:
+        return self._inner.has_viewer
+
+    def open_viewer(self) -> Viewer:
+        return self._inner.open_viewer()
+
     def step(self, command: Command) -> None:
         self._commands = np.concatenate([command.values[:, None], self._commands[:, :-1]], axis=1)
         arrived = self._commands[np.arange(len(self._age)), self._latency]
@@ -91,7 +102,7 @@ class DisturbedSimulator(Simulator):
         return self._inner.read()._replace(ranges=self._ranges.copy())
 
     def _seen(self, indices: Ints, ranges: Floats) -> Floats:
-        """What is left of true readings (k, beams) of some robots: noise, then missing beams, then dropouts."""
+        """Disturbed readings of some robots for the true ones (k, beams): noise, then missing beams, then dropouts."""
         sensor = self._robot.laser
         drawn = [
             (self._generators[i].normal(size=sensor.beams), self._generators[i].random(sensor.beams)) for i in indices
@@ -110,14 +121,14 @@ class DisturbedSimulator(Simulator):
 
 
 def _generator(seed: int, pipe: Pipe, q: Floats, base: float) -> np.random.Generator:
-    """The generator of one episode."""
+    """Generator of random numbers for one episode."""
     corners = np.stack([pipe.interior_angles, pipe.turn_signs], axis=1)
     start = np.array([pipe.diameter, *corners.ravel(), base, *q], float)
     return np.random.default_rng([seed, *start.view(np.uint32).tolist()])
 
 
 def _variation(robot: RobotSpec, d: Disturbance, rng: np.random.Generator) -> Variation:
-    """One robot's; its friction is a number."""
+    """Variation of one robot: arrays without the robots' axis."""
     links, actuators = len(robot.links), len(robot.driven_actuators)
     friction = np.asarray(rng.uniform(*d.friction))
     return Variation(

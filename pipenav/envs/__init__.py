@@ -1,4 +1,4 @@
-"""The tasks as other people's environments: Gymnasium, its vector environment, Stable-Baselines3."""
+"""Tasks as environments of Gymnasium and Stable-Baselines3."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +11,7 @@ __all__ = ["CornerEnv", "CornerVectorEnv", "TaskVecEnv"]
 
 
 def __getattr__(name: str) -> Any:
-    """`TaskVecEnv` when it is first asked for: Stable-Baselines3 takes seconds to import."""
+    """Import `TaskVecEnv` when it is first used: Stable-Baselines3 takes seconds to import."""
     if name == "TaskVecEnv":
         from pipenav.envs.sb3_env import TaskVecEnv
 

@@ -9,17 +9,17 @@ import numpy as np
 from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import VecEnv
 
-from pipenav.envs.gymnasium_env import action_space, observation_space, one_info, step_info
+from pipenav.envs.spaces import action_space, observation_space, one_info, step_info
 from pipenav.tasks.batch import TrainingBatch
 from pipenav.tasks.outcome import Outcome
 
 
 class TaskVecEnv(VecEnv):  # type: ignore[misc]  # Stable-Baselines3 is imported untyped
-    """n episodes; an ended one starts anew at once, with its last observation in `terminal_observation`.
+    """n episodes of a task. An ended episode starts anew at once; `terminal_observation` holds its last observation.
 
     Attributes:
         batch: the robots.
-        min_range: each one's smallest laser reading after the last step, (n,) [m].
+        min_range: smallest laser reading of each robot after the last step, (n,) [m].
     """
 
     render_mode: str | None = None
@@ -71,9 +71,9 @@ class TaskVecEnv(VecEnv):  # type: ignore[misc]  # Stable-Baselines3 is imported
         raise AttributeError(f"there is no method {method_name} of a single robot: all share one backend")
 
     def env_is_wrapped(self, wrapper_class: type, indices: Any = None) -> list[bool]:
-        """As if wrapped in a Monitor: `info["episode"]` is here already."""
+        """Claim to be wrapped in a Monitor, since `info["episode"]` is here already."""
         return [wrapper_class is Monitor] * len(list(self._get_indices(indices)))
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:  # noqa: ARG002
-        """Seeds belong to the episode source, which the batch was built with."""
+        """Do nothing: seeds belong to the episode source that the batch was built with."""
         return [None] * self.num_envs

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pipenav.arrays import Flags, Floats, Ints
 from pipenav.backends.backend import Simulator
-from pipenav.backends.registry import DEFAULT_SIMULATOR, SimulatorSettings
+from pipenav.backends.simulators import DEFAULT_SIMULATOR, SimulatorSettings
 from pipenav.evaluation.stage import Stage, StageStep
 from pipenav.pipes.pipe import Pipe
 from pipenav.robots.robot import RobotSpec

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from pipenav.arrays import Flags
-from pipenav.backends.registry import SimulatorSettings, check_options, load_simulator
+from pipenav.backends.registry import check_options
+from pipenav.backends.simulators import SimulatorSettings, load_simulator
 from pipenav.disturbances.disturbance import UNDISTURBED, load_disturbance
 from pipenav.errors import PipenavError
 from pipenav.evaluation.config import EvaluationConfig, StageName

@@ -16,7 +16,7 @@ import numpy as np
 
 from pipenav.arrays import Flags, Floats, Ints
 from pipenav.backends.backend import Simulator
-from pipenav.backends.registry import DEFAULT_SIMULATOR, SimulatorSettings
+from pipenav.backends.simulators import DEFAULT_SIMULATOR, SimulatorSettings
 from pipenav.disturbances.disturbance import UNDISTURBED, Disturbance
 from pipenav.disturbances.disturbed_backend import disturbed
 from pipenav.evaluation.episode_runner import (
@@ -31,7 +31,8 @@ from pipenav.evaluation.locate_stage import LocateStage
 from pipenav.evaluation.rear_stage import RearStage
 from pipenav.evaluation.rolling_stage import rolling_stage
 from pipenav.evaluation.stage import Stage, StageStep, TaskStage
-from pipenav.locating.locator import LOCATORS, LocateConfig, Variant, robot_for
+from pipenav.locating.locator import LocateConfig, Variant, robot_for
+from pipenav.locating.variants import LOCATORS
 from pipenav.motions.mirror import join, rear_motion
 from pipenav.motions.trajectory import Motion
 from pipenav.pipes.pipe import Pipe

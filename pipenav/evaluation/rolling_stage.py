@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pipenav.backends.registry import SimulatorSettings, load_spatial, open_space
+from pipenav.backends.simulators import SimulatorSettings, load_spatial, open_space
 from pipenav.errors import PipenavError
 from pipenav.evaluation.episode_runner import EpisodeQueue, joined
 from pipenav.evaluation.stage import TaskStage

@@ -12,7 +12,7 @@ import numpy as np
 import torch
 from stable_baselines3.common.callbacks import BaseCallback
 
-from pipenav.backends.registry import SimulatorSettings
+from pipenav.backends.simulators import SimulatorSettings
 from pipenav.errors import PipenavError
 from pipenav.evaluation.passage import run_task
 from pipenav.learning import checkpoint

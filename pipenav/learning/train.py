@@ -11,7 +11,7 @@ import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.logger import configure
 
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.simulators import open_simulator
 from pipenav.disturbances.disturbed_backend import disturbed
 from pipenav.envs.sb3_env import TaskVecEnv
 from pipenav.learning import checkpoint

@@ -1,1 +1,1 @@
-"""Recorded motions: their file, mirrored and reversed (approach II), followed pose by pose."""
+"""Recorded motions: their file, their mirror image in reverse (approach II), and robots that follow them."""

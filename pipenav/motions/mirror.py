@@ -1,9 +1,9 @@
 """Approach II (thesis 3.5): the rear half passes as the front half did, mirrored in space and reversed in time.
 
-The front half enters the corner by the first leg and reaches into the second. The rear half follows it the other way
+The front half enters the corner by the first leg and reaches into the second. The rear half follows the other way
 round: joined to the front half at its own base, it lies bent around the corner with its tip in the first leg, and is
-drawn out into the second. Seen from the second leg, that is an arm in the mirrored pipe (same diameter and angle, other
-turn) which leaves the corner backwards: the front's motion, reflected and played from its end to its start.
+drawn out into the second. Seen from the second leg, that is an arm in the mirrored pipe (same diameter and angle,
+other turn) which leaves the corner backwards: the front's motion, reflected and played from its end to its start.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from pipenav.arrays import Flags, Floats
 from pipenav.errors import PipenavError
 from pipenav.motions.trajectory import Motion, Trajectory, TrajectoryHeader
 from pipenav.pipes.corner import PipeCorner
-from pipenav.robots import kinematics
+from pipenav.robots import frames, kinematics
 from pipenav.robots.outline import foremost
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.outcome import PassageStage
@@ -28,28 +28,40 @@ STRAIGHT = 0.1
 """Largest hinge angle of a straight start [rad]: twice what the task starts with, and far from any corner's bend."""
 
 SAME_POSE = 1e-3
-"""How far apart two joint positions may be that count as one [rad, m]: what a servo's encoder resolves is 5e-3 rad."""
+"""Largest difference of two joint positions that count as one [rad, m]; a servo's encoder resolves 5e-3 rad."""
 
 
 class HandOver(NamedTuple):
-    """What lies between the front's last and the rear's first pose, which no one has driven.
+    """Jump from the front's last to the rear's first pose, which no robot has carried out.
 
     The robot's middle is the rear end of the front arm's first link, where the rear half is joined to it. At the
     front's end that point is still before the corner. When the rear motion starts, the rear arm's own base, which is
     the same point of the robot, must be as far past the corner: in between the thesis re-spawns the robot (3.5).
 
     Attributes:
-        distance: straight from where the middle is to where it must be, in the pipe's frame [m].
-        along: the same along the pipe's centre line, mitred [m].
-        turn: angle between the robot's heading at its middle before and after [rad].
-        joint: largest difference of a hinge between the front's last and the rear's first pose [rad]. Both are poses
-            of the one arm that is re-spawned; as a mirror image has the opposite angles, it is twice the largest one.
+        straight: straight distance of the robot's middle before and after the jump, in the pipe's frame [m].
+        distance: distance of the two along the pipe's centre line, mitred [m].
+        turn_angle: angle between the robot's headings at its middle before and after the jump [rad].
+        joint_change: largest difference of a hinge between the front's last and the rear's first pose [rad]. Both are
+            poses of the one arm that is re-spawned; as a mirror image has the opposite angles, it is twice the largest.
     """
 
+    straight: float
     distance: float
-    along: float
-    turn: float
-    joint: float
+    turn_angle: float
+    joint_change: float
+
+
+class _MiddlePose(NamedTuple):
+    """Pose of the robot's middle, the first link's rear end, in its pipe's frame.
+
+    Attributes:
+        position: position, (2,) [m].
+        heading: heading [rad].
+    """
+
+    position: Floats
+    heading: float
 
 
 def mirror_pipe(pipe: PipeCorner) -> PipeCorner:
@@ -58,9 +70,9 @@ def mirror_pipe(pipe: PipeCorner) -> PipeCorner:
 
 
 def mirror(robot: RobotSpec, motion: Motion) -> Motion:
-    """A motion's mirror image about the first leg's axis: hinges change sign, slides do not, the pipe turns over.
+    """Mirror image of a motion about the first leg's axis: hinges change sign, slides do not, the pipe turns over.
 
-    That is exact for every pose, as joints at zero are the straight arm on that axis. Mirroring twice changes nothing.
+    It is exact for every pose, as joints at zero are the straight arm on that axis. Mirroring twice changes nothing.
     """
     return Motion(mirror_pipe(motion.pipe), motion.base, motion.q * robot.mirror_signs)
 
@@ -71,12 +83,12 @@ def reverse(motion: Motion) -> Motion:
 
 
 def rear_motion(robot: RobotSpec, front: Motion) -> Motion:
-    """The rear half's motion: `[l, -theta1, ...]` of the front's, in the order T..0, in the mirrored pipe."""
+    """Motion of the rear half: `[l, -theta1, ...]` of the front's, in the order T..0, in the mirrored pipe."""
     return reverse(mirror(robot, front))
 
 
 def join(parts: Sequence[Motion]) -> Motion:
-    """One motion of several that follow each other, each starting in the pose in which the one before ended.
+    """Join motions that follow each other, each starting in the pose in which the one before ended.
 
     Raises:
         PipenavError: a part is in another pipe, at another base, or does not start where the one before ended.
@@ -97,17 +109,17 @@ def join(parts: Sequence[Motion]) -> Motion:
 
 
 def plan_rear(parts: Sequence[Trajectory]) -> Trajectory:
-    """The rear half's trajectory for a front half's passage.
+    """Trajectory of the rear half for a front half's passage.
 
-    Its start must be straight and before the corner, since the rear ends where the front began. The task starts with
-    hinges bent by up to 0.05 rad, which counts as straight. A front that began where locating a target ended is bent;
-    with the locating part before it, the passage begins straight again.
+    The passage must start straight and before the corner, since the rear ends where the front began. The task starts
+    with hinges bent by up to 0.05 rad, which counts as straight. A front that began where locating a target ended is
+    bent; with the locating part before it, the passage begins straight again.
 
     Args:
-        parts: the passage's recordings in their order: the front, or the locating part and then the front.
+        parts: recordings of the passage in their order: the front, or the locating part and then the front.
 
     Raises:
-        PipenavError: a part did not succeed or is a rear's, the last one is no front passage, the parts do not follow
+        PipenavError: a part did not succeed or is a rear's, the last part is no front passage, the parts do not follow
             each other, or the first pose is not straight or not before the corner.
     """
     for part in parts:
@@ -151,25 +163,26 @@ def _require_straight_start(robot: RobotSpec, front: Motion) -> None:
 
 
 def hand_over(robot: RobotSpec, front: Motion) -> HandOver:
-    """The jump from the front's last to the rear's first pose, see `HandOver`."""
+    """Jump from the front's last to the rear's first pose."""
     rear = rear_motion(robot, front)
     before, after = _middle(robot, front.base, front.q[-1]), _middle(robot, rear.base, rear.q[0])
-    turned = front.pipe.heading_change - math.pi  # what takes the mirrored pipe's first leg onto the second leg
-    cos, sin = math.cos(turned), math.sin(turned)
-    place = np.array([[cos, -sin], [sin, cos]]) @ after[:2]
+    rotation = front.pipe.heading_change - math.pi  # takes the mirrored pipe's first leg onto the second leg
+    cos, sin = math.cos(rotation), math.sin(rotation)
+    position = np.array([[cos, -sin], [sin, cos]]) @ after.position
     # The halves are joined back to back: seen along the robot, the rear arm's base faces backwards.
-    turn = after[2] + turned + math.pi - before[2]
-    along = front.pipe.distance_along(place) - front.pipe.distance_along(before[:2])
-    hinges = robot.hinges
-    joint = np.abs(rear.q[0] - front.q[-1])[hinges]
-    distance = float(np.linalg.norm(place - before[:2]))
-    return HandOver(distance, float(along), abs(math.remainder(turn, 2 * math.pi)), float(joint.max(initial=0.0)))
+    turn_angle = after.heading + rotation + math.pi - before.heading
+    joint_change = np.abs(rear.q[0] - front.q[-1])[robot.hinges]
+    return HandOver(
+        straight=float(np.linalg.norm(position - before.position)),
+        distance=float(front.pipe.distance_along(position) - front.pipe.distance_along(before.position)),
+        turn_angle=abs(math.remainder(turn_angle, 2 * math.pi)),
+        joint_change=float(joint_change.max(initial=0.0)),
+    )
 
 
-def _middle(robot: RobotSpec, base: float, q: Floats) -> Floats:
-    """Place and heading of the first link's rear end in its pipe's frame, (3,) [m, m, rad]."""
+def _middle(robot: RobotSpec, base: float, q: Floats) -> _MiddlePose:
     pose = kinematics.forward(robot, q[None])
-    return np.array([base + pose.joints[0, 0, 0], pose.joints[0, 0, 1], pose.headings[0, 0]])
+    return _MiddlePose(frames.robot_to_pipe(pose.joints[0, 0], base), float(pose.headings[0, 0]))
 
 
 def is_out(robot: RobotSpec, pipe: PipeCorner, base: float, q: Floats) -> Flags:

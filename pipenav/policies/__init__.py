@@ -1,4 +1,4 @@
-"""Who decides: a trained policy and its file, and what a person may name instead."""
+"""Controllers: trained policies and their files, and baselines to compare them with."""
 
 from pipenav.policies.controller import AnyController, Controller, PrivilegedController
 from pipenav.policies.header import PolicyHeader

@@ -1,4 +1,4 @@
-"""Who decides in an episode: a controller that sees what a robot's sensors give, or one that also knows the truth."""
+"""Controllers: those that act on observations alone, and privileged ones that also know where robots and pipes are."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ BatchT = TypeVar("BatchT", bound=TaskBatch)
 
 
 class Controller(Protocol):
-    """Anything that acts on observations alone.
+    """A controller that acts on observations alone, as a policy does.
 
     Attributes:
-        robot: the robot that it acts for.
-        task: settings of the task, with the control mode and the observation that it wants.
+        robot: robot that it acts for.
+        task: settings of the task, with the control mode and the observation that it needs.
     """
 
     @property
@@ -34,48 +34,49 @@ class Controller(Protocol):
 
 
 class PrivilegedController(ABC, Generic[BatchT]):
-    """A scripted controller that also looks at the batch, where robots and pipes are known: to compare policies with.
+    """A scripted controller that also sees the batch, which knows robots and pipes: to compare policies with.
 
     Attributes:
-        robot: the robot that it acts for.
+        robot: robot that it acts for.
         task: settings of the task.
-        batch_type: the kind of batch that it can look at.
-        only: what to choose where it is given another, as the end of a sentence.
+        batch_type: type of batch that it can control.
+        refusal: message for a batch of another type, which says what to choose instead.
     """
 
     robot: RobotSpec
     task: TaskConfig
     batch_type: type[BatchT]
-    only: ClassVar[str]
+    refusal: ClassVar[str]
 
     @abstractmethod
     def act(self, observation: Floats, batch: BatchT) -> Floats:
-        """Canonical actions in [-1, 1], (n, action_size), for scaled observations, (n, size), of a batch."""
+        """Canonical actions in [-1, 1], (n, action_size), for the scaled observations of a batch, (n, size)."""
 
     def require(self, batch: TaskBatch) -> BatchT:
-        """The batch, where the controller can look at it.
+        """The batch, checked to be of the type that the controller can control.
 
         Raises:
-            PipenavError: it is of another kind.
+            PipenavError: the batch is of another type.
         """
         if isinstance(batch, self.batch_type):
             return batch
-        raise PipenavError(self.only)
+        raise PipenavError(self.refusal)
 
 
 AnyController = Controller | PrivilegedController[Any]
+"""A controller of any kind."""
 
 
 def actions_of(controller: AnyController, observation: Floats, batch: TaskBatch) -> Floats:
-    """A controller's actions in [-1, 1], (n, action_size).
+    """Canonical actions of a controller in [-1, 1], (n, action_size).
 
     Args:
-        controller: who decides.
-        observation: scaled observations, (n, size), as the batch gave them.
-        batch: the robots.
+        controller: the controller.
+        observation: scaled observations that the batch gave, (n, size).
+        batch: the batch; only privileged controllers see it.
 
     Raises:
-        PipenavError: a privileged controller cannot look at this kind of batch.
+        PipenavError: a privileged controller cannot control this type of batch.
     """
     if isinstance(controller, PrivilegedController):
         return controller.act(observation, controller.require(batch))

@@ -1,4 +1,4 @@
-"""What is in a policy file's bytes, whoever made them: two members, checked in every respect before use."""
+"""Contents of a policy file, which may come from a stranger: two members, checked in every respect before use."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ Array32 = NDArray[np.float32]
 
 HEADER_MEMBER, WEIGHTS_MEMBER = "pipenav.json", "policy.safetensors"
 MAX_FILE, MAX_HEADER, MAX_WEIGHTS = 16 << 20, 1 << 20, 8 << 20
-"""Bytes: a hundred times what an arm's policy takes, and little enough to read whole."""
+"""Largest sizes in bytes: a hundred times what an arm's policy takes, and small enough to read whole."""
 
 
 class PolicyFileError(PipenavError):
-    """A policy file that cannot be used, or not here: which file, what is wrong, what to do."""
+    """A policy file that cannot be used: the message names the file, the problem and the remedy."""
 
     def __init__(self, path: Path, problem: str, remedy: str) -> None:
         # The text may quote the file, and the file may come from a stranger: no control characters, no flood.
@@ -35,37 +35,53 @@ class PolicyFileError(PipenavError):
 
 
 class Layer(NamedTuple):
-    """One linear layer: weight (inputs, outputs), bias (outputs,)."""
+    """A linear layer: weight (inputs, outputs), bias (outputs,)."""
 
     weight: Array32
     bias: Array32
 
 
 class Contents(NamedTuple):
-    """What a policy file holds: its header, what observations are divided by (size,), the actor's layers in order."""
+    """Contents of a policy file.
+
+    Attributes:
+        header: header of the file.
+        observation_scale: numbers that observations are divided by, (size,).
+        layers: linear layers of the actor, in order.
+    """
 
     header: PolicyHeader
     observation_scale: Array32
     layers: list[Layer]
 
 
+class _Members(NamedTuple):
+    """Bytes of the two members that pipenav reads."""
+
+    header: bytes
+    weights: bytes
+
+
 def parse(path: Path, content: bytes) -> Contents:
-    """The contents of a policy file; `path` is for messages only.
+    """Contents of a policy file.
+
+    Args:
+        path: the file, for messages only.
+        content: its bytes.
 
     Raises:
-        PolicyFileError: whatever is wrong with it.
+        PolicyFileError: something is wrong with the file.
     """
     if len(content) > MAX_FILE:
         raise PolicyFileError(path, f"is larger than {MAX_FILE >> 20} MiB", "no policy is; give the right file")
-    header_text, weights = _read_members(path, content)
-    header = _parse_header(path, header_text)
-    tensors = _parse_weights(path, weights)
-    layers = _chain(path, header, tensors)  # checks first that all tensors are there, the scale too
+    members = _read_members(path, content)
+    header = _parse_header(path, members.header)
+    tensors = _parse_weights(path, members.weights)
+    layers = _chain(path, header, tensors)  # also checks that the scale is there
     return Contents(header, tensors["observation_scale"], layers)
 
 
-def _read_members(path: Path, content: bytes) -> tuple[bytes, bytes]:
-    """Our two members' bytes."""
+def _read_members(path: Path, content: bytes) -> _Members:
     damaged, get_whole = "is damaged or cut short", "copy it again, or save it again"
     if not content:
         raise PolicyFileError(path, "is empty", get_whole)
@@ -81,13 +97,13 @@ def _read_members(path: Path, content: bytes) -> tuple[bytes, bytes]:
             problem = "was made by Stable-Baselines3 alone" if sb3 else "is a zip, but not of a policy"
             problem += f" and lacks {HEADER_MEMBER} and {WEIGHTS_MEMBER}"
             raise PolicyFileError(path, problem, "train it with `pipenav train`")
-        members = (HEADER_MEMBER, MAX_HEADER), (WEIGHTS_MEMBER, MAX_WEIGHTS)
-        header, weights = (_read_member(path, archive, name, limit) for name, limit in members)
+        header = _read_member(path, archive, HEADER_MEMBER, MAX_HEADER)
+        weights = _read_member(path, archive, WEIGHTS_MEMBER, MAX_WEIGHTS)
     except PolicyFileError:
         raise
-    except Exception as error:  # zipfile lets through whatever its parsing of a broken file stumbles over
+    except Exception as error:  # zipfile raises errors of many types on a broken file
         raise PolicyFileError(path, f"{damaged} ({type(error).__name__})", get_whole) from error
-    return header, weights
+    return _Members(header, weights)
 
 
 def _read_member(path: Path, archive: zipfile.ZipFile, name: str, limit: int) -> bytes:
@@ -101,7 +117,7 @@ def _read_member(path: Path, archive: zipfile.ZipFile, name: str, limit: int) ->
 
 
 class _Stamp(BaseModel):
-    """Just enough of the header to tell a newer file from a broken one."""
+    """The part of the header that tells a newer file from a broken one."""
 
     format: str
     version: int
@@ -151,7 +167,7 @@ def _parse_weights(path: Path, data: bytes) -> dict[str, Array32]:
 
 
 def _chain(path: Path, header: PolicyHeader, tensors: dict[str, Array32]) -> list[Layer]:
-    """The layers in order, their shapes checked from the observation through to the joints."""
+    """Layers in order, their shapes checked from the observation through to the action."""
     depth = (len(tensors) - 1) // 2
     expected = ["observation_scale", *(f"layer{i}.{part}" for i in range(depth) for part in ("weight", "bias"))]
     if depth < 1 or sorted(tensors) != sorted(expected):
@@ -159,7 +175,7 @@ def _chain(path: Path, header: PolicyHeader, tensors: dict[str, Array32]) -> lis
             f"holds weights {', '.join(sorted(tensors)) or 'of no layer'} instead of layer0.weight, layer0.bias, ..."
         )
         raise PolicyFileError(path, problem, "save it again")
-    size, joints = sum(part.size for part in header.observation), len(header.action)
+    size, actions = sum(part.size for part in header.observation), len(header.action)
     _check_shape(path, "observation_scale", tensors["observation_scale"], (size,))
     scale = task_of(header.task).observation_scale(header.robot)
     if not np.allclose(tensors["observation_scale"], scale, rtol=1e-5, atol=0.0):
@@ -169,7 +185,7 @@ def _chain(path: Path, header: PolicyHeader, tensors: dict[str, Array32]) -> lis
     inputs = size
     for i in range(depth):
         weight, bias = tensors[f"layer{i}.weight"], tensors[f"layer{i}.bias"]
-        outputs = joints if i == depth - 1 else max(bias.size, 1)
+        outputs = actions if i == depth - 1 else max(bias.size, 1)
         _check_shape(path, f"layer{i}.bias", bias, (outputs,))
         _check_shape(path, f"layer{i}.weight", weight, (outputs, inputs))
         layers.append(Layer(np.ascontiguousarray(weight.T), bias))

@@ -1,4 +1,4 @@
-"""What a policy was made for: the content of a policy file's `pipenav.json`."""
+"""Header of a policy file, the content of its `pipenav.json`: the robot and the task that a policy was made for."""
 
 from __future__ import annotations
 
@@ -20,31 +20,32 @@ from pipenav.tasks.registry import TaskConfig, task_of
 FORMAT_VERSION = 1
 RATE_HZ = 1 / CONTROL_PERIOD
 PROSE = re.compile(r"(^|\.)(description|(\w+_)?source)$")
-"""Keys of a robot that explain numbers and change nothing."""
+"""Keys of a robot description that explain numbers and change nothing."""
 
 RECORDED_PACKAGES = ("mujoco", "numpy", "pybullet", "safetensors", "stable-baselines3", "torch")
+"""Packages whose versions the header records."""
 
 
 class ObservationPart(Table):
-    """One named stretch of the observation vector."""
+    """A named part of the observation vector."""
 
     name: str
-    unit: str = Field(description="of the values before scaling; for q and qd that of hinges, then of slides")
+    unit: str = Field(description="unit of the values before scaling; for q and qd, units of hinges, then of slides")
     size: int = Field(ge=1)
 
 
 class ActionPart(Table):
-    """What one action value does; a full action is 1."""
+    """Meaning of one action value; a full action is 1."""
 
     joint: str = Field(description="name of the joint, or of a wheel")
     unit: str
     scale: float = Field(
-        gt=0, description="of a full action: effort at standstill (torque), set-point step or speed (position)"
+        gt=0, description="size of a full action: effort at standstill (torque), set-point step or speed (position)"
     )
 
 
 class PolicyHeader(Table):
-    """All that is to know about a policy but its weights; the content of `pipenav.json`."""
+    """Facts about a policy other than its weights; the content of `pipenav.json`."""
 
     format: Literal["pipenav-policy"] = "pipenav-policy"
     version: Literal[1] = 1
@@ -55,13 +56,13 @@ class PolicyHeader(Table):
     rate_hz: float = Field(gt=0, description="control rate that the policy was trained at [Hz]")
     train_pipes: tuple[str, ...] = Field(description="pipe sets or pipes that it was trained in")
     training: dict[str, str | int | float | bool] = Field(description="summary: steps, seconds, seed, preset, success")
-    versions: dict[str, str] = Field(description="of pipenav, Python and the libraries that took part")
+    versions: dict[str, str] = Field(description="versions of pipenav, Python and the libraries that took part")
 
 
 def header_for(
     robot: RobotSpec, task: TaskConfig, train_pipes: Sequence[str], training: dict[str, str | int | float | bool]
 ) -> PolicyHeader:
-    """The header of a policy that this installation trained for this robot and task."""
+    """Header of a policy that this installation trained for a robot and a task."""
     return PolicyHeader(
         robot=robot,
         task=task,
@@ -75,13 +76,13 @@ def header_for(
 
 
 def observation_parts(robot: RobotSpec, task: TaskConfig) -> tuple[ObservationPart, ...]:
-    """The observation's parts, in order."""
+    """Parts of the observation, in order."""
     parts = task_of(task).layout(robot)
     return tuple(ObservationPart(name=part.name, unit=part.unit, size=len(part.scale)) for part in parts)
 
 
 def action_parts(robot: RobotSpec, task: TaskConfig) -> tuple[ActionPart, ...]:
-    """What each action value means: the joints' in order, then the wheels'."""
+    """Meaning of each action value: the joints in order, then the wheels."""
     torque = task.control == "torque"
     units = {"slide": "N", "hinge": "N m"} if torque else {"slide": "m", "hinge": "rad"}
     named = [(joint.name, units[joint.type]) for joint in robot.joints]
@@ -91,7 +92,7 @@ def action_parts(robot: RobotSpec, task: TaskConfig) -> tuple[ActionPart, ...]:
 
 
 def installed_versions() -> dict[str, str]:
-    """Of pipenav, Python and those of the recorded packages that are installed; imports none of them."""
+    """Versions of pipenav, Python and the recorded packages that are installed; imports none of them."""
     versions = {"pipenav": pipenav.__version__, "python": platform.python_version()}
     for name in RECORDED_PACKAGES:
         with contextlib.suppress(metadata.PackageNotFoundError):
@@ -100,7 +101,7 @@ def installed_versions() -> dict[str, str]:
 
 
 def robot_difference(made: RobotSpec, given: RobotSpec) -> str:
-    """The first number or name that differs, as `links.1.length is 0.12, here 0.13`; empty where only prose differs."""
+    """First number or name that differs, as `links.1.length is 0.12, here 0.13`; empty where only prose differs."""
     one, other = _leaves(made.model_dump()), _leaves(given.model_dump())
     for key in [*one, *other]:
         if not PROSE.search(key) and one.get(key) != other.get(key):
@@ -109,7 +110,7 @@ def robot_difference(made: RobotSpec, given: RobotSpec) -> str:
 
 
 def _leaves(tree: object, prefix: str = "") -> dict[str, object]:
-    """Nested dicts and lists as one flat dict with dotted keys."""
+    """Values of nested dicts and lists by dotted keys."""
     if isinstance(tree, dict):
         items = list(tree.items())
     elif isinstance(tree, list | tuple):

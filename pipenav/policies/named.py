@@ -1,4 +1,4 @@
-"""The controllers that a person may name: a trained policy, or a baseline to compare it with."""
+"""Controllers by name: a trained policy, or a baseline to compare it with."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from pipenav.tasks.registry import TaskConfig, default_config
 BASELINE = "baseline:"
 
 BASELINES = {"random": "basic", "centreline": "basic", "sequence": "pirate", "sequence-line": "pirate"}
-"""Controllers to compare a policy with, and the robot that each drives where none is named."""
+"""Names of the baselines, and the robot that each of them controls by default."""
 
 
 class PolicyController:
@@ -31,7 +31,7 @@ class PolicyController:
 
 
 class RandomController:
-    """Uniform random actions, for a floor under every comparison."""
+    """Uniform random actions: the lower end of every comparison."""
 
     def __init__(self, robot: RobotSpec, seed: int, task: TaskConfig | None = None) -> None:
         self.robot, self.task = robot, task or default_config(robot)
@@ -42,17 +42,17 @@ class RandomController:
 
 
 def open_controller(text: str, robot_name: str | None = None, seed: int = 0) -> AnyController:
-    """The controller that a person named.
+    """Open a controller by its name.
 
     Args:
         text: `baseline:` and one of `BASELINES`, a shipped policy's name, or a policy file.
-        robot_name: robot of a baseline, by default as `BASELINES` says; a policy brings its own.
+        robot_name: robot of a baseline, by default the one in `BASELINES`; a policy brings its own.
         seed: seed of `baseline:random`.
 
     Raises:
         UnknownName: no such baseline, policy or robot.
-        PolicyFileError: a policy file that cannot be used.
-        PipenavError: a robot that the baseline cannot drive.
+        PolicyFileError: the policy file cannot be used.
+        PipenavError: the baseline cannot control the robot.
     """
     if not text.startswith(BASELINE):
         return PolicyController(load_policy(resolve_policy(text)))

@@ -41,17 +41,17 @@ __all__ = [
 ]
 
 TRANSIENT = ("_last_obs", "_last_episode_starts", "ep_info_buffer", "ep_success_buffer", "lr_schedule", "start_time")
-"""What Stable-Baselines3 would store of the training run although it makes it anew on loading."""
+"""Attributes that Stable-Baselines3 would store although it makes them anew on loading."""
 
 
 class Policy:
-    """A trained actor: what it was made for, and what it does.
+    """A trained actor.
 
     Attributes:
-        path: the file it came from.
-        header: see `PolicyHeader`.
-        observation_scale: what each observed value was divided by before it came to `act`, (size,). `ReachBatch`
-            divides already; who builds observations without it divides himself.
+        path: file that it came from.
+        header: the robot and the task that it was made for, and how it was trained.
+        observation_scale: numbers that each value of an observation must be divided by before `act`, (size,). A
+            `TaskBatch` gives divided observations.
     """
 
     def __init__(self, path: Path, header: PolicyHeader, observation_scale: Array32, layers: Sequence[Layer]) -> None:
@@ -59,13 +59,13 @@ class Policy:
         self._layers = tuple(layers)
 
     def act(self, observation: NDArray[np.floating]) -> Array32:
-        """Deterministic actions in [-1, 1], (n, joints).
+        """Deterministic actions in [-1, 1], (n, action_size).
 
         A row's result does not depend on the other rows or on their number: BLAS picks its order of summation by the
         shape of the whole, einsum sums each row in the order of its inputs.
 
         Args:
-            observation: scaled, as `ReachBatch` gives it, (n, size).
+            observation: scaled observations, as a `TaskBatch` gives them, (n, size).
         """
         x = np.asarray(observation, np.float32)
         for weight, bias in self._layers[:-1]:
@@ -78,7 +78,8 @@ class Policy:
         """Check that the policy was made for this robot and for these observations and actions.
 
         Raises:
-            PolicyFileError: it was not; the first difference is named. Prose in the robot's description may differ.
+            PolicyFileError: the policy was made for others; the message names the first difference. Prose in the
+                robot's description may differ.
         """
         own, task = self.header, task or self.header.task
         if robot is not None and robot.name != own.robot.name:
@@ -98,15 +99,15 @@ class Policy:
 
 
 def policy_names() -> list[str]:
-    """The shipped policies."""
+    """Names of the shipped policies."""
     return sorted(path.parent.name for path in shipped.policies_dir().glob("*/best.zip"))
 
 
 def resolve_policy(name: str) -> Path:
-    """The file of a shipped policy by its name, or the path itself.
+    """File of a shipped policy by its name, or the path itself.
 
     Raises:
-        UnknownName: neither a shipped policy's name nor anything like a path.
+        UnknownName: the text is neither a shipped policy's name nor anything like a path.
     """
     if name in policy_names():
         return shipped.policies_dir() / name / "best.zip"
@@ -117,16 +118,16 @@ def resolve_policy(name: str) -> Path:
 
 
 def save_policy(path: Path, model: PPO, header: PolicyHeader) -> None:
-    """Write the policy file, whole or not at all: whatever goes wrong, the file that was there stays.
+    """Write a policy file, whole or not at all: if anything goes wrong, an earlier file stays.
 
     Args:
         path: the file to write; its folder must exist.
         model: a Stable-Baselines3 PPO whose actor is a tanh perceptron.
-        header: what the policy was made for.
+        header: the robot and the task that the policy was made for.
 
     Raises:
-        PolicyFileError: weights that could not be loaded again, e.g. not finite ones.
-        PipenavError: an actor of another kind.
+        PolicyFileError: the weights could not be loaded again, as they are not finite, say.
+        PipenavError: the actor is of another kind.
         FileProblem: the file cannot be written.
     """
     scale = task_of(header.task).observation_scale(header.robot).astype(np.float32)
@@ -144,10 +145,10 @@ def save_policy(path: Path, model: PPO, header: PolicyHeader) -> None:
 
 
 def load_policy(path: Path | str) -> Policy:
-    """Read a policy file, from whomever it comes: only our two members, no pickles, sizes bounded.
+    """Read a policy file, which may come from a stranger: only our two members, no pickles, sizes bounded.
 
     Raises:
-        PolicyFileError: whatever is wrong with it, in one sentence.
+        PolicyFileError: something is wrong with the file; the message is one sentence.
     """
     path = Path(path)
     again = "check its name"
@@ -166,7 +167,7 @@ def load_policy(path: Path | str) -> Policy:
 
 
 def _actor_weights(model: PPO) -> dict[str, Array32]:
-    """The actor's linear layers as `layer0.weight` (outputs, inputs), `layer0.bias` (outputs,), ..."""
+    """Linear layers of the actor as `layer0.weight` (outputs, inputs), `layer0.bias` (outputs,), ..."""
     from torch import nn
 
     hidden = list(model.policy.mlp_extractor.policy_net)

@@ -9,8 +9,7 @@ from contextlib import closing, contextmanager
 import numpy as np
 
 from pipenav.backends.backend import CONTROL_PERIOD, Simulator, Viewer
-from pipenav.backends.registry import open_simulator
-from pipenav.errors import PipenavError
+from pipenav.backends.simulators import open_simulator
 from pipenav.motions.trajectory import Trajectory
 from pipenav.recording.record import RecordingSettings
 
@@ -35,7 +34,7 @@ class Window:
         """Show the backend's first robot, one control period after the call before."""
         if backend is not self._backend:
             self.close()
-            self._backend, self._viewer = backend, _open(backend)
+            self._backend, self._viewer = backend, backend.open_viewer()
             self._due = self._clock()
         if self._viewer is not None and self._viewer.show():
             self._due += CONTROL_PERIOD
@@ -73,10 +72,3 @@ def play(trajectories: Sequence[Trajectory], simulator: RecordingSettings) -> No
                 backend.reset(np.arange(1), [header.pipe], q[None], np.array([header.base_m]))
                 if simulator.watch is not None:
                     simulator.watch(backend)
-
-
-def _open(backend: Simulator) -> Viewer:
-    if not backend.has_viewer:
-        name = type(backend).__name__
-        raise PipenavError(f"{name} has no window of its own: choose --backend mujoco, or leave out --live.")
-    return backend.open_viewer()

@@ -11,12 +11,13 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.backends.backend import Simulator
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.simulators import open_simulator
 from pipenav.evaluation.episode_runner import random_start
 from pipenav.evaluation.locate_stage import LocateStage
 from pipenav.evaluation.rear_stage import RearStage
 from pipenav.evaluation.stage import Stage, TaskStage
-from pipenav.locating.locator import LOCATORS, LocateConfig, Variant, robot_for
+from pipenav.locating.locator import LocateConfig, Variant, robot_for
+from pipenav.locating.variants import LOCATORS
 from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.pipe import Pipe

@@ -9,7 +9,7 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD
-from pipenav.backends.registry import open_space
+from pipenav.backends.simulators import open_space
 from pipenav.errors import PipenavError
 from pipenav.evaluation.episode_runner import random_start
 from pipenav.evaluation.rolling_stage import check_in_space, gravity_of

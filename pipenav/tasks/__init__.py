@@ -1,1 +1,1 @@
-"""What a robot is asked to do: observation, action, reward, outcome over n robots, one folder a task."""
+"""Tasks: observation, action, reward and outcome over n robots, one folder for each task."""

@@ -1,4 +1,4 @@
-"""n episodes of a task, stepped together: what environments and stages need of every task."""
+"""n episodes of a task, stepped together: the interface that environments and evaluation use."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from pipenav.robots.robot import RobotSpec
 
 
 class StepResult(NamedTuple):
-    """One control step of n robots.
+    """Result of one control step of n robots.
 
     Attributes:
         observation: scaled observations, (n, size).
         reward: rewards, (n,).
-        outcome: an `Outcome` for each robot, (n,); other than RUNNING ends the episode.
+        outcome: an `Outcome` for each robot, (n,); any other than `RUNNING` ends the episode.
         min_range: smallest laser reading, (n,) [m].
-        truth: what the simulator knows.
-        cut_off: whether the episode ended for want of time alone, so that it might have gone on, (n,).
+        truth: quantities that only the simulator knows.
+        cut_off: whether the time limit alone ended the episode, which could otherwise have gone on, (n,).
     """
 
     observation: Floats
@@ -37,12 +37,14 @@ class StepResult(NamedTuple):
 
 
 class TaskBatch(ABC):
-    """n episodes of a task, stepped together. The caller of `step` also says, by `reset`, which robots start anew.
+    """n episodes of a task, stepped together.
+
+    Episodes that ended do not start anew by themselves: the caller of `step` resets their robots.
 
     Attributes:
         robot: the robot.
         n: number of robots.
-        steps: control steps of each robot's episode, (n,).
+        steps: control steps of each robot's episode so far, (n,).
     """
 
     robot: RobotSpec
@@ -52,31 +54,42 @@ class TaskBatch(ABC):
 
     @property
     def observation_size(self) -> int:
-        """Values of one robot's observation."""
+        """Number of values in one robot's observation."""
         return len(self._scale)
 
     @property
     def action_size(self) -> int:
-        """Values of one robot's action."""
+        """Number of values in one robot's action."""
         return len(self.robot.driven_actuators)
 
     @property
     @abstractmethod
     def pipes(self) -> Sequence[Pipe | None]:
-        """The pipe of each robot; None before its first reset."""
+        """Pipe of each robot; None before its first reset."""
 
     @property
     @abstractmethod
     def q(self) -> Floats:
-        """Configurations in the robot's own frame, (n, coordinates); NaN for a base pose that leaves the plane."""
+        """Configurations in the robot's own frame, (n, coordinates); a base pose that leaves the plane is NaN."""
 
     @abstractmethod
     def reset(self, indices: Ints | None = None) -> Floats:
-        """Start new episodes for some robots (sorted, unique), or all; observations of all robots, (n, size)."""
+        """Start new episodes for some robots.
+
+        Args:
+            indices: which robots, sorted and unique; all by default.
+
+        Returns:
+            Observations of all robots, (n, size).
+        """
 
     @abstractmethod
     def step(self, action: Floats) -> StepResult:
-        """Advance every robot by one control step under canonical actions in [-1, 1], (n, action_size)."""
+        """Advance every robot by one control step.
+
+        Args:
+            action: canonical actions in [-1, 1], (n, action_size).
+        """
 
     @abstractmethod
     def close(self) -> None:
@@ -84,8 +97,8 @@ class TaskBatch(ABC):
 
 
 class TrainingBatch(TaskBatch):
-    """Episodes that a policy can be trained on."""
+    """A batch that a policy can be trained on."""
 
     @abstractmethod
     def stagger(self, rng: np.random.Generator) -> None:
-        """Make the next episodes start at random ages, so that their time-outs do not all fall into one step."""
+        """Let the next episodes start at random ages, so that their time-outs do not all fall into one step."""

@@ -8,7 +8,13 @@ from pipenav.arrays import Floats
 
 
 class ObservationField(NamedTuple):
-    """One named stretch of the observation vector."""
+    """A named part of the observation vector.
+
+    Attributes:
+        name: name of the part in policy files.
+        unit: unit of its values before scaling.
+        scale: number that each value is divided by, (size,).
+    """
 
     name: str
     unit: str

@@ -1,4 +1,4 @@
-"""The tasks that there are: found by the class of their settings, which files tell apart by the key `kind`."""
+"""All tasks, found by the class of their settings, which files tell apart by the key `kind`."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def _tag(given: Any) -> str:
 TaskConfig = Annotated[
     Annotated[ReachConfig, Tag("<reach>")] | Annotated[TraverseConfig, Tag("<traverse>")], Discriminator(_tag)
 ]
-"""A task's settings, told apart by the key `kind`; without it they are those of the reach task."""
+"""Settings of any task, told apart by the key `kind`; without that key they are the reach task's."""
 
 
 def task_of(config: ReachConfig | TraverseConfig) -> AnyTask:
@@ -32,15 +32,19 @@ def task_of(config: ReachConfig | TraverseConfig) -> AnyTask:
 
 
 def default_config(robot: RobotSpec) -> ReachConfig | TraverseConfig:
-    """Settings of what a robot does where nothing else is said: an arm on a mount reaches, a whole robot traverses."""
+    """Default task settings of a robot: an arm on a mount reaches, a whole robot traverses."""
     return TraverseConfig(kind="traverse") if robot.free else ReachConfig()
 
 
 def require_reach(config: ReachConfig | TraverseConfig, who: str) -> ReachConfig:
-    """The settings, where they are the reach task's.
+    """The settings, checked to be the reach task's.
+
+    Args:
+        config: settings of some task.
+        who: the user of the settings, as the first words of the message.
 
     Raises:
-        PipenavError: they are another task's, which `who` cannot use.
+        PipenavError: the settings are another task's.
     """
     if isinstance(config, ReachConfig):
         return config

@@ -22,22 +22,22 @@ def random_episodes(
 ) -> EpisodeSource[EpisodesT]:
     """A source of random episodes: first a set of pipes is drawn, each with the same chance, then a pipe of it.
 
-    Episodes are drawn at least `stock` at a time and then dealt out, since hundreds cost hardly more to draw than one.
-    Those too few for the robots that ask next are dropped.
+    At least `stock` episodes are drawn at a time and then dealt out, since hundreds cost hardly more to draw than one.
+    A rest that is too small for the next request is dropped.
 
     Args:
         task: the task that the episodes are for.
         robot: the robot.
         sets: the sets of pipes.
-        rng: the generator of everything random.
-        stock: how many episodes are drawn at least.
+        rng: source of all randomness.
+        stock: least number of episodes to draw at a time.
     """
     sizes = np.array([len(pipes) for pipes in sets])
 
     def draw(k: int) -> EpisodesT:
         chosen = rng.integers(len(sets), size=k)
-        places = rng.integers(sizes[chosen])
-        pipes = [sets[i][j] for i, j in zip(chosen.tolist(), places.tolist(), strict=True)]
+        members = rng.integers(sizes[chosen])
+        pipes = [sets[i][j] for i, j in zip(chosen.tolist(), members.tolist(), strict=True)]
         return task.sample(robot, pipes, rng)
 
     held, dealt = draw(0), 0

@@ -1,4 +1,4 @@
-"""What a robot is asked to do: the one interface of every kind of task."""
+"""A task of a robot: the one interface of every kind of task."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from pipenav.tasks.outcome import PassageStage
 
 
 class Episodes(Protocol):
-    """k episodes about to start: where, how the robots stand, and whatever else the task draws."""
+    """k episodes about to start: the pipes, the start poses, and all else that the task draws."""
 
     @property
     def pipes(self) -> tuple[Pipe, ...]:
-        """The pipe of each, k of them."""
+        """Pipe of each episode, k of them."""
         ...
 
     @property
@@ -32,26 +32,26 @@ class Episodes(Protocol):
 
     @property
     def base(self) -> Floats:
-        """Where the robot's frame starts on the first leg's axis, x in the pipe's frame, (k,) [m]."""
+        """Origin of each robot's frame on the first leg's axis, x in the pipe's frame, (k,) [m]."""
         ...
 
-    def part(self, which: slice) -> Self:
-        """Some of the episodes."""
+    def part(self, rows: slice) -> Self:
+        """Episodes of some rows."""
         ...
 
 
 ConfigT = TypeVar("ConfigT", bound=Table)
 EpisodesT = TypeVar("EpisodesT", bound=Episodes)
 EpisodeSource = Callable[[Ints], EpisodesT]
-"""Given the robots that start anew, their next episodes."""
+"""Function that gives the next episodes of the robots that start anew, from their indices, (k,)."""
 
 
 class Task(ABC, Generic[ConfigT, EpisodesT]):
     """A kind of task with its settings.
 
     Attributes:
-        stage: the part of a passage that the task is.
-        config: the settings.
+        stage: part of a passage that the task is.
+        config: settings of the task.
     """
 
     stage: ClassVar[PassageStage]
@@ -61,7 +61,7 @@ class Task(ABC, Generic[ConfigT, EpisodesT]):
 
     @abstractmethod
     def parse_training_pipes(self, given: Sequence[str]) -> Sequence[Pipe]:
-        """Pipes to train in, as a person names them.
+        """Pipes to train in, from the texts by which a person names them.
 
         Raises:
             PipenavError: something unknown or impossible, or a pipe that the task cannot be trained in.
@@ -69,7 +69,7 @@ class Task(ABC, Generic[ConfigT, EpisodesT]):
 
     @abstractmethod
     def parse_pipes(self, given: Sequence[str]) -> Sequence[Pipe]:
-        """Pipes to evaluate in, as a person names them.
+        """Pipes to evaluate in, from the texts by which a person names them.
 
         Raises:
             PipenavError: something unknown or impossible.
@@ -89,7 +89,7 @@ class Task(ABC, Generic[ConfigT, EpisodesT]):
 
     @abstractmethod
     def action_scale(self, robot: RobotSpec) -> Floats:
-        """Physical size of a full action of 1, (action_size,)."""
+        """Physical size of an action of 1, (action_size,)."""
 
     @abstractmethod
     def sample(self, robot: RobotSpec, pipes: Sequence[Pipe], rng: np.random.Generator) -> EpisodesT:
@@ -97,10 +97,10 @@ class Task(ABC, Generic[ConfigT, EpisodesT]):
 
     @abstractmethod
     def batch(self, robot: RobotSpec, simulator: Simulator, n: int, source: EpisodeSource[EpisodesT]) -> TrainingBatch:
-        """n episodes on a simulator, whose starts the source gives."""
+        """A batch of n episodes on a simulator; the source says how each episode starts."""
 
     def observation_scale(self, robot: RobotSpec) -> Floats:
-        """What each value of the observation is divided by, (size,)."""
+        """Number that each value of the observation is divided by, (size,)."""
         return np.concatenate([field.scale for field in self.layout(robot)])
 
 

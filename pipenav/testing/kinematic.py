@@ -1,4 +1,4 @@
-"""A backend without physics, for tests and examples of all that is built on backends."""
+"""A simulator without physics, for tests and examples of everything that is built on backends."""
 
 from __future__ import annotations
 
@@ -8,19 +8,18 @@ import numpy as np
 from pydantic import Field
 
 from pipenav.arrays import Floats, Ints
-from pipenav.backends import backend
-from pipenav.backends.backend import CONTROL_PERIOD, Simulator
+from pipenav.backends.backend import CONTROL_PERIOD, BackendOptions, Simulator
 from pipenav.backends.messages import Command, Reading, Truth
-from pipenav.errors import PipenavError
+from pipenav.backends.refusals import TooManyWalls
 from pipenav.pipes.pipe import Pipe
 from pipenav.robots import kinematics, laser
 from pipenav.robots.robot import RobotSpec
 
 
-class KinematicOptions(backend.BackendOptions):
-    """Settings of the backend without physics."""
+class KinematicOptions(BackendOptions):
+    """Settings of the simulator without physics."""
 
-    speed_share: float = Field(1.0, gt=0, le=1, description="share of their no-load speed that full drives reach")
+    speed_share: float = Field(1.0, gt=0, le=1, description="share of the no-load speed that joints reach at full duty")
 
 
 class KinematicBackend(Simulator):
@@ -28,7 +27,7 @@ class KinematicBackend(Simulator):
 
     Options = KinematicOptions
 
-    def __init__(self, robot: RobotSpec, n: int, options: backend.BackendOptions, wall_segments: int = 4) -> None:
+    def __init__(self, robot: RobotSpec, n: int, options: BackendOptions, wall_segments: int = 4) -> None:
         assert isinstance(options, KinematicOptions)
         self._robot = robot
         self._reach = options.speed_share * robot.speed_limits * CONTROL_PERIOD  # farthest in one step, (joints,)
@@ -42,7 +41,7 @@ class KinematicBackend(Simulator):
         for i, pipe in zip(indices, pipes, strict=True):
             count = len(pipe.segments)
             if count > slots:
-                raise PipenavError(f"pipe {pipe.name} has {count} wall segments, this backend was opened for {slots}.")
+                raise TooManyWalls(pipe, slots)
             self._segments[i] = pipe.segments[-1]  # repeated in the slots that are left over
             self._segments[i, :count] = pipe.segments
         self._q[indices], self._qd[indices], self._time[indices], self._base[indices] = q, 0.0, 0.0, base

@@ -155,10 +155,10 @@ class Codec:
             )
         if result.empty.any():
             return Encoded({}, tuple(map(bool, result.clamped)), self._positions(last))
-        self.last = result.goal
-        pairs = zip(self._arm.ids, result.goal, self.speeds, strict=True)
+        self.last = result.set_points
+        pairs = zip(self._arm.ids, result.set_points, self.speeds, strict=True)
         goals = {servo: ServoGoal(int(counts), speed) for servo, counts, speed in pairs}
-        return Encoded(goals, tuple(map(bool, result.clamped)), self._positions(result.goal))
+        return Encoded(goals, tuple(map(bool, result.clamped)), self._positions(result.set_points))
 
     def _positions(self, counts: Floats) -> Floats:
         return np.array([servo.to_position(count) for servo, count in zip(self._arm.servos, counts, strict=True)])

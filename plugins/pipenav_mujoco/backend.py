@@ -1,4 +1,4 @@
-"""n robots on MuJoCo's batch: one model, walls placed per robot, beams once per control step."""
+"""n robots in the plane on MuJoCo's batch: one model, walls placed for each robot, beams once a control step."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from pydantic import Field
 
 from pipenav.arrays import Floats, Ints
 from pipenav.backends import (
-    CONTROL_PERIOD,
     BackendOptions,
     Command,
     Control,
@@ -21,10 +20,10 @@ from pipenav.backends import (
     Truth,
     Variation,
     Windows,
+    physics_steps,
     strongest,
     wall_boxes,
 )
-from pipenav.errors import PipenavError
 from pipenav.pipes import Pipe
 from pipenav.robots import BASE, RobotSpec, kinematics, laser
 from pipenav_mujoco.model import Contact, build_spec
@@ -39,7 +38,7 @@ class MujocoOptions(BackendOptions):
     threads: int = Field(0, ge=0, le=1024, description="threads that step the robots; 0 uses every core")
     contact_time_constant: float = Field(0.005, gt=0, le=0.1, description="solref time constant of contacts [s]")
     gravity: float | None = Field(
-        None, ge=0, le=20, description="downwards, in runs that leave the plane [m/s^2]; none: as the task has it"
+        None, ge=0, le=20, description="gravity downwards in routes that leave the plane [m/s^2]; default: the task's"
     )
     contact_impedance: tuple[float, float, float] = Field(
         (0.95, 0.99, 0.001), strict=False, description="solimp d0, d_width [1] and width [m] of contacts"
@@ -47,7 +46,7 @@ class MujocoOptions(BackendOptions):
 
 
 class MujocoBackend(Simulator):
-    """See `pipenav.backends.Backend`."""
+    """Simulator of n robots in the plane, see `pipenav.backends.Simulator`."""
 
     Options = MujocoOptions
     moves_in_space = True
@@ -57,7 +56,7 @@ class MujocoBackend(Simulator):
         assert isinstance(options, MujocoOptions)
         self._robot = robot
         self._slots = wall_segments
-        self._substeps = _substeps(options.timestep)
+        self._substeps = physics_steps(options.timestep)
         contact = Contact(options.contact_time_constant, options.contact_impedance)
         self._model = build_spec(robot, wall_segments, options.timestep, contact).compile()
         self._batch = mujoco.batch.Batch(self._model, n, options.threads)
@@ -72,16 +71,16 @@ class MujocoBackend(Simulator):
     @classmethod
     def in_space(cls, robot: RobotSpec, n: int, options: BackendOptions, gravity: float) -> MujocoSpace:
         assert isinstance(options, MujocoOptions)
-        _substeps(options.timestep)
+        physics_steps(options.timestep)
         contact = Contact(options.contact_time_constant, options.contact_impedance)
         weight = gravity if options.gravity is None else options.gravity
         return MujocoSpace(robot, n, SpaceSettings(options.timestep, contact, weight, options.threads))
 
     def _bind(self, n: int) -> None:
-        """Live views of the batch's state, and room for what every physics step records."""
+        """Bind live views of the batch's state, and allocate the record of the physics steps."""
         batch, model, robot = self._batch, self._model, self._robot
         self._state, self._speeds, self._time = batch.bind("qpos"), batch.bind("qvel"), batch.bind("time")
-        # Every joint is one number here, so places in qpos and in qvel are the same.
+        # Every joint has one coordinate here, so indices into qpos and into qvel are the same.
         joints = [model.joint(joint.name).qposadr[0] for joint in robot.joints]
         base = [model.joint(f"base_{name}").qposadr[0] for name in BASE if robot.free]
         self._joints, self._configured = np.array(joints, int), np.array(base + joints, int)
@@ -135,7 +134,7 @@ class MujocoBackend(Simulator):
         self._link_forces[touching] = -strongest(forces)  # the sensors give what the link does to the wall
 
     def _set_gains(self, indices: slice | Ints) -> None:
-        """Make the actuators servos or plain drives; both share the motor's torque-speed line."""
+        """Make the actuators of some robots servos or plain motors; both share the motor's torque-speed line."""
         servo = self._control == "position"
         joints = len(self._joints)
         self._gain[indices, :, 0] = self._stiffness[indices] if servo else self._effort[indices]
@@ -150,7 +149,7 @@ class MujocoBackend(Simulator):
         )
 
     def vary(self, indices: Ints, variation: Variation) -> None:
-        """Vary some robots. Fields become the robots' own when this is first called."""
+        """Vary some robots. The fields that it changes become separate for each robot at the first call."""
         batch, model = self._batch, self._model
         links = [model.body(link.name).id for link in self._robot.links]
         rows = np.ix_(indices, links)
@@ -168,8 +167,10 @@ class MujocoBackend(Simulator):
         self._set_gains(indices)
 
     def _derive_constants(self, indices: Ints) -> None:
-        """What MuJoCo computes from masses. Bounding volumes must stay those of the longest walls: a reset changes
-        walls without computing them anew."""
+        """Let MuJoCo derive its constants from the masses of some robots.
+
+        Bounding volumes must stay those of the longest walls: a reset changes walls without computing them anew.
+        """
         walls = self._wall_half_size[indices]
         self._wall_half_size[indices] = self._longest_walls
         self._batch.set_const(indices)
@@ -184,7 +185,7 @@ class MujocoBackend(Simulator):
         return Reading(q, qd, self._ranges[indices], self._time[indices].copy(), wheels, self._loads[indices])
 
     def _own_pose(self) -> kinematics.ChainPose:
-        """Of the robots as they are, worked out once."""
+        """Pose of all robots now, computed once after each step."""
         if self._pose is None:
             self._pose = kinematics.forward(self._robot, self._state[:, self._configured])
         return self._pose
@@ -201,7 +202,7 @@ class MujocoBackend(Simulator):
         return Truth(tip, force, self._depth.copy(), self._contact_share.copy(), self._link_forces.copy())
 
     def open_viewer(self) -> MujocoViewer:
-        """MuJoCo's own viewer on the first robot, as it is placed now."""
+        """Open MuJoCo's own viewer on the first robot; its walls stay as they are now."""
         model = copy.copy(self._model)
         first = model.geom("wall0").id
         model.geom_size[first : first + self._slots] = self._wall_half_size[0]
@@ -211,18 +212,3 @@ class MujocoBackend(Simulator):
 
     def close(self) -> None:
         self.__dict__.pop("_batch", None)
-
-
-def _substeps(timestep: float) -> int:
-    """Physics steps in a control period.
-
-    Raises:
-        PipenavError: they do not fill it.
-    """
-    steps = round(CONTROL_PERIOD / timestep)
-    if abs(steps * timestep - CONTROL_PERIOD) > 1e-9:
-        raise PipenavError(
-            f"a timestep of {timestep:g} s does not divide the control period of {CONTROL_PERIOD:g} s: "
-            "choose for example 0.0025 or 0.001."
-        )
-    return steps

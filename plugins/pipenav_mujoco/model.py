@@ -1,4 +1,4 @@
-"""The MuJoCo model of a robot and the walls around it, built from RobotSpec and Pipe."""
+"""MuJoCo model of a robot in the plane and of the walls around it."""
 
 from __future__ import annotations
 
@@ -9,30 +9,30 @@ import numpy as np
 
 from pipenav.backends import OUTER_THICKNESS, PARKED, WALL_HALF_HEIGHT, wall_boxes
 from pipenav.pipes import PipeCorner
-from pipenav.robots import BASE, Actuator, BoxPart, Joint, Link, RobotSpec, Wheel
+from pipenav.robots import BASE, Actuator, BoxPart, DiscPart, Joint, Link, RobotSpec, Wheel
 
 ROBOT, WALL = 1, 2
 """Collision groups: links meet walls only, never each other."""
 
 ROBOT_TOUCHES, WALL_TOUCHES = {"contype": ROBOT, "conaffinity": WALL}, {"contype": WALL, "conaffinity": ROBOT}
-"""What a part of the robot meets, and what a wall does."""
+"""Collision masks of the robot's parts, and of walls."""
 
 HIDDEN_GROUP = 3
 """Geom group that MuJoCo's viewers do not draw unless asked."""
 
 MAX_HALF_LENGTH = 10.5
-"""Half length that bounding volumes are computed for [m]; the longest leg is 20 m."""
+"""Half length of a wall for which bounding volumes are computed [m]; the longest leg is 20 m."""
 
 
 class Contact(NamedTuple):
-    """Contact parameters, see the backend's Options."""
+    """Contact parameters, see the backend's `Options`."""
 
     time_constant: float
     impedance: tuple[float, float, float]
 
 
 def new_spec(robot: RobotSpec, timestep: float) -> Any:
-    """An empty MjSpec with the settings that every model of ours has."""
+    """Empty MjSpec with the settings that every model here has."""
     spec = mujoco.MjSpec()
     spec.modelname = robot.name
     spec.option.timestep = timestep
@@ -49,7 +49,7 @@ def new_spec(robot: RobotSpec, timestep: float) -> Any:
 
 
 def build_spec(robot: RobotSpec, slots: int, timestep: float, contact: Contact) -> Any:
-    """An MjSpec of the robot among `slots` wall boxes on mocap bodies, parked until a reset places them."""
+    """MjSpec of the robot among `slots` wall boxes on mocap bodies, parked until a reset places them."""
     spec = new_spec(robot, timestep)
     _add_robot(spec, robot, contact)
     for i in range(slots):
@@ -60,7 +60,7 @@ def build_spec(robot: RobotSpec, slots: int, timestep: float, contact: Contact) 
 
 
 def static_spec(robot: RobotSpec, pipe: PipeCorner, timestep: float, contact: Contact, base: float = 0.0) -> Any:
-    """The same model with this pipe's walls as static geoms: the reference that the mocap walls are tested against."""
+    """MjSpec of the robot with a pipe's walls as static geoms: the reference by which the mocap walls are tested."""
     spec = build_spec(robot, 0, timestep, contact)
     boxes = wall_boxes([pipe], len(pipe.segments), np.array([base]))
     for i, (position, quaternion, half_size, _) in enumerate(zip(*(part[0] for part in boxes), strict=True)):
@@ -88,7 +88,7 @@ def _add_robot(spec: Any, robot: RobotSpec, contact: Contact) -> None:
 
 
 def _add_base(body: Any) -> None:
-    """What lets a free robot move in its plane."""
+    """Add the joints by which a free robot moves in its plane."""
     slide, hinge = mujoco.mjtJoint.mjJNT_SLIDE, mujoco.mjtJoint.mjJNT_HINGE
     axes = [(slide, [1, 0, 0]), (slide, [0, 1, 0]), (hinge, [0, 0, 1])]
     for name, (kind, axis) in zip(BASE, axes, strict=True):
@@ -98,8 +98,14 @@ def _add_base(body: Any) -> None:
 def add_driven_joint(
     body: Any, driven: Joint | Wheel, actuator: Actuator, axis: tuple[int, int, int] | None = None
 ) -> None:
-    """The joint of a link or a wheel with its motor's damping and inertia; about or along `axis`, by default about z,
-    of a slide along x."""
+    """Add the joint of a link or a wheel with its motor's damping and inertia.
+
+    Args:
+        body: body that the joint moves.
+        driven: the joint or wheel.
+        actuator: its motor.
+        axis: axis of the joint; by default x for a slide and z for all others.
+    """
     slide = isinstance(driven, Joint) and driven.type == "slide"
     joint = body.add_joint(
         name=driven.name,
@@ -113,7 +119,7 @@ def add_driven_joint(
 
 
 def _add_actuator(spec: Any, name: str, actuator: Actuator) -> Any:
-    """A motor at a joint or a wheel; what it does about an error is set later."""
+    """Add a motor at a joint or a wheel; its gains are set later."""
     return spec.add_actuator(
         name=name,
         trntype=mujoco.mjtTrn.mjTRN_JOINT,
@@ -126,39 +132,39 @@ def _add_actuator(spec: Any, name: str, actuator: Actuator) -> Any:
 
 
 def add_servo(spec: Any, driven: Joint | Wheel, actuator: Actuator) -> None:
-    """A motor with its on-board controller: it keeps the position of a joint, the speed of a wheel."""
+    """Add a motor with its on-board controller, which keeps the position of a joint or the speed of a wheel."""
     servo, gain = _add_actuator(spec, driven.name, actuator), actuator.controller_gain
     servo.gainprm[0], servo.biasprm[2 if isinstance(driven, Wheel) else 1] = gain, -gain
 
 
 def _add_wheel(link: Any, wheel: Wheel, actuator: Actuator, contact: Contact) -> None:
-    """A body of its own, which turns about the axle."""
+    """Add a wheel as a body of its own, which turns about the axle."""
     body = link.add_body(name=wheel.name, pos=[wheel.x, 0, 0])
     add_driven_joint(body, wheel, actuator)
-    _add_disc(body, wheel.name, [0, 0, 0], wheel.radius, wheel.height, wheel.mass, surface(wheel.friction, contact))
+    disc = wheel.disc.model_copy(update={"x": 0.0})
+    _add_disc(body, wheel.name, disc, wheel.mass, surface(wheel.friction, contact))
 
 
 def _add_link_geoms(body: Any, link: Link, robot: RobotSpec, contact: Contact) -> None:
     density = link.mass / sum(part.volume for part in link.parts)
     of_link = surface(robot.friction, contact)
     for i, part in enumerate(link.parts):
-        name, place, mass = f"{link.name}_{i}", [part.x, part.y, 0], density * part.volume
+        name, mass = f"{link.name}_{i}", density * part.volume
         if isinstance(part, BoxPart):
             size = [part.length / 2, part.width / 2, part.height / 2]
             box = {"type": mujoco.mjtGeom.mjGEOM_BOX, "size": size, "mass": mass}
-            body.add_geom(name=name, pos=place, **box, **ROBOT_TOUCHES, **of_link)
+            body.add_geom(name=name, pos=[part.x, part.y, 0], **box, **ROBOT_TOUCHES, **of_link)
         else:
-            _add_disc(body, name, place, part.diameter / 2, part.height, mass, of_link)
+            _add_disc(body, name, part, mass, of_link)
 
 
-def _add_disc(
-    body: Any, name: str, place: list[float], radius: float, height: float, mass: float, treated: dict[str, Any]
-) -> None:
-    """A disc that meets upright walls as the ball of its diameter does, which is exact and fast."""
+def _add_disc(body: Any, name: str, disc: DiscPart, mass: float, surface: dict[str, Any]) -> None:
+    """Add a disc, which meets upright walls as the ball of its diameter does: that is exact and fast."""
+    place, radius = [disc.x, disc.y, 0], disc.diameter / 2
     kind, seen = mujoco.mjtGeom.mjGEOM_CYLINDER, {"contype": 0, "conaffinity": 0}
-    body.add_geom(name=f"{name}_seen", type=kind, pos=place, size=[radius, height / 2, 0], mass=mass, **seen)
+    body.add_geom(name=f"{name}_seen", type=kind, pos=place, size=[radius, disc.height / 2, 0], mass=mass, **seen)
     ball = {"type": mujoco.mjtGeom.mjGEOM_SPHERE, "size": [radius, 0, 0], "mass": 0, "group": HIDDEN_GROUP}
-    body.add_geom(name=name, pos=place, **ball, **ROBOT_TOUCHES, **treated)
+    body.add_geom(name=name, pos=place, **ball, **ROBOT_TOUCHES, **surface)
 
 
 def _add_wall_geom(body: Any, name: str, half_size: Any, robot: RobotSpec, contact: Contact) -> Any:
@@ -173,7 +179,7 @@ def _add_wall_geom(body: Any, name: str, half_size: Any, robot: RobotSpec, conta
 
 
 def surface(friction: float, contact: Contact) -> dict[str, Any]:
-    """Of a robot's part or a wall. Of the two that touch, the larger coefficient counts: that of a wheel's tread."""
+    """Surface of a robot's part or a wall. Where two touch, the larger coefficient counts: that of a wheel's tread."""
     return {
         "friction": [friction, 0.0, 0.0],
         "condim": 3,
@@ -183,7 +189,7 @@ def surface(friction: float, contact: Contact) -> dict[str, Any]:
 
 
 def add_sensors(spec: Any, bodies: list[str]) -> None:
-    """The net force of the walls on each body, then the depth of the deepest contact."""
+    """Add sensors of the net force of the walls on each body, then of the depth of the deepest contact."""
     kind, reduce = mujoco.mjtSensor.mjSENS_CONTACT, {"mindist": 1, "netforce": 3}
     force, dist = 1 << 1, 1 << 3
     for body in bodies:

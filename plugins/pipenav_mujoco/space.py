@@ -1,4 +1,4 @@
-"""n robots in space on MuJoCo: a model for every run, as a run's walls are meshes of its own; stepped in threads."""
+"""n robots in space on MuJoCo: a model for each route, whose walls are meshes of its own; stepped in threads."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from pipenav_mujoco.model import Contact
 from pipenav_mujoco.space_model import FRONT, WALL_GROUP, space_spec
 
 SEEN = np.array([group == WALL_GROUP for group in range(mujoco.mjNGROUP)], np.uint8)
-"""Geom groups that beams meet."""
+"""Flags of the geom groups that beams meet."""
 
 
 class SpaceSettings(NamedTuple):
-    """What every model is built with, and by how many threads robots are stepped; see the backend's Options."""
+    """Settings of every model, and the number of threads that step robots; see the backend's `Options`."""
 
     timestep: float
     contact: Contact
@@ -36,7 +36,7 @@ class SpaceSettings(NamedTuple):
 
 
 class MujocoSpace(SpaceBackend):
-    """See `pipenav.backends.spatial.SpaceBackend`."""
+    """Simulator of n robots in routes in space, see `pipenav.backends.SpaceBackend`."""
 
     def __init__(self, robot: RobotSpec, n: int, settings: SpaceSettings) -> None:
         self._robot, self._settings = robot, settings
@@ -75,7 +75,7 @@ class MujocoSpace(SpaceBackend):
 
 
 class _World:
-    """One robot in its run."""
+    """A robot in its route."""
 
     def __init__(self, robot: RobotSpec, model: Any, settings: SpaceSettings, windows: Windows) -> None:
         assert robot.roll is not None
@@ -88,10 +88,8 @@ class _World:
         links = [link.name for link in robot.links]
         self._links = np.array([model.body(name).id for name in links])
         self._halves = [model.body(name).id for name in (robot.roll.link, robot.roll.link + FRONT)]
-        self._divided, self._bearing = (
-            links.index(robot.roll.link),
-            [i for i, link in enumerate(robot.links) if link.wheel],
-        )
+        self._divided = links.index(robot.roll.link)
+        self._bearing = [i for i, link in enumerate(robot.links) if link.wheel]
         self._effort = robot.effort_limits
         self._record = np.zeros((settings.substeps, model.nsensordata))
         self._turned = np.zeros((HALVES, 3))
@@ -100,7 +98,7 @@ class _World:
         self._forces, self._depth, self._share = np.zeros((len(links), 3)), 0.0, 0.0
 
     def put(self, q: Floats, base: float, plane: float) -> None:
-        """At rest, its frame turned about the first leg's axis."""
+        """Put the robot at rest, its frame turned about the first leg's axis."""
         x, y, heading = q[: len(BASE)]
         turn = about_x(plane)
         self._data.qpos[:3] = turn @ np.array([x, y, 0.0]) + np.array([base, 0.0, 0.0])
@@ -143,25 +141,28 @@ class _World:
         self._ranges = laser.measure(self._robot.laser, np.where(distances < 0, np.inf, distances))
 
     def _axes(self) -> Floats:
-        """Of the halves of the divided link, (halves, 3, 3)."""
+        """Axes of the halves of the divided link in the columns, (halves, 3, 3)."""
         return np.asarray(self._data.xmat[self._halves].reshape(HALVES, 3, 3))
 
-    def reading(self) -> tuple[Floats, ...]:
-        """One row of a reading's arrays, in order."""
+    def reading(self) -> SpaceReading:
+        """Reading of this robot: arrays without the robots' axis."""
         data, weight = self._data, self._model.opt.gravity
         down = weight / max(np.linalg.norm(weight), 1e-9)
         q, qd, wheels = data.qpos[self._q], data.qvel[self._v[:-1]], data.qvel[self._wheels].copy()
-        time = np.array(data.time)
-        return q[:-1], qd, self._ranges, time, wheels, self._loads, q[-1], down @ self._axes(), self._turned
+        body = Reading(q[:-1], qd, self._ranges, np.array(data.time), wheels, self._loads)
+        return SpaceReading(body, q[-1], down @ self._axes(), self._turned)
 
-    def truth(self) -> tuple[Any, ...]:
-        """One row of a truth's arrays, in order."""
+    def truth(self) -> SpaceTruth:
+        """Truth about this robot: arrays without the robots' axis."""
         data = self._data
         points = np.concatenate([data.xpos[self._links], data.site("tip").xpos[None]])
-        force = float(np.linalg.norm(self._forces, axis=1).max())
-        return points, self._axes()[:, :, 2], force, self._depth, self._share, self._forces
+        force = np.linalg.norm(self._forces, axis=1).max()
+        depth, share = np.array(self._depth), np.array(self._share)
+        return SpaceTruth(points, self._axes()[:, :, 2], force, depth, share, self._forces)
 
 
 def _readings(worlds: list[_World]) -> SpaceReading:
-    *body, roll, down, turned = map(np.array, zip(*(world.reading() for world in worlds), strict=True))
-    return SpaceReading(Reading(*body), roll, down, turned)
+    """Readings of robots, stacked along a new first axis."""
+    bodies, *others = zip(*(world.reading() for world in worlds), strict=True)
+    body = Reading(*map(np.array, zip(*bodies, strict=True)))
+    return SpaceReading(body, *map(np.array, others))

@@ -1,16 +1,16 @@
-"""The MuJoCo model of a robot in space, in one run of pipe: walls of prisms, a free base, the roll joint."""
+"""MuJoCo model of a robot in space, in one route of pipe: walls of prisms, a free base, the roll joint."""
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
 
 from pipenav.backends import OUTER_THICKNESS
 from pipenav.pipes import PipeRoute, wall_prisms
-from pipenav.robots import BoxPart, Link, RobotSpec, Roll, Wheel
+from pipenav.robots import Actuator, BoxPart, Link, RobotSpec, Roll, Wheel
 from pipenav_mujoco.model import (
     HIDDEN_GROUP,
     ROBOT_TOUCHES,
@@ -27,16 +27,23 @@ WALL_GROUP = 2
 """Geom group of the walls, which beams see."""
 
 FRONT = "_front"
-"""What is added to the divided link's name for its front half."""
+"""Suffix of the divided link's name for its front half."""
+
+
+class Stretch(NamedTuple):
+    """Stretch of a link from `start` to `end` along it, in a body whose frame stands at `origin` along it [m]."""
+
+    start: float
+    end: float
+    origin: float = 0.0
 
 
 def space_spec(robot: RobotSpec, route: PipeRoute, timestep: float, contact: Contact, gravity: float) -> Any:
-    """An MjSpec of the robot in the run; gravity [m/s^2] pulls along -z."""
+    """MjSpec of the robot in the route; gravity [m/s^2] pulls along -z."""
     assert robot.roll is not None
     spec = new_spec(robot, timestep)
-    spec.option.disableflags &= ~int(
-        mujoco.mjtDisableBit.mjDSBL_MIDPHASE
-    )  # one body, the world, has all the walls' geoms
+    midphase = mujoco.mjtDisableBit.mjDSBL_MIDPHASE
+    spec.option.disableflags &= ~int(midphase)  # a single body, the world, has the geoms of all walls
     spec.option.gravity = [0.0, 0.0, -gravity]
     _add_walls(spec, robot, route, contact)
     parent, offset = spec.worldbody, 0.0
@@ -49,14 +56,13 @@ def space_spec(robot: RobotSpec, route: PipeRoute, timestep: float, contact: Con
         if link.wheel is not None:
             _add_wheel(body, link.wheel, robot, route.radius, contact)
         if link.name == robot.roll.link:
-            parent, offset = _add_halves(body, link, robot.roll, robot, contact)
+            parent, offset = _add_halves(body, link, robot.roll, robot, contact), link.length - robot.roll.x
         else:
-            _add_boxes(body, link, robot, contact, 0.0, link.length, 0.0)
+            _add_boxes(body, link, Stretch(0.0, link.length), surface(robot.friction, contact))
             parent, offset = body, link.length
-    for driven, actuator in zip(
-        (*robot.driven, robot.roll.joint), (*robot.driven_actuators, roll_actuator(robot)), strict=True
-    ):
+    for driven, actuator in zip(robot.driven, robot.driven_actuators, strict=True):
         add_servo(spec, driven, actuator)
+    add_servo(spec, robot.roll.joint, roll_actuator(robot))
     parent.add_site(name="tip", pos=[offset, 0, 0])
     _add_gyroscopes(spec, [robot.roll.link, robot.roll.link + FRONT])
     add_sensors(spec, [*(link.name for link in robot.links), robot.roll.link + FRONT, *(w.name for w in robot.wheels)])
@@ -70,7 +76,8 @@ def _add_gyroscopes(spec: Any, bodies: list[str]) -> None:
         spec.add_sensor(name=f"gyroscope_{name}", type=kind, objtype=site, objname=f"gyroscope_{name}")
 
 
-def roll_actuator(robot: RobotSpec) -> Any:
+def roll_actuator(robot: RobotSpec) -> Actuator:
+    """Motor of the roll joint."""
     assert robot.roll is not None
     return robot.actuators[robot.roll.joint.actuator]
 
@@ -91,40 +98,39 @@ def _add_walls(spec: Any, robot: RobotSpec, route: PipeRoute, contact: Contact) 
         )
 
 
-def _add_halves(body: Any, link: Link, roll: Roll, robot: RobotSpec, contact: Contact) -> tuple[Any, float]:
-    """The link that the roll joint divides: its rear half is the body, its front half one that turns on it."""
+def _add_halves(body: Any, link: Link, roll: Roll, robot: RobotSpec, contact: Contact) -> Any:
+    """Add both halves of the divided link: the rear one to its body, the front one as a body that turns on it."""
     front = body.add_body(name=link.name + FRONT, pos=[roll.x, 0, 0])
     add_driven_joint(front, roll.joint, robot.actuators[roll.joint.actuator], axis=(1, 0, 0))
-    _add_boxes(body, link, robot, contact, 0.0, roll.x, 0.0)
-    _add_boxes(front, link, robot, contact, roll.x, link.length, roll.x)
-    return front, link.length - roll.x
+    of_link = surface(robot.friction, contact)
+    _add_boxes(body, link, Stretch(0.0, roll.x), of_link)
+    _add_boxes(front, link, Stretch(roll.x, link.length, origin=roll.x), of_link)
+    return front
 
 
-def _add_boxes(
-    body: Any, link: Link, robot: RobotSpec, contact: Contact, start: float, end: float, origin: float
-) -> None:
-    """The parts of a link between two places on it, whose body stands at `origin` on it; a disc counts as its box."""
+def _add_boxes(body: Any, link: Link, stretch: Stretch, surface: dict[str, Any]) -> None:
+    """Add the parts of a stretch of a link to its body; a disc counts as its box."""
     density = link.mass / sum(part.volume for part in link.parts)
     for i, part in enumerate(link.parts):
         long = part.length if isinstance(part, BoxPart) else part.diameter
-        low, high = max(start, part.x - long / 2), min(end, part.x + long / 2)
+        low, high = max(stretch.start, part.x - long / 2), min(stretch.end, part.x + long / 2)
         if low >= high:
             continue
         body.add_geom(
             name=f"{body.name}_{i}",
             type=mujoco.mjtGeom.mjGEOM_BOX,
-            pos=[(low + high) / 2 - origin, part.y, 0],
+            pos=[(low + high) / 2 - stretch.origin, part.y, 0],
             size=[(high - low) / 2, part.width / 2, part.height / 2],
             mass=density * part.volume * (high - low) / long,
             **ROBOT_TOUCHES,
-            **surface(robot.friction, contact),
+            **surface,
         )
 
 
 def _add_wheel(link: Any, wheel: Wheel, robot: RobotSpec, radius: float, contact: Contact) -> None:
-    """A body of its own, which meets the wall with two balls on its axle: they keep it upright, as a tread does.
+    """Add a wheel as a body that meets the wall with two balls on its axle: they keep it upright, as a tread does.
 
-    They lie so far apart that they touch the bore where the tread's edges would.
+    The balls lie so far apart that they touch the bore where the tread's edges would.
     """
     actuator = robot.actuators[wheel.actuator]
     body = link.add_body(name=wheel.name, pos=[wheel.x, 0, 0])
@@ -133,11 +139,11 @@ def _add_wheel(link: Any, wheel: Wheel, robot: RobotSpec, radius: float, contact
     seen = {"contype": 0, "conaffinity": 0}
     body.add_geom(name=f"{wheel.name}_seen", type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=size, mass=wheel.mass, **seen)
     away = wheel.height / 2 * math.sqrt(1 - wheel.radius / radius)
-    for side in (-1, 1):
+    for sign in (-1, 1):
         body.add_geom(
-            name=f"{wheel.name}_{side}",
+            name=f"{wheel.name}_{sign}",
             type=mujoco.mjtGeom.mjGEOM_SPHERE,
-            pos=[0, 0, side * away],
+            pos=[0, 0, sign * away],
             size=[wheel.radius, 0, 0],
             mass=0,
             group=HIDDEN_GROUP,

@@ -16,10 +16,10 @@ NO_DISPLAY = "leave out --live to get a picture, which needs no display"
 
 
 class MujocoViewer:
-    """See `pipenav.backends.Viewer`. It has a state of its own, so that the backend may go before the window does.
+    """Viewer of one robot. It has a state of its own, so that the backend may be closed before the window.
 
     Args:
-        model: the batch's model with the robot's own wall sizes; it becomes the viewer's.
+        model: the batch's model with the robot's own wall sizes; the viewer owns it from then on.
         states: live views of the batch's state of one robot, by the names that `MjData` gives them.
     """
 
@@ -29,18 +29,15 @@ class MujocoViewer:
 
         self._model, self._data, self._states = model, mujoco.MjData(model), states
         self._copy()
-        # The camera sees nothing nearer than a share of the model's extent, which parked walls make a hundred metres.
+        # The camera shows nothing nearer than a share of the model's extent, which parked walls make a hundred metres.
         model.stat.extent = 1.0
         model.geom_rgba[model.body_mocapid[model.geom_bodyid] < 0] = [0.0, 0.45, 0.70, 1.0]  # the robot
         self._window = mujoco.viewer.launch_passive(model, self._data, show_left_ui=False, show_right_ui=False)
         with self._window.lock():
             camera = self._window.cam
             camera.lookat[:] = self._data.site("tip").xpos
-            camera.distance, camera.azimuth, camera.elevation = (
-                0.9,
-                90.0,
-                -89.0,
-            )  # from above, the first leg to the left
+            # From above, the first leg to the left.
+            camera.distance, camera.azimuth, camera.elevation = 0.9, 90.0, -89.0
 
     def show(self) -> bool:
         if not self._window.is_running():
@@ -60,14 +57,14 @@ class MujocoViewer:
 
 
 def _require_display() -> None:
-    """Say so where no window can open; the viewer's own thread would leave its caller waiting for ever."""
+    """Raise an error where no window can open; the viewer's own thread would leave its caller waiting for ever."""
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         unset = "neither DISPLAY nor WAYLAND_DISPLAY is set"
         raise PipenavError(f"MuJoCo's viewer needs a display, and {unset}: {NO_DISPLAY}.")
     import glfw
 
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # glfw's own words on the same matter
+        warnings.simplefilter("ignore")  # glfw warns of the same
         opened = glfw.init()
     if not opened:
         raise PipenavError(f"MuJoCo's viewer cannot open a window on this display: {NO_DISPLAY}.")

@@ -1,4 +1,4 @@
-"""The PyBullet backend: many robots in a few worlds, shared out to one process per core."""
+"""The PyBullet backend: many robots in a few worlds, divided among one process per core."""
 
 from pipenav_pybullet.backend import PybulletBackend
 

@@ -1,4 +1,4 @@
-"""n robots on PyBullet: the seam's side of it, which only hands out work and keeps what comes back."""
+"""n robots on PyBullet: the backend, which distributes the work to processes and keeps their answers."""
 
 from __future__ import annotations
 
@@ -15,12 +15,13 @@ from pipenav.backends import (
     Command,
     Reading,
     Simulator,
+    TooManyWalls,
     Truth,
     Variation,
     Windows,
+    physics_steps,
     strongest,
 )
-from pipenav.errors import PipenavError
 from pipenav.pipes import Pipe
 from pipenav.robots import RobotSpec, kinematics, laser
 from pipenav_pybullet.crew import Crew
@@ -41,7 +42,7 @@ class PybulletOptions(BackendOptions):
 
 
 class PybulletBackend(Simulator):
-    """See `pipenav.backends.Backend`."""
+    """Simulator of n robots in the plane, see `pipenav.backends.Simulator`."""
 
     Options = PybulletOptions
     can_vary = True
@@ -49,12 +50,7 @@ class PybulletBackend(Simulator):
     def __init__(self, robot: RobotSpec, n: int, options: BackendOptions, wall_segments: int = 4) -> None:
         assert isinstance(options, PybulletOptions)
         self._robot, self._n, self._slots = robot, n, wall_segments
-        substeps = round(CONTROL_PERIOD / options.timestep)
-        if abs(substeps * options.timestep - CONTROL_PERIOD) > 1e-9:
-            raise PipenavError(
-                f"a timestep of {options.timestep:g} s does not divide the control period of "
-                f"{CONTROL_PERIOD:g} s: choose for example 0.0025 or 0.001."
-            )
+        substeps = physics_steps(options.timestep)
         setting = Setting(options.timestep, options.solver_iterations, options.contact_erp)
         self._windows = Windows(substeps, options.timestep)
         self._crew = Crew(robot, n, setting, options.processes)
@@ -68,10 +64,7 @@ class PybulletBackend(Simulator):
     def reset(self, indices: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:
         for pipe in pipes:
             if len(pipe.segments) > self._slots:
-                raise PipenavError(
-                    f"pipe {pipe.name} has {len(pipe.segments)} wall segments, "
-                    f"this backend was opened for {self._slots}."
-                )
+                raise TooManyWalls(pipe, self._slots)
         bounds = self._crew.bounds
         orders = [
             (indices[rows] - first, [pipes[row] for row in rows], q[rows], base[rows]) if len(rows) else None

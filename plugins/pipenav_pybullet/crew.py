@@ -1,4 +1,4 @@
-"""The processes that simulate a backend's robots: Bullet keeps Python's lock, so that threads would gain nothing."""
+"""Processes that simulate a backend's robots: Bullet keeps Python's lock, so that threads would gain nothing."""
 
 from __future__ import annotations
 
@@ -19,13 +19,24 @@ from pipenav_pybullet.world import WORLD_SIZE, Setting
 
 
 class Crew:
-    """Processes that share n robots, each the next few of them. See `worker` for what they do."""
+    """Processes that share n robots in order; `pipenav_pybullet.worker` is the program of each.
+
+    Args:
+        robot: the robot.
+        n: number of robots.
+        setting: settings of every world.
+        processes: largest number of processes; 0 for the number of cores.
+
+    Attributes:
+        bounds: number of the first robot of each process, then n.
+    """
 
     def __init__(self, robot: RobotSpec, n: int, setting: Setting, processes: int) -> None:
         worlds = -(-n // WORLD_SIZE)
         workers = min(processes or len(os.sched_getaffinity(0)), worlds)
-        shared = np.linspace(0, worlds, workers + 1).round().astype(int)  # whole worlds: results, to the last bit,
-        self.bounds: list[int] = np.minimum(shared * WORLD_SIZE, n).tolist()  # depend on who shares one
+        # Whole worlds go to each process: the last bits of results depend on which robots share a world.
+        shared = np.linspace(0, worlds, workers + 1).round().astype(int)
+        self.bounds: list[int] = np.minimum(shared * WORLD_SIZE, n).tolist()
         self._processes: list[subprocess.Popen[bytes]] = []
         self._ends: list[Connection[Any, Any]] = []
         for _ in range(workers):
@@ -35,17 +46,21 @@ class Crew:
     def _start(self) -> None:
         ours, theirs = pipe_ends()
         command = [sys.executable, "-m", "pipenav_pybullet.worker", str(theirs.fileno())]
-        quiet = subprocess.DEVNULL  # Bullet writes to the terminal on its own account
+        quiet = subprocess.DEVNULL  # Bullet writes to the terminal by itself
         process = subprocess.Popen(command, pass_fds=[theirs.fileno()], stdin=quiet, stdout=quiet, stderr=quiet)
         theirs.close()
         self._ends.append(ours)
         self._processes.append(process)
 
     def ask(self, what: str, orders: Sequence[tuple[Any, ...] | None]) -> list[Any]:
-        """Have every process do the same with arguments of its own, all at the same time; None leaves one out.
+        """Send every process its order, and collect the answers when all have worked at the same time.
+
+        Args:
+            what: method of `pipenav_pybullet.worker.Share` that every process calls.
+            orders: arguments for each process; None leaves a process out.
 
         Raises:
-            PipenavError: a process is gone.
+            PipenavError: a process has ended.
         """
         asked = [(end, order) for end, order in zip(self._ends, orders, strict=True) if order is not None]
         try:
@@ -63,7 +78,7 @@ class Crew:
         return answers
 
     def close(self) -> None:
-        """A process leaves when its pipe closes."""
+        """Close the pipes, at which the processes end, and wait for them."""
         for end in self._ends:
             end.close()
         for process in self._processes:

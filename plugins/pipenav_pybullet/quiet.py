@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def silenced_stderr() -> Iterator[None]:
-    """Nothing reaches the standard error of this process, not even from C."""
+    """Keep everything from the standard error of this process, even what C writes."""
     kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 2)
     try:

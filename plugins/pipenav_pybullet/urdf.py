@@ -1,4 +1,4 @@
-"""A robot as URDF, the description that Bullet loads."""
+"""Description of a robot as URDF, which Bullet loads."""
 
 from __future__ import annotations
 
@@ -10,27 +10,33 @@ from pipenav.robots import Actuator, BoxPart, DiscPart, Link, RobotSpec, Wheel
 ROTOR_SHARE = 0.75
 """Share of a hinge's rotor that its link carries [1].
 
-A rotor behind a gear resists the motion of its joint alone, which no rigid body of a chain does: a link carries it for
-the joints before it as well. All of it would make the first hinge too slow; with less than this the losses of the
-motors, which Bullet is given as explicit efforts, become unstable at a physics step of 2.5 ms. Free motion then stays
-within 0.03 rad of an exact model's.
+A rotor behind a gear resists the motion of its joint alone, which no rigid body of a chain does: a link that carries
+the rotor resists the motion of the joints before it as well. The whole rotor would make the first hinge too slow; with
+a smaller share the losses of the motors, which Bullet receives as explicit efforts, become unstable at a physics step
+of 2.5 ms. With this share, free motion stays within 0.03 rad of an exact model's.
 """
 
 DISCS = "_discs"
-"""What the name of a link has behind it where it carries another link's discs."""
+"""Suffix of the name of a link that carries another link's discs."""
 
 SLIDES = ("base_x", "base_y")
-"""Massless links between the mount and the first link of a free robot, which turns on the second: its plane."""
+"""Massless links between the mount and the first link of a free robot, which turns on the second of them."""
 
 UNLIMITED = {"lower": "1", "upper": "-1", "effort": "0", "velocity": "0"}
-"""Limits that are none to Bullet, the lower one being above the upper; without any it reads no slide."""
+"""Limits that Bullet takes for none, as the lower one is above the upper; without limits it reads no slide."""
 
 NOTHING = 1e-9
-"""Mass and inertia of what only moves other bodies [kg, kg m^2]; Bullet takes a link of none for a fixed one."""
+"""Mass and inertia of links that only move other bodies [kg, kg m^2]; Bullet takes a massless link for a fixed one."""
 
 
 class Body(NamedTuple):
-    """A rigid body in its link's frame: mass [kg], centre of mass [m], moment of inertia about it and z [kg m^2]."""
+    """Rigid body in its link's frame.
+
+    Attributes:
+        mass: mass [kg].
+        x, y: centre of mass [m].
+        inertia: moment of inertia about the axis through the centre of mass along z [kg m^2].
+    """
 
     mass: float
     x: float
@@ -39,15 +45,16 @@ class Body(NamedTuple):
 
 
 def robot_urdf(robot: RobotSpec) -> str:
-    """The robot on a fixed mount, each link's frame at its joint; the discs of a link on a further link, fixed to it.
+    """URDF of the robot on a fixed mount, each link's frame at its joint, a link's discs on a further link fixed to it.
 
     A free robot slides along two axes of the mount and turns there, without resistance.
 
-    Bullet knows neither a rotor's inertia nor a motor's torque-speed line: the one is added to the links (`body`), the
-    other is applied by the world as efforts.
+    Bullet knows neither a rotor's inertia nor a motor's torque-speed line: the inertia is added to the links (`body`),
+    the torque-speed line is applied by the world as efforts.
     """
     root = ElementTree.Element("robot", name=robot.name)
-    _add_inertial(ElementTree.SubElement(root, "link", name="mount"), Body(1.0, 0.0, 0.0, 1.0))  # fixed: any will do
+    mount = ElementTree.SubElement(root, "link", name="mount")
+    _add_inertial(mount, Body(1.0, 0.0, 0.0, 1.0))  # fixed, so that any values will do
     parent, offset = "mount", 0.0
     if robot.free:
         for name, axis in zip(SLIDES, ("1 0 0", "0 1 0"), strict=True):
@@ -76,7 +83,7 @@ def robot_urdf(robot: RobotSpec) -> str:
 def _add_joint(
     root: ElementTree.Element, name: str, kind: str, links: tuple[str, str], offset: float, axis: str
 ) -> ElementTree.Element:
-    """A joint between parent and child, so far along the parent."""
+    """Add a joint between a parent and a child, at an offset along the parent [m]."""
     joint = ElementTree.SubElement(root, "joint", name=name, type=kind)
     ElementTree.SubElement(joint, "parent", link=links[0])
     ElementTree.SubElement(joint, "child", link=links[1])
@@ -87,7 +94,7 @@ def _add_joint(
 
 
 def _add_wheel(root: ElementTree.Element, link: Link, wheel: Wheel, actuator: Actuator) -> None:
-    """A wheel with all of its rotor, which resists nothing else much: it is a fiftieth of a hinge's."""
+    """Add a wheel that carries its whole rotor: a fiftieth of a hinge's, it hardly resists any other motion."""
     element = ElementTree.SubElement(root, "link", name=wheel.name)
     own = wheel.mass * wheel.diameter**2 / 8
     _add_inertial(element, Body(wheel.mass, 0.0, 0.0, own + actuator.armature))
@@ -96,7 +103,7 @@ def _add_wheel(root: ElementTree.Element, link: Link, wheel: Wheel, actuator: Ac
 
 
 def body(robot: RobotSpec, link: Link) -> Body:
-    """A link, its parts of one density, with the rotor of its joint: of a slide as mass, of a hinge as inertia."""
+    """Rigid body of a link, its parts of one density, with the rotor of a slide as mass, of a hinge as inertia."""
     parts = link.parts
     volume = sum(part.volume for part in parts)
     masses = [link.mass * part.volume / volume for part in parts]
@@ -106,7 +113,7 @@ def body(robot: RobotSpec, link: Link) -> Body:
     for mass, part in zip(masses, parts, strict=True):
         own = (part.length**2 + part.width**2) / 12 if isinstance(part, BoxPart) else part.diameter**2 / 8
         inertia += mass * (own + (part.x - x) ** 2 + (part.y - y) ** 2)
-    if link.joint is None:  # the rotor of the joint at its other end: it lies between two bodies that both are free
+    if link.joint is None:  # it gets the rotor of the joint at its other end, which lies between two free bodies
         return Body(link.mass, x, y, inertia + ROTOR_SHARE * robot.joint_actuators[0].armature)
     armature = robot.actuators[link.joint.actuator].armature
     if link.joint.type == "slide":
@@ -115,12 +122,12 @@ def body(robot: RobotSpec, link: Link) -> Body:
 
 
 def discs(link: Link) -> list[DiscPart]:
-    """The round parts of a link."""
+    """Round parts of a link."""
     return [part for part in link.parts if isinstance(part, DiscPart)]
 
 
 def _add_link(root: ElementTree.Element, link: Link, itself: Body) -> None:
-    """The link with its boxes, and its discs on a massless link of their own, for walls of another kind."""
+    """Add a link with its boxes, and its discs on a massless link of their own, for walls of another kind."""
     element = ElementTree.SubElement(root, "link", name=link.name)
     _add_inertial(element, itself)
     for part in link.parts:

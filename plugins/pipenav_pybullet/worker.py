@@ -1,6 +1,6 @@
-"""One process of a `Crew`, started as `python -m pipenav_pybullet.worker FD`, FD being its end of a pipe.
+"""Process of a `Crew`, started as `python -m pipenav_pybullet.worker FD`, where FD is its end of a pipe.
 
-It does what arrives there and leaves when the other end closes, however that happened.
+It executes the orders that arrive there, and ends when the other end closes, for whatever reason.
 """
 
 from __future__ import annotations
@@ -21,14 +21,15 @@ from pipenav_pybullet.world import WORLD_SIZE, Motion, Setting, World, shares
 
 
 class Share:
-    """A process's robots, numbered from its first, in worlds of WORLD_SIZE or fewer."""
+    """Robots of a process, numbered from its first, in worlds of WORLD_SIZE or fewer."""
 
     def open(self, robot: RobotSpec, count: int, setting: Setting) -> None:
+        """Make the worlds of `count` robots."""
         self._bounds = [*range(0, count, WORLD_SIZE), count]
         self._worlds = [World(robot, last - first, setting) for first, last in pairwise(self._bounds)]
 
     def reset(self, indices: Ints, pipes: list[Pipe], q: Floats, base: Floats) -> Floats:
-        """As `World.reset`."""
+        """Reset some robots as `World.reset` does."""
         distances = []
         for world, first, rows in zip(self._worlds, self._bounds, shares(indices, self._bounds), strict=False):
             if len(rows):
@@ -37,19 +38,19 @@ class Share:
         return np.concatenate(distances)
 
     def vary(self, indices: Ints, variation: Variation) -> None:
-        """As `World.vary`."""
+        """Vary some robots as `World.vary` does."""
         for world, first, rows in zip(self._worlds, self._bounds, shares(indices, self._bounds), strict=False):
             world.vary((indices[rows] - first).tolist(), variation.part(rows))
 
     def step(self, control: Control, values: Floats) -> Motion:
-        """As `World.step`."""
+        """Advance all robots as `World.step` does."""
         parts = zip(self._worlds, pairwise(self._bounds), strict=True)
         motions = [world.step(control, values[first:last]) for world, (first, last) in parts]
         return Motion(*(np.concatenate(column) for column in zip(*motions, strict=True)))
 
 
 def serve(end: Connection[Any, Any]) -> None:
-    """Answer until the other end closes."""
+    """Answer orders until the other end closes."""
     share = Share()
     while True:
         try:
@@ -58,7 +59,7 @@ def serve(end: Connection[Any, Any]) -> None:
             return
         try:
             answer = getattr(share, what)(*order)
-        except Exception as error:  # for the parent to raise: here nobody would see it
+        except Exception as error:  # the parent raises it: here nobody would see it
             answer = error
         end.send(answer)
 

@@ -5,14 +5,19 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from importlib.util import find_spec
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import Protocol
 
 import pytest
 
-from pipenav.backends import registry
+from pipenav.backends import plugins, requirements
 from pipenav.backends.backend import BackendOptions
-from pipenav.backends.registry import availability, find_backends, load_backend, open_backend
+from pipenav.backends.moved import MOVED
+from pipenav.backends.plugins import find_backends
+from pipenav.backends.registry import load_backend, open_backend
+from pipenav.backends.requirements import availability
 from pipenav.errors import BackendUnavailable, ConfigError, UnknownName
 from pipenav.robots.robot import load_robot
 from pipenav.testing import KinematicBackend, KinematicOptions
@@ -36,7 +41,7 @@ def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Installer:
         info.mkdir()
         needs = "".join(f"Requires-Dist: {text}\n" for text in requires)
         (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {dist}\nVersion: 1.2\n{needs}")
-        (info / "entry_points.txt").write_text(f"[{registry.GROUP}]\n{name} = {module}:GoodBackend\n")
+        (info / "entry_points.txt").write_text(f"[{plugins.GROUP}]\n{name} = {module}:GoodBackend\n")
         package = tmp_path / module
         package.mkdir()
         (package / "__init__.py").write_text(source)
@@ -97,7 +102,7 @@ def test_a_missing_requirement_is_named_with_its_command(install: Installer) -> 
 
 
 def test_a_module_that_is_not_named_like_its_distribution(install: Installer, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(registry._DISTRIBUTION_OF, "nobus", "pynobus")
+    monkeypatch.setitem(requirements._DISTRIBUTION_OF, "nobus", "pynobus")
     install("bus", f"import nobus\n{GOOD}", module="bus_backend", requires=("pynobus>=3; extra == 'hardware'",))
     assert "pip install 'bus-backend[hardware]'" in why_not("bus")
 
@@ -109,7 +114,7 @@ def test_an_undeclared_requirement_gets_no_guessed_command(install: Installer) -
 
 
 def test_a_python_that_is_too_new_is_the_remedy(install: Installer, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(registry._LAST_PYTHON, "nowheels", (3, 10))
+    monkeypatch.setitem(requirements._LAST_PYTHON, "nowheels", (3, 10))
     install("old", f"import nowheels\n{GOOD}", module="old_backend", requires=("nowheels; extra == 'old'",))
     here = ".".join(map(str, sys.version_info[:2]))
     assert f"no wheels for Python {here}: use Python 3.10, and there pip install 'old-backend[old]'" in why_not("old")
@@ -171,6 +176,10 @@ def test_an_import_that_the_constructor_makes_is_named_when_it_is_opened(install
         ),
         (f"{GOOD}\nclass GoodBackend(GoodBackend): Options = dict", "has no Options derived from"),
         ("from pipenav.errors import nothing_there", "cannot import name 'nothing_there'"),
+        (
+            "from pipenav.backends import Backend\nclass GoodBackend(Backend):\n    def truth(self): pass",
+            "GoodBackend defines truth but does not derive from pipenav.backends.Simulator; update it, see docs/",
+        ),
     ],
 )
 def test_a_broken_plugin_harms_only_itself(install: Installer, source: str, message: str) -> None:
@@ -188,6 +197,40 @@ def test_a_syntax_error_shows_in_the_listing(install: Installer) -> None:
     known = availability(find_backends()["typo"])
     assert not known.can_load
     assert "cannot be read" in known.missing
+
+
+@pytest.mark.parametrize(
+    ("imports", "sentence"),
+    [
+        ("from pipenav.backend import Backend", "it imports pipenav.backend (pipenav.backends now)"),
+        ("import pipenav.state", "it imports pipenav.state (pipenav.backends now)"),
+        ("from pipenav import kinematics", "it imports pipenav.kinematics (pipenav.robots.kinematics now)"),
+        (
+            "from pipenav.robot import load_robot\nfrom pipenav.pipe import Pipe\nfrom pipenav.backend import Backend",
+            "it imports pipenav.backend (pipenav.backends now), pipenav.pipe.Pipe (pipenav.pipes.PipeCorner now), "
+            "pipenav.robot (pipenav.robots now)",
+        ),
+    ],
+)
+def test_a_plugin_that_imports_old_names_is_told_the_new_ones(install: Installer, imports: str, sentence: str) -> None:
+    install("elder", f"{imports}\n{GOOD}", module=f"elder{abs(hash(imports))}")
+    assert why_not("elder") == (
+        f"backend 'elder' cannot run: {sentence}; update it, see docs/guides/write-a-backend.md."
+    )
+
+
+def test_an_old_name_in_the_constructor_is_noticed_when_it_is_opened(install: Installer) -> None:
+    late = "class GoodBackend(Base):\n    def __init__(self, *args):\n        import pipenav.machine"
+    install("late_elder", f"{GOOD.replace('GoodBackend', 'Base')}\n{late}", module="late_elder_backend")
+    with pytest.raises(BackendUnavailable, match=r"it imports pipenav.machine \(pipenav.backends now\); update it"):
+        open_backend("late_elder", load_robot("basic"), 1, {})
+
+
+@pytest.mark.parametrize(("old", "new"), MOVED.items())
+def test_old_names_are_gone_and_new_ones_are_there(old: str, new: str) -> None:
+    module = ".".join(old.split(".")[:2])
+    assert find_spec(module) is None
+    resolve_name(new)
 
 
 def test_a_package_that_is_gone_is_to_be_reinstalled(install: Installer) -> None:
@@ -214,7 +257,7 @@ def test_an_unknown_name_suggests_the_nearest(install: Installer) -> None:
 
 
 def test_without_any_backend_the_remedy_is_to_install_pipenav(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(registry, "entry_points", lambda **_: ())
+    monkeypatch.setattr(plugins, "entry_points", lambda **_: ())
     with pytest.raises(BackendUnavailable, match=r"install pipenav itself \(pip install -e \. in a"):
         load_backend("mujoco")
 

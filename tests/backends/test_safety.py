@@ -33,7 +33,7 @@ def test_a_limited_goal_keeps_every_limit(goal: float, present: int, last: int, 
         nearest = np.clip([last - step, last + step], lower, upper)
         assert lower > last + step or upper < last - step or (np.abs(nearest - present) > step + slack).all()
         return
-    sent = result.goal[0]
+    sent = result.set_points[0]
     assert lower <= sent <= upper
     assert abs(sent - last) <= step
     assert abs(sent - present) <= step + slack
@@ -44,7 +44,7 @@ def test_a_limited_goal_keeps_every_limit(goal: float, present: int, last: int, 
 def test_a_goal_within_all_limits_is_left_alone(last: int, goal: int, step: int) -> None:
     if abs(goal - last) <= step:
         result = limited(np.array([float(goal)]), np.array([last]), np.array([last]), bounds(0, 1023, step, 2))
-        assert result.goal[0] == goal
+        assert result.set_points[0] == goal
         assert not result.clamped[0]
 
 
@@ -53,8 +53,8 @@ def test_limiting_twice_is_limiting_once(last: int, present: int, goal: float, s
     limits = bounds(0, 1023, step, 2)
     once = limited(np.array([goal]), np.array([present]), np.array([last]), limits)
     if not once.empty[0]:
-        again = limited(once.goal, np.array([present]), np.array([last]), limits)
-        assert again.goal[0] == once.goal[0]
+        again = limited(once.set_points, np.array([present]), np.array([last]), limits)
+        assert again.set_points[0] == once.set_points[0]
         assert not again.clamped[0]
 
 

@@ -10,7 +10,7 @@ from helpers.command import run
 
 import pipenav
 from pipenav import cli
-from pipenav.backends import registry
+from pipenav.backends import plugins
 from pipenav.cli import COMMANDS, LazyCommand, main
 from pipenav.errors import PipenavError
 
@@ -116,18 +116,18 @@ def test_robots(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_backends(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    plugins = {
-        "kinematic": registry.BackendPlugin("kinematic", "pipenav.testing:KinematicBackend", "pipenav", "0.1"),
-        "ghost": registry.BackendPlugin("ghost", "no_such_ghost:Ghost", "pipenav", "0.1"),
+    installed = {
+        "kinematic": plugins.BackendPlugin("kinematic", "pipenav.testing:KinematicBackend", "pipenav", "0.1"),
+        "ghost": plugins.BackendPlugin("ghost", "no_such_ghost:Ghost", "pipenav", "0.1"),
     }
-    monkeypatch.setattr(registry, "find_backends", lambda: plugins)
+    monkeypatch.setattr(plugins, "find_backends", lambda: installed)
     assert run("backends") == 0
     _, kinematic, ghost = capsys.readouterr().out.splitlines()
     assert kinematic.split() == ["kinematic", "yes", "pipenav", "0.1"]
     assert ghost.startswith("ghost      no")
     assert "'no_such_ghost' is not installed; reinstall it" in ghost
     assert run("backends", "kinematic") == 0
-    assert "speed_share  1.0      share of their no-load speed" in capsys.readouterr().out
+    assert "speed_share  1.0      share of the no-load speed" in capsys.readouterr().out
     assert run("backends", "ghst") == 1
     assert "unknown backend 'ghst': did you mean 'ghost'?" in capsys.readouterr().err
 
@@ -135,6 +135,6 @@ def test_backends(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
 def test_a_bare_checkout_gets_the_advice_to_install(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(registry, "find_backends", dict)
+    monkeypatch.setattr(plugins, "find_backends", dict)
     assert run("backends") == 1
     assert "install pipenav itself" in capsys.readouterr().err

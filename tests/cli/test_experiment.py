@@ -8,10 +8,7 @@ from pathlib import Path
 import pytest
 from helpers.command import run
 
-from pipenav.experiments.runner import (
-    Settings,
-    open_plan,
-)
+from pipenav.experiments.runner import Settings, open_plan
 
 
 def test_an_unknown_experiment_is_answered_with_the_known(capsys: pytest.CaptureFixture[str]) -> None:

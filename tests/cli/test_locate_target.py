@@ -11,7 +11,8 @@ from helpers.command import run
 from PIL import Image
 
 from pipenav.evaluation.locate_stage import inside_second_leg
-from pipenav.motions.trajectory import TrajectoryFileError, read_trajectory
+from pipenav.motions.trajectory_file import read_trajectory
+from pipenav.motions.trajectory_table import TrajectoryFileError
 from pipenav.storage import shipped
 
 FAST = ("--option", "timestep=0.005", "--option", "threads=1")

@@ -27,7 +27,7 @@ from pipenav.deployment.summary import located_placement, write_motions
 from pipenav.deployment.telemetry import Recording, read_telemetry
 from pipenav.deployment.trajectories import ArmPlacement, placement_of
 from pipenav.errors import PipenavError
-from pipenav.motions.trajectory import read_trajectory
+from pipenav.motions.trajectory_file import read_trajectory
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.policy import load_policy, resolve_policy
 from pipenav.robots.robot import load_robot

@@ -11,7 +11,7 @@ from helpers.command import run
 
 from pipenav.errors import PipenavError
 from pipenav.evaluation.results import read_evaluation
-from pipenav.motions.trajectory import read_trajectory
+from pipenav.motions.trajectory_file import read_trajectory
 from pipenav.pipes.route_sets import parse_routes
 from pipenav.policies.policy import load_policy
 from pipenav.robots.robot import load_robot

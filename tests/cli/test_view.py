@@ -10,7 +10,7 @@ import pytest
 from helpers.command import run
 from PIL import Image
 
-from pipenav.motions.trajectory import read_trajectory
+from pipenav.motions.trajectory_file import read_trajectory
 
 FAST = ("--option", "timestep=0.005", "--option", "threads=1")
 

@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipenav.backends.registry import availability, find_backends
+from pipenav.backends.plugins import find_backends
+from pipenav.backends.requirements import availability
+from pipenav.backends.simulators import SimulatorSettings
 from pipenav.cli import main
 from pipenav.comparison.agreement import Agreement, Check, Sides, checks, compare
 from pipenav.robots.robot import load_robot, robot_names
@@ -23,7 +25,7 @@ def agreement_of(robot: str) -> Agreement:
         can_load, missing, _ = availability(find_backends()[name])
         if not can_load:
             pytest.skip(f"{name}: {missing}")
-    return compare(load_robot(robot), BOTH)
+    return compare(load_robot(robot), *map(SimulatorSettings, BOTH))
 
 
 @pytest.mark.parametrize("robot", ARMS)
@@ -57,7 +59,7 @@ def spoilt(agreement: Agreement, **shifts: float) -> Agreement:
 @pytest.mark.parametrize(
     ("field", "shift", "lines"),
     [
-        ("driven", 0.03, ["free motion under a pulse of drive: hinges", "free motion under a pulse of drive: slide"]),
+        ("driven", 0.03, ["free motion under a pulse of duty: hinges", "free motion under a pulse of duty: slide"]),
         ("stepped", 0.002, ["free motion under a step of the set-point: slide"]),
         ("ranges", 0.006, ["laser readings in the same pose"]),
         ("tips", 0.005, ["tip on the same passage: at its end"]),

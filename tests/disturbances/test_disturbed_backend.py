@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipenav.arrays import Floats, Ints
-from pipenav.backends.backend import Backend, BackendOptions, Variation
+from pipenav.backends.backend import Backend, BackendOptions, Variation, Viewer
 from pipenav.backends.messages import Command, Control, Reading
 from pipenav.disturbances.disturbance import UNDISTURBED, Disturbance
 from pipenav.disturbances.disturbed_backend import DisturbedSimulator, disturbed
@@ -146,9 +146,7 @@ def test_another_seed_or_another_start_is_disturbed_otherwise() -> None:
 class Varied(KinematicBackend):
     """A simulator that remembers how it was varied, and does nothing with it."""
 
-    @property
-    def can_vary(self) -> bool:
-        return True
+    can_vary = True
 
     def vary(self, indices: Ints, variation: Variation) -> None:
         self.indices, self.variation = indices, variation
@@ -179,3 +177,20 @@ def test_a_simulator_gets_what_was_drawn_for_the_robots_that_begin() -> None:
 def test_a_backend_that_cannot_vary_its_robots_says_so() -> None:
     with pytest.raises(PipenavError, match="KinematicBackend cannot change friction, mass, strength or gain"):
         disturbed(plain(1), ROBOT, 1, Disturbance(mass=(1.0, 1.2)), 0)
+
+
+class Watched(KinematicBackend):
+    """Has a window on its first robot."""
+
+    has_viewer = True
+
+    def open_viewer(self) -> Viewer:
+        raise PipenavError("its own window")
+
+
+def test_the_window_is_the_simulators_own() -> None:
+    backend = DisturbedSimulator(Watched(ROBOT, 1, KinematicOptions()), ROBOT, 1, WORST, 0)
+    assert backend.has_viewer
+    with pytest.raises(PipenavError, match="its own window"):
+        backend.open_viewer()
+    assert not DisturbedSimulator(plain(1), ROBOT, 1, WORST, 0).has_viewer

@@ -91,7 +91,7 @@ def test_a_trajectorys_beams_are_those_that_the_laser_would_read() -> None:
     env.reset(seed=0)
     for _ in range(6):
         env.step(np.array([1.0, 0.2, 0.1, 0.3], np.float32))
-    batch, episodes = env.batch, env._corners.episodes[0]
+    batch, episodes = env.batch, env._episodes.episodes[0]
     header = TrajectoryHeader(robot="basic", pipe=episodes.pipes[0], base_m=float(episodes.base[0]), stage="reach")
     shown = film.scene_of(Trajectory(header, ROBOT, batch.q), 0)
     assert shown.ranges == pytest.approx(batch.snapshot.ranges[0, ::-1])

@@ -12,7 +12,7 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.monitor import Monitor
 
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.simulators import open_simulator
 from pipenav.envs.sb3_env import TaskVecEnv
 from pipenav.pipes.corner_sets import parse_corners
 from pipenav.robots.robot import load_robot

@@ -11,10 +11,8 @@ from hypothesis import strategies as st
 from pipenav.errors import PipenavError
 from pipenav.evaluation.locate_stage import LocateStage, inside_second_leg
 from pipenav.evaluation.passage import EpisodePlan, Passages
-from pipenav.locating.locator import (
-    LocateConfig,
-    MapLocator,
-)
+from pipenav.locating.locator import LocateConfig
+from pipenav.locating.map_locator import MapLocator
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import Outcome

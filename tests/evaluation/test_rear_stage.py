@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipenav.arrays import Ints
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.simulators import open_simulator
 from pipenav.evaluation.rear_stage import RearStage
 from pipenav.motions import follower
 from pipenav.motions.mirror import Motion, rear_motion

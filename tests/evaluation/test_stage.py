@@ -6,7 +6,7 @@ from contextlib import closing
 
 import numpy as np
 
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.simulators import open_simulator
 from pipenav.evaluation.episode_runner import EpisodeQueue, joined, random_start
 from pipenav.evaluation.passage import run_task
 from pipenav.evaluation.stage import TaskStage

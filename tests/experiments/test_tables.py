@@ -7,9 +7,7 @@ import pytest
 from pipenav.experiments.definition import experiment_names, load_experiment
 from pipenav.experiments.figures import success_figure
 from pipenav.experiments.findings import paragraph
-from pipenav.experiments.runner import (
-    ExperimentPlan,
-)
+from pipenav.experiments.runner import ExperimentPlan
 from pipenav.experiments.tables import results
 
 

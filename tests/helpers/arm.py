@@ -4,12 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from pipenav_hardware import packets, table
-from pipenav_hardware.arm_config import (
-    ArmConfig,
-    FrontSensorConfig,
-    ScannerConfig,
-    default_arm,
-)
+from pipenav_hardware.arm_config import ArmConfig, FrontSensorConfig, ScannerConfig, default_arm
 from pipenav_hardware.codec import Raw
 from pipenav_hardware.ranging import RangeScan
 

@@ -8,14 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from pipenav.arrays import Floats
-from pipenav.backends.registry import SimulatorSettings
+from pipenav.backends.simulators import SimulatorSettings
 from pipenav.evaluation.locate_stage import LocateStage
-from pipenav.locating.locator import (
-    LOCATORS,
-    LocateConfig,
-    Variant,
-    robot_for,
-)
+from pipenav.locating.locator import LocateConfig, Variant, robot_for
+from pipenav.locating.variants import LOCATORS
 from pipenav.pipes.corner import PipeCorner
 from pipenav.recording.record import RecordingSettings
 from pipenav.robots.robot import load_robot

@@ -9,12 +9,7 @@ from pipenav.evaluation.config import EvaluationConfig
 from pipenav.evaluation.results import Evaluation, PipeRecord
 from pipenav.evaluation.thesis import ANGLES_DEG, thesis_rows
 from pipenav.experiments.definition import experiment_names, load_experiment
-from pipenav.experiments.runner import (
-    ExperimentPlan,
-    Settings,
-    open_plan,
-    resolved_agent,
-)
+from pipenav.experiments.runner import ExperimentPlan, Settings, open_plan, resolved_agent
 from pipenav.experiments.tables import PHASES
 
 

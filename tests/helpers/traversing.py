@@ -8,7 +8,7 @@ from contextlib import closing, contextmanager
 import numpy as np
 from hypothesis import strategies as st
 
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.simulators import open_simulator
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.traverse.batch import TraverseBatch

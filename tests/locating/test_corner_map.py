@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipenav.locating.corner_map import HEADINGS, CornerEstimate, CornerMap
+from pipenav.locating.corner_map import CornerEstimate, CornerMap
+from pipenav.locating.second_leg import HEADINGS, wall_votes
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots import laser
 from pipenav.robots.parts import Laser
@@ -124,7 +125,7 @@ def test_votes_are_to_the_bit_those_of_every_beam_for_every_wall(seed: int) -> N
     across = rng.uniform(-0.2, 0.5, (30, len(HEADINGS)))
     across[::2] = wall[0, rng.integers(9)] + TOLERANCE * rng.integers(-1, 2, (15, 1))  # at the edge of agreeing
     asked = rng.random((3, 30)) < 0.7
-    votes, beyond = CornerMap(load_robot("basic").laser, 1, TOLERANCE)._wall_votes(across, asked, wall)
+    votes, beyond = wall_votes(across, asked, wall, TOLERANCE)
     for i, beams in enumerate(asked):
         off = (across[beams, None] - wall[i]) / TOLERANCE
         assert np.array_equal(votes[i], np.maximum(1.0 - off * off, 0.0).sum(axis=0))

@@ -9,10 +9,11 @@ from hypothesis import strategies as st
 
 from pipenav.arrays import Floats
 from pipenav.backends.messages import Reading
-from pipenav.backends.registry import SimulatorSettings
+from pipenav.backends.simulators import SimulatorSettings
 from pipenav.disturbances.disturbance import Disturbance, load_disturbance
 from pipenav.evaluation.passage import EpisodePlan, Passages
-from pipenav.locating.locator import LocateConfig, MapLocator
+from pipenav.locating.locator import LocateConfig
+from pipenav.locating.map_locator import MapLocator
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.reach.config import ReachConfig

@@ -11,12 +11,8 @@ from helpers.locating import ONE
 from pipenav.arrays import Floats
 from pipenav.backends.messages import Reading
 from pipenav.evaluation.locate_stage import inside_second_leg
-from pipenav.locating.locator import (
-    LocateConfig,
-    PrintedLocator,
-    point_on_beam,
-    robot_for,
-)
+from pipenav.locating.locator import LocateConfig, robot_for
+from pipenav.locating.printed_locator import PrintedLocator, point_on_beam
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots import kinematics, laser
 from pipenav.robots.robot import RobotSpec, load_robot

@@ -16,7 +16,7 @@ from pipenav.motions import mirror
 from pipenav.motions.mirror import Motion, hand_over, is_out, join, plan_rear, rear_motion, reverse
 from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
 from pipenav.pipes.corner import PipeCorner
-from pipenav.policies.baselines.wall_distance import clearance
+from pipenav.policies.baselines.wall_distance import wall_distance
 from pipenav.robots.kinematics import forward
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import PassageStage
@@ -50,7 +50,7 @@ def test_a_mirrored_motion_is_the_image_in_the_mirrored_pipe(motion: Motion) -> 
     image = mirror.mirror(ROBOT, motion)
     assert forward(ROBOT, image.q).tip == pytest.approx(forward(ROBOT, motion.q).tip * [1, -1], abs=1e-12)
     assert image.pipe.walls.inner == pytest.approx(motion.pipe.walls.inner * [1, -1], abs=1e-12)
-    room = [clearance(ROBOT, one.pipe, one.q, one.base) for one in (motion, image)]
+    room = [wall_distance(ROBOT, one.pipe, one.q, one.base) for one in (motion, image)]
     assert room[0] == pytest.approx(room[1], abs=1e-9)
 
 
@@ -58,10 +58,10 @@ def test_a_mirrored_motion_is_the_image_in_the_mirrored_pipe(motion: Motion) -> 
 def test_the_hand_over_is_between_two_points_of_the_same_pipe(motion: Motion) -> None:
     jump, pipe = hand_over(ROBOT, motion), motion.pipe
     middle = motion.base + motion.q[-1, 0]  # the first link's rear end, on the first leg's axis
-    assert jump.along == pytest.approx(2 * -middle, abs=1e-9)
-    assert jump.distance == pytest.approx(2 * -middle * math.sin(pipe.angle / 2), abs=1e-9)
-    assert jump.turn == pytest.approx(abs(pipe.heading_change), abs=1e-9)
-    assert jump.joint == pytest.approx(2 * np.abs(motion.q[-1, 1:]).max())
+    assert jump.distance == pytest.approx(2 * -middle, abs=1e-9)
+    assert jump.straight == pytest.approx(2 * -middle * math.sin(pipe.angle / 2), abs=1e-9)
+    assert jump.turn_angle == pytest.approx(abs(pipe.heading_change), abs=1e-9)
+    assert jump.joint_change == pytest.approx(2 * np.abs(motion.q[-1, 1:]).max())
 
 
 @given(motions(), st.integers(1, 8))

@@ -13,14 +13,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipenav.errors import PipenavError, UnknownName
-from pipenav.motions.trajectory import (
-    PREFIX,
-    Trajectory,
-    TrajectoryFileError,
-    TrajectoryHeader,
-    read_trajectory,
-    write_trajectory,
-)
+from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
+from pipenav.motions.trajectory_file import PREFIX, read_trajectory, write_trajectory
+from pipenav.motions.trajectory_table import TrajectoryFileError
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import PassageStage

@@ -28,11 +28,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from pipenav.errors import FileProblem, PipenavError
-from pipenav.policies.policy import (
-    PolicyFileError,
-    load_policy,
-    save_policy,
-)
+from pipenav.policies.policy import PolicyFileError, load_policy, save_policy
 
 
 class Bomb:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipenav.backends.backend import Backend
-from pipenav.backends.registry import SimulatorSettings
+from pipenav.backends.simulators import SimulatorSettings
 from pipenav.evaluation.passage import run_task
 from pipenav.motions.mirror import plan_rear
 from pipenav.motions.trajectory import Trajectory

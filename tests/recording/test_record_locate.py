@@ -7,9 +7,7 @@ import pytest
 from helpers.locating import FAST, SIMULATOR
 
 from pipenav.evaluation.passage import EpisodePlan, Passages
-from pipenav.locating.locator import (
-    point_on_beam,
-)
+from pipenav.locating.printed_locator import point_on_beam
 from pipenav.pipes.corner import PipeCorner
 from pipenav.recording.record import record_locate
 from pipenav.robots.robot import load_robot

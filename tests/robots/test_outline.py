@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipenav.pipes.corner import PipeCorner
-from pipenav.policies.baselines.wall_distance import clearance
+from pipenav.policies.baselines.wall_distance import wall_distance
 from pipenav.robots.kinematics import forward
 from pipenav.robots.outline import foremost, link_outlines
 from pipenav.robots.robot import load_robot, robot_names
@@ -37,7 +37,7 @@ def test_outlines_are_as_far_from_a_straight_pipes_walls_as_the_robot(seed: int,
     q = np.random.default_rng(seed).uniform(-0.3, 0.3, (5, len(robot.joints)))
     points = np.concatenate([polygon for link in link_outlines(robot, q) for polygon in link], axis=1)
     room = pipe.radius - np.abs(points[..., 1]).max(axis=1)
-    assert room == pytest.approx(clearance(robot, pipe, q, 0.0), abs=1e-4)
+    assert room == pytest.approx(wall_distance(robot, pipe, q, 0.0), abs=1e-4)
 
 
 @pytest.mark.parametrize("name", robot_names())

@@ -10,10 +10,11 @@ import pytest
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Backend
 from pipenav.backends.messages import Command, Reading, Truth
-from pipenav.backends.registry import availability, find_backends
+from pipenav.backends.plugins import find_backends
+from pipenav.backends.requirements import availability
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import load_robot
-from pipenav.testing import CONTRACT, VARIATION_LAWS, Bench, KinematicBackend
+from pipenav.testing import ALL_LAWS, CONTRACT, Bench, KinematicBackend
 
 NEEDS_A_MACHINE = {"hardware"}
 """Backends that cannot be opened without their machine: their own tests run them over a fake wire."""
@@ -37,13 +38,13 @@ def test_our_backends_are_installed() -> None:
     )
 
 
-@pytest.mark.parametrize("check", [*CONTRACT, *VARIATION_LAWS], ids=lambda check: check.__name__[len("check_") :])
+@pytest.mark.parametrize("check", ALL_LAWS, ids=lambda check: check.__name__[len("check_") :])
 @pytest.mark.parametrize("backend", _subjects())
 def test_contract(backend: str | type[Backend], check: Callable[[Bench], None]) -> None:
     check(Bench(backend))
 
 
-@pytest.mark.parametrize("check", [*CONTRACT, *VARIATION_LAWS], ids=lambda check: check.__name__[len("check_") :])
+@pytest.mark.parametrize("check", ALL_LAWS, ids=lambda check: check.__name__[len("check_") :])
 @pytest.mark.parametrize("backend", _subjects()[1:])
 def test_contract_holds_for_a_robot_on_wheels(backend: str, check: Callable[[Bench], None]) -> None:
     check(Bench(backend, load_robot("pirate")))
@@ -113,8 +114,8 @@ class Stopped(KinematicBackend):
     ("backend", "law", "message"),
     [
         (SharesMemory, "no_shared_memory", "a backend whose arrays the caller wrote into"),
-        (Backwards, "commands_move_the_right_way", "a positive drive moves joint 0 by"),
-        (ResetsAll, "reset_touches_only_named_robots", "differs between robots not reset"),
+        (Backwards, "commands_move_the_right_way", "a positive duty moves joint 0 by"),
+        (ResetsAll, "reset_touches_only_named_robots", "differs between robots that were not reset"),
         (ResetsAll, "resets_differ", "joint positions after a reset"),
         (DeadBeam, "nothing_constant", r"ranges never changes in columns \[0\]"),
         (DeadBeam, "tip_and_ranges_fit_the_pose", "beams miss the walls"),

@@ -1,1 +1,1 @@
-"""Scripted controllers to compare a policy with."""
+"""Scripted controllers to compare policies with."""

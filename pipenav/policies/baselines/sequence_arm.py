@@ -1,10 +1,12 @@
-"""A policy of the arm moves a whole robot's front half: the clamped rear half is the mount, its wheels are the slide.
+"""A policy of the arm that moves a whole robot's front half: the clamped rear half is the mount, its wheels the slide.
 
-The front half is the arm at another scale. Its three bending joints are the arm's hinges and the laser is the same one;
-lengths that the policy sees are divided by the ratio of the two reaches, and lengths that it commands multiplied.
+The front half is the arm at another scale. Its three bending joints are the arm's hinges, and the laser is the same.
+Lengths in the policy's observation are divided by the ratio of the two reaches; lengths in its actions are multiplied.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,25 +23,40 @@ from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.observation import action_scale
 
 SLOWER = 0.7
-"""What the slide's steps are multiplied by, besides: the whole robot's joints are half as fast as the arm's."""
+"""Another factor on the slide's steps: the whole robot's joints are half as fast as the arm's."""
 
 HINGES = slice(3, 6)
-"""The front half's joints."""
+"""Joints of the front half."""
 
 DRIVING = 1
-"""The wheel of the clamp that stands for the slide: the middle one, which carries the most."""
+"""Wheel of the clamp that stands for the slide: the middle one, which carries the most."""
+
+FRONT_MOUNT = 4
+"""Point at which the front half begins, its first joint, counted from the robot's rear end."""
+
+
+class ArmAction(NamedTuple):
+    """Action of a whole robot that moves its front half as an arm.
+
+    Attributes:
+        wheels: share of the clamped wheels' speed, in [-1, 1].
+        joints: steps of the front half's joints, in [-1, 1], (3,).
+    """
+
+    wheels: float
+    joints: Floats
 
 
 class FrontArm:
-    """A policy that reaches a target, as the front half of a whole robot.
+    """A policy that reaches a target, used as the front half of a whole robot.
 
     Args:
         robot: the whole robot.
-        task: the whole robot's task.
-        policy: of an arm.
+        task: settings of the whole robot's task.
+        policy: a policy of an arm.
 
     Raises:
-        PipenavError: a policy for another task or control, or for another laser.
+        PipenavError: the policy is for another task or control, or for another laser.
     """
 
     def __init__(self, robot: RobotSpec, task: TraverseConfig, policy: Policy) -> None:
@@ -50,7 +67,7 @@ class FrontArm:
         own, other = robot.laser, self._arm.laser
         if (own.beams, own.fan_deg, own.fan) != (other.beams, other.fan_deg, other.fan):
             raise PipenavError(f"{policy.path} was made for another laser than that of robot {robot.name!r}.")
-        self._scale = float(robot.lengths[4:].sum() / self._arm.lengths[1:].sum())
+        self._scale = float(robot.lengths[FRONT_MOUNT:].sum() / self._arm.lengths[1:].sum())
         parts = task_of(task).layout(robot)
         ends = np.cumsum([len(part.scale) for part in parts])
         self._seen = {
@@ -58,11 +75,13 @@ class FrontArm:
         }
         full = action_scale(robot, task)
         step = position_step(self._arm, self._task)
-        rim = full[-1] * robot.wheels[DRIVING].radius * CONTROL_PERIOD  # way of a wheel at full speed in a step [m]
+        rim = (
+            full[-1] * robot.wheels[DRIVING].radius * CONTROL_PERIOD
+        )  # distance of a wheel at full speed in a step [m]
         self._step = np.array([SLOWER * self._scale * step[0] / rim, *(step[1:] / full[HINGES])])
 
     def target(self, pipe: PipeCorner) -> Floats:
-        """Where the front half's tip shall go: the middle of the arm's target area, in a left turn, (2,) [m]."""
+        """Target of the front half's tip: the middle of the arm's target area, in a left turn, (2,) [m]."""
         left = pipe.model_copy(update={"turn": "left"})
         return (pipe.inner_edge + self._scale * sum(self._task.target_depth) / 2) * left.second_leg
 
@@ -70,28 +89,28 @@ class FrontArm:
         """Whether the tip is as near to the target as the arm's task asks for; both (2,) [m]."""
         return bool(np.hypot(*(tip - target)) <= self._task.reach_tolerance)
 
-    def act(self, observation: Floats, points: Floats, target: Floats, start: float) -> Floats:
-        """Actions of the whole robot: the wheels' speed and the front half's joints, (1 + 3,).
+    def act(self, observation: Floats, points: Floats, target: Floats, start: float) -> ArmAction:
+        """Action of the whole robot's wheels and of its front half.
 
         Args:
-            observation: of the whole robot, scaled, (size,).
+            observation: scaled observation of the whole robot, (size,).
             points: rear end, joints and tip in a left turn, (links + 1, 2) [m].
-            target: (2,) [m].
-            start: where the front half's first joint was when the policy took over, x in the pipe's frame [m].
+            target: target of the tip in a left turn, (2,) [m].
+            start: x of the front half's first joint in the pipe's frame when the policy took over [m].
         """
         arm, scale = self._arm, self._scale
         seen = {name: observation[part] * size for name, (part, size) in self._seen.items()}
-        d = np.diff(points[4:], axis=0)
+        d = np.diff(points[FRONT_MOUNT:], axis=0)
         headings = np.arctan2(d[:, 1], d[:, 0])
-        slide = float(np.clip((points[4, 0] - start) / scale, arm.lower[0], arm.upper[0]))
+        slide = float(np.clip((points[FRONT_MOUNT, 0] - start) / scale, arm.lower[0], arm.upper[0]))
         q = np.array([slide, headings[0], *seen["q"][HINGES][1:]])
         speed = seen["wheel_speeds"][DRIVING] * self._robot.wheels[DRIVING].radius / scale
         qd = np.array([speed, *seen["qd"][HINGES]])
         ranges = np.clip(seen["ranges"] / scale, arm.laser.range_min, arm.laser.range_max)
-        origin = np.array([start - arm.lengths[0] * scale, 0.0])  # of the arm's frame
+        origin = np.array([start - arm.lengths[0] * scale, 0.0])  # origin of the arm's frame
         tip, target = (points[-1] - origin) / scale, (target - origin) / scale
         now = Snapshot(q[None], qd[None], ranges[None], tip[None], headings[-1:])
-        state = observe(self._task, now, now, np.zeros_like(q[None]), target[None]) / task_of(
-            self._task
-        ).observation_scale(arm)
-        return np.asarray(np.clip(self._policy.act(state)[0] * self._step, -1.0, 1.0))
+        state = observe(self._task, now, now, np.zeros_like(q[None]), target[None])
+        scaled = state / task_of(self._task).observation_scale(arm)
+        action = np.clip(self._policy.act(scaled)[0] * self._step, -1.0, 1.0)
+        return ArmAction(float(action[0]), action[1:])

@@ -1,6 +1,8 @@
-"""How far a robot's links stay from the walls of a pipe, exactly, for many poses at once."""
+"""Distance of a robot's links from the walls of a pipe, for many poses at once."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,38 +14,53 @@ from pipenav.robots.parts import BoxPart, DiscPart
 from pipenav.robots.robot import RobotSpec
 
 
-def clearance(robot: RobotSpec, pipe: PipeCorner, q: Floats, base: float) -> Floats:
+class _PartPose(NamedTuple):
+    """Pose of one part of a link in p poses of the robot.
+
+    Attributes:
+        middle: middle of the part in the pipe's frame, (p, 2) [m].
+        along: unit vectors along the link, (p, 2).
+        across: unit vectors to the left of the link, (p, 2).
+    """
+
+    middle: Floats
+    along: Floats
+    across: Floats
+
+
+def wall_distance(robot: RobotSpec, pipe: PipeCorner, q: Floats, base: float) -> Floats:
     """Smallest signed distance of any link or wheel to any wall, (...) [m]; negative where they overlap.
 
     The outer wall bounds a convex space: every point of a part is on the near side of each of its lines. The inner wall
     bounds a convex obstacle: a box and it are as far apart as along the best of their edges' normals. That is the exact
-    distance between an edge and a corner, and less than it between two corners. Discs are exact.
+    distance between an edge and a corner, and less than the distance between two corners. Discs are exact.
 
     Args:
         robot: the robot.
         pipe: the pipe.
         q: configurations in the pipe's turn, (..., coordinates) [m, rad].
-        base: where the robot's frame starts on the first leg's axis, x in the pipe's frame [m].
+        base: origin of the robot's frame on the first leg's axis, x in the pipe's frame [m].
     """
     chain = kinematics.forward(robot, q.reshape(-1, q.shape[-1]))
     distances = []
     for i, link in enumerate(robot.links):
         boxes = [part for part in link.outline if isinstance(part, BoxPart)]
         discs = [part for part in link.outline if isinstance(part, DiscPart)]
-        distances += [_box_clearance(pipe, *_place(chain, i, part, base), part) for part in boxes]
-        distances += [_disc_clearance(pipe, _place(chain, i, part, base)[0], part) for part in discs]
+        distances += [_box_distance(pipe, _part_pose(chain, i, part, base), part) for part in boxes]
+        distances += [_disc_distance(pipe, _part_pose(chain, i, part, base).middle, part) for part in discs]
     return np.asarray(np.min(distances, axis=0).reshape(q.shape[:-1]))
 
 
-def _place(chain: ChainPose, link: int, part: BoxPart | DiscPart, base: float) -> tuple[Floats, Floats, Floats]:
-    """Middle of a part in the pipe's frame and unit vectors along and across its link, (p, 2) each."""
+def _part_pose(chain: ChainPose, link: int, part: BoxPart | DiscPart, base: float) -> _PartPose:
     heading = chain.headings[:, link]
     along = np.stack([np.cos(heading), np.sin(heading)], axis=1)
     across = np.stack([-along[:, 1], along[:, 0]], axis=1)
-    return frames.robot_to_pipe(chain.joints[:, link], base) + part.x * along + part.y * across, along, across
+    middle = frames.robot_to_pipe(chain.joints[:, link], base) + part.x * along + part.y * across
+    return _PartPose(middle, along, across)
 
 
-def _box_clearance(pipe: PipeCorner, middle: Floats, along: Floats, across: Floats, part: BoxPart) -> Floats:
+def _box_distance(pipe: PipeCorner, pose: _PartPose, part: BoxPart) -> Floats:
+    middle, along, across = pose
     half = np.array([part.length, part.width]) / 2
     signs = np.array([[-1, -1], [-1, 1], [1, 1], [1, -1]]) * half
     corners = middle[:, None] + signs[:, :1] * along[:, None] + signs[:, 1:] * across[:, None]  # (p, 4, 2)
@@ -53,21 +70,21 @@ def _box_clearance(pipe: PipeCorner, middle: Floats, along: Floats, across: Floa
     inner = beyond_walls[..., count:].min(axis=1).max(axis=-1)
     to_wall = pipe.walls.inner - middle[:, None]  # (p, points, 2)
     axes = np.stack([along, across], axis=1)  # (p, 2, 2)
-    place = np.einsum("pvi,pai->pva", to_wall, axes)
-    apart = np.maximum(place.min(axis=1), -place.max(axis=1)) - half  # (p, 2)
+    local = np.einsum("pvi,pai->pva", to_wall, axes)
+    apart = np.maximum(local.min(axis=1), -local.max(axis=1)) - half  # (p, 2)
     return np.asarray(np.minimum(outer, np.maximum(inner, apart.max(axis=1))))
 
 
-def _disc_clearance(pipe: PipeCorner, middle: Floats, part: DiscPart) -> Floats:
-    lines = _inside(middle, pipe.segments)  # (p, segments)
+def _disc_distance(pipe: PipeCorner, middle: Floats, part: DiscPart) -> Floats:
+    inside = _inside(middle, pipe.segments)  # (p, segments)
     count = len(pipe.walls.outer) - 1
     start, end = pipe.segments[count:, 0], pipe.segments[count:, 1]
     step = end - start
-    along = np.einsum("psi,si->ps", middle[:, None] - start, step) / (step**2).sum(axis=1)
-    nearest = start + np.clip(along, 0.0, 1.0)[..., None] * step  # (p, segments, 2)
+    share = np.einsum("psi,si->ps", middle[:, None] - start, step) / (step**2).sum(axis=1)
+    nearest = start + np.clip(share, 0.0, 1.0)[..., None] * step  # (p, segments, 2)
     to_obstacle = np.linalg.norm(middle[:, None] - nearest, axis=2).min(axis=1)
-    inner = np.where(lines[:, count:].max(axis=1) > 0, to_obstacle, lines[:, count:].max(axis=1))
-    return np.asarray(np.minimum(lines[:, :count].min(axis=1), inner) - part.diameter / 2)
+    inner = np.where(inside[:, count:].max(axis=1) > 0, to_obstacle, inside[:, count:].max(axis=1))
+    return np.asarray(np.minimum(inside[:, :count].min(axis=1), inner) - part.diameter / 2)
 
 
 def _inside(points: Floats, segments: Floats) -> Floats:

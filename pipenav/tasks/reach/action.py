@@ -1,4 +1,4 @@
-"""Actions in [-1, 1] as commands: drives (eq 3.3) or position steps (eq 3.4, 3.5)."""
+"""Commands from actions in [-1, 1]: duties (eq 3.3) or position steps (eq 3.4, 3.5)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pipenav.tasks.reach.observation import joint_signs
 
 
 def to_command(robot: RobotSpec, config: ReachConfig, action: Floats, q: Floats, turn_sign: Floats) -> Command:
-    """The command for canonical actions.
+    """Command for canonical actions.
 
     Args:
         robot: the robot.
@@ -29,10 +29,10 @@ def to_command(robot: RobotSpec, config: ReachConfig, action: Floats, q: Floats,
 
 
 def full_action(robot: RobotSpec, config: ReachConfig) -> Floats:
-    """What a full action is: an effort at standstill, or a set-point step, (joints,)."""
+    """Physical size of a full action: effort at standstill, or set-point step, (joints,) [N and N m, or m and rad]."""
     return robot.effort_limits if config.control == "torque" else position_step(robot, config)
 
 
 def position_step(robot: RobotSpec, config: ReachConfig) -> Floats:
-    """The set-point change of a full action, (joints,) [rad or m]."""
+    """Set-point change of a full action, (joints,) [rad or m]."""
     return config.alpha * np.where(robot.hinges, 1.0, config.slide_unit)

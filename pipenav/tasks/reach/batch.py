@@ -21,11 +21,11 @@ from pipenav.tasks.reach.episode import ReachEpisodes
 from pipenav.tasks.task import EpisodeSource
 
 
-class Judged(NamedTuple):
-    """What one control step brought.
+class Assessment(NamedTuple):
+    """Assessment of one control step.
 
     Attributes:
-        facts: what the reward depends on.
+        facts: quantities that the reward depends on.
         outcome: an `Outcome` for each robot, (n,).
     """
 
@@ -37,7 +37,7 @@ class ReachBatch(TrainingBatch):
     """n episodes of the reach task.
 
     Raises:
-        PipenavError: a robot that hangs on no mount.
+        PipenavError: the robot hangs on no mount.
     """
 
     def __init__(
@@ -73,7 +73,7 @@ class ReachBatch(TrainingBatch):
 
     @property
     def edge(self) -> Floats:
-        """Where the inner wall starts to bend, in the canonical frame, (n, 2) [m]."""
+        """Point where the inner wall starts to bend, in the canonical frame, (n, 2) [m]."""
         return self._edge.copy()
 
     @property
@@ -83,11 +83,10 @@ class ReachBatch(TrainingBatch):
 
     @property
     def snapshot(self) -> observation.Snapshot:
-        """This step's readings in the canonical frame."""
+        """Readings of this step in the canonical frame."""
         return self._now
 
     def reset(self, indices: Ints | None = None) -> Floats:
-        """Start new episodes for some robots (sorted, unique), or all; observations of all robots, (n, size)."""
         indices = np.arange(self.n) if indices is None else np.asarray(indices, np.intp)
         episodes = self._source(indices)
         reading = self._simulator.reset(indices, episodes.pipes, episodes.q, episodes.base)
@@ -111,15 +110,9 @@ class ReachBatch(TrainingBatch):
         return self._observation
 
     def stagger(self, rng: np.random.Generator) -> None:
-        """Make the next episodes start at random ages, so that their time-outs do not all fall into one step."""
         self._ages = rng.integers(0, self.config.max_steps // 2, self.n)
 
     def step(self, action: Floats) -> StepResult:
-        """One control step of every robot.
-
-        Args:
-            action: canonical actions in [-1, 1], (n, joints).
-        """
         command = actions.to_command(self.robot, self.config, action, self._own_q, self._turn_sign)
         self._simulator.step(command)
         self.steps += 1
@@ -127,7 +120,7 @@ class ReachBatch(TrainingBatch):
         reading = self._simulator.read()
         self._own_q, self._now = reading.q, observation.canonical(self.robot, reading, self._turn_sign)
         truth = self._simulator.truth()
-        facts, outcome = self._judge(truth)
+        facts, outcome = self._assess(truth)
         result = reward.total(self.config.reward, facts)
         observed = observation.observe(self.config, self._now, self._before, self._action, self._target)
         self._observation = observed / self._scale
@@ -137,7 +130,7 @@ class ReachBatch(TrainingBatch):
     def close(self) -> None:
         self._simulator.close()
 
-    def _judge(self, truth: Truth) -> Judged:
+    def _assess(self, truth: Truth) -> Assessment:
         distance = episode.distance_to_target(self._now.tip, self._target, self._edge)
         progress, self._distance = self._distance - distance, distance
         error = np.hypot(*(self._now.tip - self._target).T)
@@ -158,4 +151,4 @@ class ReachBatch(TrainingBatch):
             reached=reached,
             failed=failed,
         )
-        return Judged(facts, outcome)
+        return Assessment(facts, outcome)

@@ -1,4 +1,4 @@
-"""Settings of the corner task; every field is read by the task, with its unit and its reason."""
+"""Settings of the reach task: every field is read by the task and states its unit and its reason."""
 
 from __future__ import annotations
 
@@ -23,25 +23,29 @@ class RewardConfig(Table):
     d0: float = Field(0.005, gt=0, description="offset of the laser term (eq 3.11)")
     limit: float = Field(-1000.0, le=0, description="reward of a step that fails the episode (eq 3.13)")
 
-    progress: float = Field(0.0, ge=0, description="reward per metre of way to the target that a step gains [1/m]")
+    progress: float = Field(
+        0.0, ge=0, description="reward per metre by which a step shortens the path to the target [1/m]"
+    )
     reach: float = Field(0.0, ge=0, description="reward of reaching the target")
     step: float = Field(0.0, le=0, description="reward of every step, to be quick")
     force: float = Field(0.0, le=0, description="reward per newton of the step's peak contact force [1/N]")
     penetration: float = Field(0.0, le=0, description="reward per millimetre of the step's deepest overlap [1/mm]")
 
-    scale: float = Field(1.0, gt=0, description="factor on the sum, for the learner's sake")
+    scale: float = Field(1.0, gt=0, description="factor on the sum, to suit the learning algorithm")
 
 
 class ReachConfig(Table):
-    """The corner task."""
+    """Settings of the reach task."""
 
     kind: Literal["reach"] = "reach"
     observation: Literal["basic", "history", "relative", "relative-history"] = Field(
         "basic",
-        description="state of eq 3.1, of eq 3.2, of eq 3.1 with the target as the tip sees it, or that and what a late "
-        "command or a lost beam hides: the last action and the scan before",
+        description="eq 3.1; eq 3.2; eq 3.1 with the target seen from the tip; or the latter with the last action and "
+        "the scan before, which make up for late commands and lost beams",
     )
-    control: Control = Field("torque", description="actions are drives (eq 3.3) or position steps (eq 3.4)")
+    control: Control = Field(
+        "torque", description="actions are duties, shares of effort (eq 3.3), or position steps (eq 3.4)"
+    )
     alpha: float = Field(0.2, gt=0, le=1, description="position step of a full action, in units (eq 3.5; 5.2)")
     slide_unit: float = Field(0.1, gt=0, description="unit step of a slide [m]: 0.2 x 0.1 m is the thesis's v0 (5.3.1)")
     max_steps: int = Field(100, ge=1, description="control steps until an episode times out (4.4.2)")
@@ -49,7 +53,7 @@ class ReachConfig(Table):
         0.020,
         gt=0,
         description="distance of tip and target that counts as reached [m]; the thesis gives none. The width of the "
-        "tip: what counts is to have passed the corner, not to park",
+        "tip: the task is to pass the corner, not to park",
     )
     max_penetration: float = Field(0.002, gt=0, description="overlap with the wall that fails an episode [m]")
     limit_margin: float = Field(

@@ -1,4 +1,4 @@
-"""Where an episode starts, where its target lies, and how it ends."""
+"""Episodes of the reach task: start poses, targets, the distance between them, and joint limits."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ class ReachEpisodes(NamedTuple):
     """k episodes about to start.
 
     Attributes:
-        pipes: the pipe of each.
+        pipes: pipe of each episode, k of them.
         q: start joint positions in the robot's own frame, (k, joints).
         base: x of the robot's frame in the pipe's frame, (k,) [m].
         turn_sign: +1 for a left turn, -1 for a right one, (k,).
         target: target in the canonical frame, (k, 2) [m].
-        edge: the inner wall's edge, of a bend the point where it starts, in the canonical frame, (k, 2) [m].
+        edge: edge of the inner wall, or the point where its bend starts, in the canonical frame, (k, 2) [m].
     """
 
     pipes: tuple[PipeCorner, ...]
@@ -37,10 +37,26 @@ class ReachEpisodes(NamedTuple):
     target: Floats
     edge: Floats
 
-    def part(self, which: slice) -> ReachEpisodes:
-        """Some of the episodes."""
+    def part(self, rows: slice) -> ReachEpisodes:
+        """Episodes of some rows."""
         pipes, *columns = self
-        return ReachEpisodes(pipes[which], *(column[which] for column in columns))
+        return ReachEpisodes(pipes[rows], *(column[rows] for column in columns))
+
+
+class _CornerNumbers(NamedTuple):
+    """Numbers of one corner: its turn, its radius and its inner edge, as `PipeCorner` defines them."""
+
+    turn_sign: float
+    turn_angle: float
+    radius: float
+    inner_edge: float
+
+
+class _LegDirections(NamedTuple):
+    """Unit vectors along a leg and to its left, (k, 2) each."""
+
+    along: Floats
+    left: Floats
 
 
 def sample(
@@ -52,28 +68,27 @@ def sample(
     gap = rng.uniform(*config.start_gap, k)
     depth = rng.uniform(*config.target_depth, k)
     lateral = rng.uniform(-config.target_lateral, config.target_lateral, k)
-    turn_sign, turn, radius, inner = np.array([_corner(pipe) for pipe in pipes]).reshape(k, 4).T
-    q = bend * _room(robot, bend, radius)[:, None]
+    turn_sign, turn_angle, radius, inner = np.array([_corner(pipe) for pipe in pipes]).reshape(k, 4).T
+    q = bend * _bend_factor(robot, bend, radius)[:, None]
     base = -inner - gap - robot.length
-    along, left = _second_leg(turn)
-    along_target = (inner + depth)[:, None] * along + (2 * radius * lateral)[:, None] * left
+    leg = _second_leg(turn_angle)
+    target = (inner + depth)[:, None] * leg.along + (2 * radius * lateral)[:, None] * leg.left
     edge = np.stack([-inner, radius], axis=1)
     return ReachEpisodes(
-        tuple(pipes), q, base, turn_sign, frames.pipe_to_robot(along_target, base), frames.pipe_to_robot(edge, base)
+        tuple(pipes), q, base, turn_sign, frames.pipe_to_robot(target, base), frames.pipe_to_robot(edge, base)
     )
 
 
 @lru_cache(maxsize=4096)  # every pipe of the largest shipped training set
-def _corner(pipe: PipeCorner) -> tuple[float, ...]:
-    """Side, absolute change of heading, radius and inner edge, as `PipeCorner` says."""
-    return pipe.turn_sign, abs(pipe.heading_change), pipe.radius, pipe.inner_edge
+def _corner(pipe: PipeCorner) -> _CornerNumbers:
+    return _CornerNumbers(pipe.turn_sign, abs(pipe.heading_change), pipe.radius, pipe.inner_edge)
 
 
 def check_robot(robot: RobotSpec) -> None:
     """Refuse a robot that cannot do the task.
 
     Raises:
-        PipenavError: it stands free.
+        PipenavError: the robot stands free.
     """
     if robot.free:
         raise PipenavError(
@@ -82,7 +97,7 @@ def check_robot(robot: RobotSpec) -> None:
 
 
 START_CLEARANCE = 0.002
-"""Least room between the robot and the wall at the start [m]."""
+"""Least distance between the robot and the wall at the start [m]."""
 
 
 def check_fits(robot: RobotSpec, pipes: Sequence[Pipe]) -> None:
@@ -100,7 +115,7 @@ def check_fits(robot: RobotSpec, pipes: Sequence[Pipe]) -> None:
             )
 
 
-def _room(robot: RobotSpec, bend: Floats, radius: Floats) -> Floats:
+def _bend_factor(robot: RobotSpec, bend: Floats, radius: Floats) -> Floats:
     """Factor in [0, 1] on start angles that keeps the robot off the walls, (k,).
 
     Every hinge swings the rest of the robot sideways by at most its angle times the length that follows it.
@@ -111,31 +126,31 @@ def _room(robot: RobotSpec, bend: Floats, radius: Floats) -> Floats:
     return np.asarray(np.clip(free / np.maximum(sideways, 1e-9), 0.0, 1.0))
 
 
-def _second_leg(turn: Floats) -> tuple[Floats, Floats]:
-    """Directions along the second leg and to its left, as a left turn by `turn` (k,), (k, 2) each."""
-    along = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    return along, np.stack([-along[:, 1], along[:, 0]], axis=1)
+def _second_leg(turn_angle: Floats) -> _LegDirections:
+    """Directions of the second leg of a left turn by `turn_angle`, (k,) [rad]."""
+    along = np.stack([np.cos(turn_angle), np.sin(turn_angle)], axis=1)
+    return _LegDirections(along, np.stack([-along[:, 1], along[:, 0]], axis=1))
 
 
 INSIDE_WALL = np.deg2rad(165.0)
-"""A heading from the inner edge that lies in every pipe's wall: that fills pi - angle to pi, with angle >= 30 deg."""
+"""A heading from the inner edge into the wall of every pipe: the wall fills pi - angle to pi, with angle >= 30 deg."""
 
 
 def distance_to_target(tip: Floats, target: Floats, edge: Floats) -> Floats:
-    """Length of the way from the tip to the target: straight, or around the inner edge where that is in between.
+    """Length of the path from the tip to the target: straight, or around the inner edge where that is in between.
 
     Seen from the edge, the free space is a wedge; the wall is in between when tip and target lie more than a half turn
-    apart in it. The way changes by no more than the tip moves.
+    apart in it. The length changes by no more than the tip moves.
 
     Args:
-        tip: (n, 2) [m], canonical frame.
-        target: (n, 2) [m].
-        edge: the inner edge, (n, 2) [m].
+        tip: tip in the canonical frame, (n, 2) [m].
+        target: target in that frame, (n, 2) [m].
+        edge: inner edge in that frame, (n, 2) [m].
     """
     x, y = np.array([(target - edge).T, (tip - edge).T, (target - tip).T]).swapaxes(0, 1)  # (3, n) each
-    goal_distance, tip_distance, straight = np.hypot(x, y)
-    goal_turn, tip_turn = np.mod(np.arctan2(y[:2], x[:2]) - INSIDE_WALL, 2 * np.pi)  # counter-clockwise
-    return np.asarray(np.where(goal_turn - tip_turn > np.pi, tip_distance + goal_distance, straight))
+    target_distance, tip_distance, straight = np.hypot(x, y)
+    target_turn, tip_turn = np.mod(np.arctan2(y[:2], x[:2]) - INSIDE_WALL, 2 * np.pi)  # counter-clockwise
+    return np.asarray(np.where(target_turn - tip_turn > np.pi, tip_distance + target_distance, straight))
 
 
 def at_limit(robot: RobotSpec, config: ReachConfig, q: Floats) -> Flags:

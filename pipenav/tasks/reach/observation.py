@@ -14,20 +14,20 @@ from pipenav.tasks.layout import ObservationField
 from pipenav.tasks.reach.config import ReachConfig
 
 POSITION_SCALE = 0.5
-"""Positions are observed in units of this [m]: about the robot's reach, so that values stay near [-1, 1]."""
+"""Scale of observed positions [m]: about the robot's reach, so that values stay near [-1, 1]."""
 
 NEAR = 0.03
-"""Distance at which `goal_near` has half its length [m]: it resolves the last centimetres, where success is decided."""
+"""Distance at which `goal_near` has half its length [m]: that value resolves the last centimetres before the target."""
 
 
 class Snapshot(NamedTuple):
-    """Readings of one control step in the canonical frame, and where that puts the tip.
+    """Readings of one control step in the canonical frame, with the tip's pose that follows from them.
 
     Attributes:
         q, qd: joint positions and speeds, (n, joints) [rad or m, per s].
         ranges: laser readings from right to left, (n, beams) [m].
-        tip: (n, 2) [m].
-        heading: of the last link, (n,) [rad].
+        tip: position of the tip, (n, 2) [m].
+        heading: heading of the last link, (n,) [rad].
     """
 
     q: Floats
@@ -37,21 +37,21 @@ class Snapshot(NamedTuple):
     heading: Floats
 
     def part(self, indices: Ints) -> Snapshot:
-        """The snapshot of some robots, k of them."""
+        """Snapshot of some robots, k of them."""
         return Snapshot(*(column[indices] for column in self))
 
     def put(self, indices: Ints, part: Snapshot) -> None:
-        """Make some robots' rows those of `part`, in place."""
+        """Overwrite some robots' rows with those of `part`, in place."""
         for column, rows in zip(self, part, strict=True):
             column[indices] = rows
 
 
 def canonical(robot: RobotSpec, reading: Reading, turn_sign: Floats) -> Snapshot:
-    """Readings as if every turn were a left turn.
+    """Readings in the canonical frame, as if every turn were a left turn.
 
     Args:
         robot: the robot.
-        reading: what the sensors give.
+        reading: readings of the sensors in the robot's own frame.
         turn_sign: +1 for a left turn, -1 for a right one, (n,).
     """
     signs = joint_signs(robot, turn_sign)
@@ -67,7 +67,7 @@ def joint_signs(robot: RobotSpec, turn_sign: Floats) -> Floats:
 
 
 def layout(robot: RobotSpec, config: ReachConfig) -> list[ObservationField]:
-    """The observation's parts in order, with the scale that each value is divided by."""
+    """Parts of the observation, in order."""
     joints = len(robot.joints)
     position = np.maximum(-robot.lower, robot.upper)
     ranges = np.full(robot.laser.beams, robot.laser.range_max)
@@ -88,13 +88,15 @@ def layout(robot: RobotSpec, config: ReachConfig) -> list[ObservationField]:
 
 
 def observe(config: ReachConfig, now: Snapshot, before: Snapshot, action_before: Floats, target: Floats) -> Floats:
-    """Unscaled observation, (n, size): eq 3.1 `[q, qd, p_ee, p_goal, D]`, eq 3.2 with the step before, or
-    `relative`, of which `relative-history` also has the scan before and the last action.
+    """Unscaled observation, (n, size).
+
+    `basic` is eq 3.1, `[q, qd, p_ee, p_goal, D]`, and `history` is eq 3.2, which adds the step before. `relative` sees
+    the target from the tip; `relative-history` adds the scan before and the last action.
 
     Args:
-        config: names the state.
-        now: this step's readings.
-        before: the step before's; at the first step the same as `now`.
+        config: settings, which name the state.
+        now: readings of this step.
+        before: readings of the step before; at the first step the same as `now`.
         action_before: the last action in the canonical frame, zero at the first step, (n, joints).
         target: the target in the canonical frame, (n, 2) [m].
     """
@@ -114,7 +116,7 @@ def observe(config: ReachConfig, now: Snapshot, before: Snapshot, action_before:
 
 
 def _in_tip_frame(vector: Floats, heading: Floats) -> Floats:
-    """World vectors (n, 2) in frames turned by `heading` (n,)."""
+    """Vectors of the canonical frame, (n, 2), in frames turned by `heading`, (n,)."""
     cos, sin = np.cos(heading), np.sin(heading)
     x, y = vector[:, 0], vector[:, 1]
     return np.array([cos * x + sin * y, cos * y - sin * x]).T

@@ -1,4 +1,4 @@
-"""The reward's terms, one function each; equation numbers are the thesis's."""
+"""Terms of the reward, one function each; equation numbers are the thesis's."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ JOINT_SLOPE, JOINT_OFFSET = 5.0, 0.005
 
 
 class StepFacts(NamedTuple):
-    """What the reward of one control step depends on.
+    """Quantities that the reward of one control step depends on.
 
     Attributes:
-        error: distance of tip and target, (n,) [m].
+        error: distance from the tip to the target, (n,) [m].
         ranges: laser readings, (n, beams) [m].
         joint_change: sum over the joints of |q_t - q_(t-1)|, (n,) [rad + m].
-        progress: way to the target that the step gained, (n,) [m].
-        contact_force: the step's peak, (n,) [N].
-        penetration: the step's deepest, (n,) [m].
+        progress: length by which the step shortened the path to the target, (n,) [m].
+        contact_force: peak contact force of the step, (n,) [N].
+        penetration: deepest overlap with the wall in the step, (n,) [m].
         reached: whether the target was reached, (n,).
         failed: whether the step ended at a joint limit or in a wall, (n,).
     """
@@ -44,29 +44,29 @@ class StepFacts(NamedTuple):
 
 
 def target_linear(error: Floats) -> Floats:
-    """Eq 3.6."""
+    """Linear target term, eq 3.6."""
     return -error
 
 
 def target_huber(error: Floats) -> Floats:
-    """Eq 3.7, as the negative of the Huber loss on both branches (as printed, the outer branch lacks its sign)."""
+    """Huber target term, eq 3.7, minus the Huber loss on both branches (in print, the outer branch lacks its sign)."""
     inner = -0.5 * error**2
     outer = -(HUBER_DELTA * error - 0.5 * HUBER_DELTA**2)
     return np.asarray(np.where(error <= HUBER_DELTA, inner, outer))
 
 
 def target_log(error: Floats) -> Floats:
-    """Eq 3.8 with eq 3.9."""
+    """Logarithmic target term, eq 3.8 with eq 3.9."""
     return np.asarray(-np.log(LOG_SLOPE * error + LOG_OFFSET) + np.log(LOG_OFFSET))
 
 
 def laser(ranges: Floats, beta: float, d0: float) -> Floats:
-    """Eq 3.10, (n, beams) -> (n,)."""
+    """Laser term, eq 3.10, (n, beams) -> (n,)."""
     return np.asarray(-1.0 / (beta * ranges.min(axis=1) + d0))
 
 
 def joint_change(change: Floats) -> Floats:
-    """Eq 3.14."""
+    """Joint-change term, eq 3.14."""
     return np.asarray(-1.0 / (JOINT_SLOPE * change + JOINT_OFFSET))
 
 
@@ -74,7 +74,7 @@ TARGET_TERMS = {"linear": target_linear, "huber": target_huber, "log": target_lo
 
 
 def total(config: RewardConfig, facts: StepFacts) -> Floats:
-    """Eq 3.12 (c3 = 0) and eq 3.15, and our own terms where their weights are not zero: (n,)."""
+    """Sum of all terms, (n,): eq 3.12 (c3 = 0) and eq 3.15, then our own terms where their weights are not zero."""
     reward = np.full(len(facts.error), config.step)
     if config.c1:
         reward = reward + config.c1 * TARGET_TERMS[config.target](facts.error)

@@ -1,5 +1,5 @@
 """The traverse task in space.
 
-A policy of the plane takes the robot through each corner; in between it rolls into the next one's plane, decided from
-its own sensors alone.
+A policy of the plane takes the robot through each corner. In between the robot rolls into the plane of the next corner,
+decided from its own sensors alone.
 """

@@ -1,7 +1,7 @@
-"""The traverse task in space: n robots, each in a run of its own, that roll before corners in other planes.
+"""The traverse task in space: n robots, each in a route of its own, that roll before corners in other planes.
 
-A policy of the plane takes a robot through each corner. Between corners its `Pilot` drives, and what the policy wants
-is not done.
+A policy of the plane takes a robot through each corner. Between corners its `Pilot` drives, and the policy's actions
+are ignored.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ from pipenav.tasks.traverse.episode import TraverseEpisodes
 from pipenav.tasks.traverse.outcome import OutcomeTracker, reward
 
 LIMIT_FACTOR = 2
-"""How many times as long as in the plane an episode may take: straights are longer, and rolling takes 10 to 20 s."""
+"""Factor on the time limit of the plane: straights are longer, and rolling takes 10 to 20 s."""
 
 
 class RollingBatch(TaskBatch):
-    """n episodes in space, stepped together. Who calls `step` also says, by `reset`, who starts anew.
+    """n episodes of the traverse task in space; the first reset must start all of them.
 
     Raises:
-        PipenavError: a robot that cannot roll.
+        PipenavError: the robot cannot roll.
     """
 
     def __init__(
@@ -57,25 +57,24 @@ class RollingBatch(TaskBatch):
 
     @property
     def pipes(self) -> list[PipeRoute]:
-        """The run of each robot, once all have one."""
+        """Route of each robot, once all have one."""
         return [self._routes[i] for i in range(self.n)]
 
     @property
     def q(self) -> Floats:
-        """Configurations: joint positions, after NaN for the base, whose pose leaves the plane, (n, coordinates)."""
+        """Configurations, (n, coordinates): NaN for the base, whose pose leaves the plane, then the joint positions."""
         return np.concatenate([np.full((self.n, len(BASE)), np.nan), self._backend.read().body.q], axis=1)
 
     @property
     def doing(self) -> list[str]:
-        """Who drives each robot, in words."""
+        """Description of who drives each robot, in words."""
         return [self._pilots[i].doing for i in range(self.n)]
 
     def truth(self) -> SpaceTruth:
-        """Where the robots are; no policy knows it."""
+        """Quantities that only the simulator knows, such as where the robots are."""
         return self._backend.truth()
 
     def reset(self, indices: Ints | None = None) -> Floats:
-        """Start new episodes for some robots (sorted, unique), or all, the first time all of them."""
         indices = np.arange(self.n) if indices is None else np.asarray(indices, np.intp)
         episodes = self._source(indices)
         routes = [as_route(pipe) for pipe in episodes.pipes]
@@ -88,28 +87,24 @@ class RollingBatch(TaskBatch):
             self._end[i] = route.distances[-2] + route.inner_edges[-1]
             self._limit[i] = LIMIT_FACTOR * self.config.max_steps * len(route.corners)
         self.steps[indices], self._action[indices] = 0, 0.0
-        self._tracker.start(indices, self._along()[indices])
+        self._tracker.start(indices, self._distances()[indices])
         return self._observe(self._backend.read())
 
     def step(self, action: Floats) -> StepResult:
-        """One control step of every robot.
-
-        Args:
-            action: canonical actions of the policy in [-1, 1], (n, actuators); not done where the pilot drives.
-        """
         reading, pilots = self._backend.read(), [self._pilots[i] for i in range(self.n)]
         held = np.array([pilot.set_points for pilot in pilots])
         wanted = observation.to_command(self.robot, self.config, action, reading.body.q, held, self._turn_sign).values
         commands = [pilot.command(reading.row(i), wanted[i]) for i, pilot in enumerate(pilots)]
         policy_drives = np.array([pilot.mode is Mode.CORNER for pilot in pilots])
         self._action = np.where(policy_drives[:, None], np.clip(action, -1.0, 1.0), 0.0)
-        self._backend.step(np.array([values for values, _ in commands]), np.array([roll for _, roll in commands]))
+        set_points, rolls = (np.array(column) for column in zip(*commands, strict=True))
+        self._backend.step(set_points, rolls)
         self.steps += 1
         reading, truth = self._backend.read(), self._backend.truth()
         for i, pilot in enumerate(pilots):
             pilot.sense(reading.row(i))
-        self._tracker.excuse(np.array([pilot.mode in (Mode.ROLL, Mode.BACK_OUT) for pilot in pilots]))
-        facts, outcome = self._tracker.step(self.steps, self._limit, self._along(), self._end, reading.body, truth)
+        self._tracker.reset_patience(np.array([pilot.mode in (Mode.ROLL, Mode.BACK_OUT) for pilot in pilots]))
+        facts, outcome = self._tracker.step(self.steps, self._limit, self._distances(), self._end, reading.body, truth)
         gained, min_range = reward(self.config.reward, facts), reading.body.ranges.min(axis=1)
         cut_off = (outcome != Outcome.RUNNING) & ~facts.passed & ~facts.failed
         return StepResult(self._observe(reading), gained, outcome, min_range, truth, cut_off)
@@ -122,10 +117,11 @@ class RollingBatch(TaskBatch):
         return np.array([self._pilots[i].turn_sign for i in range(self.n)])
 
     def _observe(self, reading: SpaceReading) -> Floats:
-        alone = np.zeros((self.n, 2))  # every corner is taken by itself, wherever the ones beside it turn
+        alone = np.zeros((self.n, 2))  # the policy takes every corner as if it had no neighbours
         down = None if self.config.inclination_deg is None else reading.down[:, FRONT, :2]
         seen = observation.observe(self.robot, reading.body, self._action, self._turn_sign, alone, down)
         return np.asarray(seen / self._scale)
 
-    def _along(self) -> Floats:
+    def _distances(self) -> Floats:
+        """Distances of rear ends, joints and tips along the pipe, (n, links + 1) [m]."""
         return self._lines.distance(self._backend.truth().points)

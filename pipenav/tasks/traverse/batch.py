@@ -7,7 +7,7 @@ import numpy as np
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Simulator
 from pipenav.backends.messages import Reading, Truth
-from pipenav.errors import PipenavError
+from pipenav.backends.refusals import CannotIncline
 from pipenav.pipes.centre_lines import CentreLines
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.pipe import Pipe
@@ -22,14 +22,14 @@ from pipenav.tasks.traverse.episode import GRAVITY, TraverseEpisodes, check_robo
 from pipenav.tasks.traverse.outcome import OutcomeTracker, reward
 
 ANYWHERE = PipeCorner.of(100, 90)
-"""Where robots are thought to be before they are first put into pipes."""
+"""Pipe of a robot before its first reset, only to give the arrays their shapes."""
 
 
 class TraverseBatch(TrainingBatch):
     """n episodes of the traverse task.
 
     Raises:
-        PipenavError: a robot on a mount, or pipes that are not level on a backend that cannot incline them.
+        PipenavError: the robot hangs on a mount, or pipes are not level and the simulator cannot incline them.
     """
 
     def __init__(
@@ -42,7 +42,7 @@ class TraverseBatch(TrainingBatch):
     ) -> None:
         check_robot(robot)
         if config.inclination_deg is not None and not simulator.can_incline:
-            raise PipenavError(f"{type(simulator).__name__} knows no gravity along the pipe: choose --backend mujoco.")
+            raise CannotIncline(simulator)
         self.robot, self.config, self.n = robot, config, n
         self._simulator, self._source = simulator, source
         self._scale = np.concatenate([part.scale for part in observation.layout(robot, config)])
@@ -68,16 +68,15 @@ class TraverseBatch(TrainingBatch):
 
     @property
     def points(self) -> Floats:
-        """Rear end, joints and tip in the pipe's frame, (n, links + 1, 2) [m]: no policy knows where it is."""
+        """Rear end, joints and tip in the pipe's frame, (n, links + 1, 2) [m]; policies do not see them."""
         return frames.robot_to_pipe(kinematics.waypoints(self.robot, self._q), self._base[:, None])
 
     @property
-    def along(self) -> Floats:
-        """Where they are along the pipe, 0 at the corner, (n, links + 1) [m]."""
+    def distances(self) -> Floats:
+        """Distances of `points` along the pipe, 0 at the first corner, (n, links + 1) [m]."""
         return self._lines.distance(self.points)
 
     def reset(self, indices: Ints | None = None) -> Floats:
-        """Start new episodes for some robots (sorted, unique), or all; observations of all robots, (n, size)."""
         indices = np.arange(self.n) if indices is None else np.asarray(indices, np.intp)
         episodes = self._source(indices)
         if self.config.inclination_deg is not None:
@@ -91,21 +90,15 @@ class TraverseBatch(TrainingBatch):
         self._set_points[indices] = reading.q + self.config.start_press * np.sign(reading.q)
         self._lines, self._corner[indices] = self._lines.put(indices, CentreLines.of(episodes.pipes)), 0
         self._turn_signs[indices] = self._lines.turn_signs(self._corner)[indices]
-        self._tracker.start(indices, self.along[indices])
+        self._tracker.start(indices, self.distances[indices])
         self._observation = self._observation.copy()
         self._observation[indices] = self._observe(reading, indices)
         return self._observation
 
     def stagger(self, rng: np.random.Generator) -> None:
-        """Make the next episodes start at random ages, so that their time-outs do not all fall into one step."""
         self._ages = rng.integers(0, self.config.max_steps // 2, self.n)
 
     def step(self, action: Floats) -> StepResult:
-        """One control step of every robot.
-
-        Args:
-            action: canonical actions in [-1, 1], (n, actuators).
-        """
         joints = self._q[:, -self._set_points.shape[1] :]
         command = observation.to_command(
             self.robot, self.config, action, joints, self._set_points, self._turn_signs[:, 0]
@@ -115,11 +108,11 @@ class TraverseBatch(TrainingBatch):
         self.steps += 1
         self._action = np.clip(action, -1.0, 1.0)
         reading, truth = self._simulator.read(), self._simulator.truth()
-        self._place(reading, truth)
-        along, every, last = self.along, np.arange(self.n), self._lines.corners - 1
+        self._q = self._configuration(reading, truth)
+        distances, every, last = self.distances, np.arange(self.n), self._lines.corners - 1
         limit, end = self.config.max_steps * (last + 1), self._lines.end[every, last]
-        facts, outcome = self._tracker.step(self.steps, limit, along, end, reading, truth)
-        self._go_on(along.mean(axis=1))
+        facts, outcome = self._tracker.step(self.steps, limit, distances, end, reading, truth)
+        self._enter_corners(distances.mean(axis=1))
         self._observation = self._observe(reading, every)
         gained = reward(self.config.reward, facts)
         cut_off = (outcome != Outcome.RUNNING) & ~facts.passed & ~facts.failed
@@ -128,32 +121,35 @@ class TraverseBatch(TrainingBatch):
     def close(self) -> None:
         self._simulator.close()
 
-    def _place(self, reading: Reading, truth: Truth) -> None:
-        """Where the robots are, from their joints and from the tip that the simulator knows."""
+    def _configuration(self, reading: Reading, truth: Truth) -> Floats:
+        """Configurations, (n, coordinates), from the joints and from the tip that the simulator knows."""
         tip = truth.tip.copy()
         tip[:, 0] -= self._base
-        self._q = kinematics.configuration(self.robot, reading.q, tip)
+        return kinematics.configuration(self.robot, reading.q, tip)
 
     def _observe(self, reading: Reading, indices: Ints) -> Floats:
-        """What some robots see, scaled, from what their sensors give."""
-        turn_sign, beside = self._turn_signs[indices, 0], self._turn_signs[indices, 1:]
+        """Scaled observations of some robots, (k, size), from the readings of their sensors."""
+        turn_sign, neighbours = self._turn_signs[indices, 0], self._turn_signs[indices, 1:]
         down = None if self.config.inclination_deg is None else self._down(indices)
-        observed = observation.observe(self.robot, reading, self._action[indices], turn_sign, beside, down)
+        observed = observation.observe(self.robot, reading, self._action[indices], turn_sign, neighbours, down)
         return np.asarray(observed / self._scale)
 
     def _down(self, indices: Ints) -> Floats:
-        """What some robots' accelerometers say of where down is, (k, 2), see `pipenav.tasks.traverse.observation.observe`."""
+        """Direction of down by some robots' accelerometers, (k, 2), see `observation.observe`."""
         heading = kinematics.forward(self.robot, self._q[indices]).headings[:, observation.accelerometer(self.robot)]
         x, y = self._gravity[indices].T / GRAVITY
         cos, sin = np.cos(heading), np.sin(heading)
         return np.stack([x * cos + y * sin, y * cos - x * sin], axis=1)
 
-    def _go_on(self, middle: Floats) -> None:
-        """The corner that a robot is in is the first one through which its middle (n,) has not come; never one before.
+    def _enter_corners(self, middle: Floats) -> None:
+        """Find the corner that each robot is in: the first one that its middle has not passed, never an earlier one.
 
-        With the corner its side may change, and what is seen and done from there on is mirrored.
+        With the corner the turn sign may change; observations and actions are mirrored from then on.
+
+        Args:
+            middle: distance of each robot's middle along the pipe, (n,) [m].
         """
-        done = (middle[:, None] >= self._lines.end) & (self._lines.turn_sign != 0)
-        self._corner = np.maximum(self._corner, np.minimum(done.sum(axis=1), self._lines.corners - 1))
+        passed = (middle[:, None] >= self._lines.end) & (self._lines.turn_sign != 0)
+        self._corner = np.maximum(self._corner, np.minimum(passed.sum(axis=1), self._lines.corners - 1))
         before, self._turn_signs = self._turn_signs[:, 0], self._lines.turn_signs(self._corner)
-        self._action = observation.seen_from(self.robot, self._action, self._turn_signs[:, 0] * before)
+        self._action = observation.mirror_action(self.robot, self._action, self._turn_signs[:, 0] * before)

@@ -1,4 +1,4 @@
-"""Settings of the traverse task; every field is read by the task, with its unit and its reason."""
+"""Settings of the traverse task: every field is read by the task and states its unit and its reason."""
 
 from __future__ import annotations
 
@@ -16,64 +16,67 @@ class TraverseReward(Table):
     """Weights of the reward's terms."""
 
     progress: float = Field(4.0, ge=0, description="reward per metre that the body's middle gains along the pipe [1/m]")
-    passed: float = Field(1.0, ge=0, description="reward of having the tail through: a quarter of the way's")
-    step: float = Field(-0.01, le=0, description="reward of every step, to be quick: a fifth of its usual progress")
+    passed: float = Field(1.0, ge=0, description="reward of the tail being through: a quarter of what progress earns")
+    step: float = Field(
+        -0.01, le=0, description="reward of every step, to be quick: a fifth of what progress usually earns"
+    )
     force: float = Field(0.0, le=0, description="reward per newton of the step's peak contact force [1/N]")
     penetration: float = Field(-0.04, le=0, description="reward per millimetre of the step's deepest overlap [1/mm]")
     failed: float = Field(-1.0, le=0, description="reward of a step that fails the episode: it undoes a success")
 
 
 class TraverseConfig(Table):
-    """The traverse task."""
+    """Settings of the traverse task."""
 
     kind: Literal["traverse"]
-    observation: Literal["body"] = Field("body", description="what the robot's own sensors give, and the last action")
+    observation: Literal["body"] = Field("body", description="readings of the robot's own sensors, and the last action")
     control: Literal["position"] = Field("position", description="set-points for the on-board controllers")
     set_points: Literal["measured", "held"] = Field(
         "measured",
-        description="a bending joint's set-point moves on from where the joint is (eq 3.5), or from where it was set "
+        description="an action changes a bending joint's measured position (eq 3.5), or its set-point of the step "
         "before, so that an action of 0 goes on pressing",
     )
     alpha: float = Field(
         0.25,
         gt=0,
         le=1,
-        description="set-point change of a bending joint at a full action, and how far set-points may be from where "
-        "joints are [rad]; more than full_drive_error, so that a policy can ask for all of a joint's effort",
+        description="set-point change of a bending joint at a full action, and largest distance of a set-point from "
+        "its joint [rad]; more than full_drive_error, so that a policy can ask for all of a joint's effort",
     )
     max_steps: int = Field(
         300, ge=1, description="control steps for each corner until an episode times out; a passage takes 70 to 100"
     )
-    patience: int = Field(
-        100, ge=1, description="control steps without an advance after which an episode counts as stuck"
-    )
-    advance: float = Field(0.005, gt=0, description="gain along the pipe that counts as an advance [m]")
+    patience: int = Field(100, ge=1, description="control steps without an advance after which a robot counts as stuck")
+    advance: float = Field(0.005, gt=0, description="distance gained along the pipe that counts as an advance [m]")
     spin: float = Field(
-        0.1, gt=0, description="way of the rims, mean over the wheels, that makes being stuck a slip and no jam [m]"
+        0.1, gt=0, description="rolled distance, mean over the wheels, from which being stuck is a slip and no jam [m]"
     )
     slide_back: float = Field(
-        1.0, gt=0, description="how far the body may fall behind its furthest place, in its own lengths"
+        1.0, gt=0, description="largest fall of the body behind its furthest distance, in its own lengths"
     )
     max_penetration: float = Field(0.002, gt=0, description="overlap with the wall that fails an episode [m]")
-    through: float = Field(0.010, ge=0, description="how far past the inner wall's bend the tail ends up [m]")
+    through: float = Field(
+        0.010, ge=0, description="distance of the tail past the inner wall's bend when it is through [m]"
+    )
     start_gap: tuple[Length, Length] = Field(
-        (0.06, 0.10), strict=False, description="how far before the inner wall's bend the tip starts [m]"
+        (0.06, 0.10), strict=False, description="distance of the tip before the inner wall's bend at the start [m]"
     )
     start_spread: tuple[Share, Share] = Field(
         (0.0, 1.0),
         strict=False,
-        description="how far off the axis wheels start, to either side by turns, as a share of the room that they have",
+        description="distance of the wheels from the axis at the start, on alternating sides, as a share of the "
+        "room that they have",
     )
     start_press: float = Field(
         0.0,
         ge=0,
-        description="how much further than the joints are bent their set-points are at the start, where they are held "
-        "[rad]: so the robot clamps from the first moment",
+        description="distance of set-points beyond the bends of their joints at the start, where set-points are held "
+        "[rad]: the robot clamps from the first moment",
     )
     inclination_deg: tuple[float, float] | None = Field(
         None,
         strict=False,
         description="range of gravity's direction in the pipe's plane, from the first leg's direction towards the "
-        "left; none: the plane is level and carries the robot",
+        "left [deg]; none: the plane is level and carries the robot",
     )
     reward: TraverseReward = TraverseReward()

@@ -1,4 +1,4 @@
-"""What the policy sees: the robot's own sensors and its last action, mirrored for right turns, in fixed scales."""
+"""Observations and commands of the traverse task, mirrored for right turns, in fixed scales."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from pipenav.tasks.layout import ObservationField
 from pipenav.tasks.traverse.config import TraverseConfig
 
 STRAIGHT = 0.1
-"""Bend below which a wheel rolls more slowly than asked, down to not at all at a straight joint [rad]: there it moves
-from one wall to the other, and its forwards turns round."""
+"""Bend below which a wheel rolls more slowly than asked, and at a straight joint not at all [rad]: there it moves from
+one wall to the other, and its forward direction turns round."""
 
 
 def layout(robot: RobotSpec, config: TraverseConfig) -> list[ObservationField]:
-    """The observation's parts in order, with the scale that each value is divided by."""
+    """Parts of the observation, in order."""
     actuators, lidar = len(robot.driven_actuators), robot.laser
     weighs = config.inclination_deg is not None
     return [
@@ -37,14 +37,14 @@ def wheel_limits(robot: RobotSpec) -> Floats:
 
 
 def action_scale(robot: RobotSpec, config: TraverseConfig) -> Floats:
-    """What a full action is: a joint's set-point change [rad], then a wheel's speed forwards [rad/s], (actuators,)."""
+    """Physical size of a full action: set-point changes of joints [rad], then wheel speeds [rad/s], (actuators,)."""
     return np.concatenate([np.full(len(robot.joints), config.alpha), wheel_limits(robot)])
 
 
-def drive_signs(robot: RobotSpec, turn_sign: Floats) -> Floats:
+def actuator_signs(robot: RobotSpec, turn_sign: Floats) -> Floats:
     """Factor on loads, commands and actions that turns them into the canonical frame or back, (n, actuators).
 
-    Its first columns do so to joint positions and speeds, its last ones to wheel speeds.
+    The first columns also turn joint positions and speeds, the last ones wheel speeds.
 
     Args:
         robot: the robot.
@@ -53,20 +53,20 @@ def drive_signs(robot: RobotSpec, turn_sign: Floats) -> Floats:
     return np.where(turn_sign[:, None] > 0, 1.0, robot.mirror_drives)
 
 
-def seen_from(robot: RobotSpec, action: Floats, change: Floats) -> Floats:
-    """Canonical actions (n, actuators) as they are after a change of side: bends change sign, wheels roll forwards anyway.
+def mirror_action(robot: RobotSpec, action: Floats, change: Floats) -> Floats:
+    """Canonical actions where the turn sign changes, (n, actuators): bends change sign, wheels roll forwards as before.
 
     Args:
         robot: the robot.
-        action: before.
-        change: -1 where the side changes, else +1, (n,).
+        action: canonical actions before the change, (n, actuators).
+        change: -1 where the turn sign changes, else +1, (n,).
     """
     joints = len(robot.joints)
-    return np.concatenate([action[:, :joints] * drive_signs(robot, change)[:, :joints], action[:, joints:]], axis=1)
+    return np.concatenate([action[:, :joints] * actuator_signs(robot, change)[:, :joints], action[:, joints:]], axis=1)
 
 
 def accelerometer(robot: RobotSpec) -> int:
-    """Which link carries it: the one that the roll joint divides, else the last one."""
+    """Index of the link with the accelerometer: the one that the roll joint divides, else the last one."""
     return len(robot.links) - 1 if robot.roll is None else [link.name for link in robot.links].index(robot.roll.link)
 
 
@@ -75,51 +75,51 @@ def observe(
     reading: Reading,
     action_before: Floats,
     turn_sign: Floats,
-    beside: Floats,
+    neighbours: Floats,
     down: Floats | None = None,
 ) -> Floats:
     """Unscaled observation, (n, size).
 
     Args:
         robot: the robot.
-        reading: what the sensors give.
+        reading: readings of the sensors, in the robot's own frame.
         action_before: the last action in the canonical frame, zero at the first step, (n, actuators).
         turn_sign: +1 for a left turn, -1 for a right one, (n,).
-        beside: likewise for the corners before and after the robot's, 0 where there is none, (n, 2).
-        down: what the accelerometer gives at rest, turned round, as a share of the weight: forwards along its link and
-            to its left, (n, 2); none in a level plane.
+        neighbours: turn signs of the corners before and after the robot's, 0 where there is none, (n, 2).
+        down: direction of down by the accelerometer, as a share of the weight, forwards along its link and to its left,
+            (n, 2); None in a level plane.
 
     Raises:
         TypeError: the backend measures no wheel speeds or no loads.
     """
     if reading.wheel_speeds is None or reading.loads is None:
         raise TypeError("the traverse task needs a backend that measures wheel speeds and loads")
-    signs, joints = drive_signs(robot, turn_sign), len(robot.joints)
+    signs, joints = actuator_signs(robot, turn_sign), len(robot.joints)
     ranges = np.where(turn_sign[:, None] > 0, reading.ranges, reading.ranges[:, ::-1])
     own = (reading.q * signs[:, :joints], reading.qd * signs[:, :joints], reading.wheel_speeds * signs[:, joints:])
     felt = [] if down is None else [down[:, :1], down[:, 1:] * turn_sign[:, None]]
-    beside = beside * turn_sign[:, None]
-    return np.concatenate([*own, reading.loads * signs, ranges, action_before, beside, *felt], axis=1)
+    turns = neighbours * turn_sign[:, None]
+    return np.concatenate([*own, reading.loads * signs, ranges, action_before, turns, *felt], axis=1)
 
 
 def to_command(
     robot: RobotSpec, config: TraverseConfig, action: Floats, q: Floats, set_points: Floats, turn_sign: Floats
 ) -> Command:
-    """The command for canonical actions: bending joints go on from where they are or were set, wheels roll forwards.
+    """Command for canonical actions: set-points of bending joints change, wheels roll forwards.
 
-    A joint's bend presses its wheel against the wall on the bend's outside, so the bend says which way round is
+    A bent joint presses its wheel against the wall on the outside of the bend, so the bend decides which way round is
     forwards; the wheel of a straight joint stands.
 
     Args:
         robot: the robot.
-        config: sizes of a full action.
+        config: size of a full action, and what set-point changes start from.
         action: canonical actions, (n, actuators); clipped to [-1, 1].
         q: measured joint positions in the robot's own frame, (n, joints).
-        set_points: those of the command before, (n, joints).
+        set_points: set-points of the command before, (n, joints).
         turn_sign: +1 for a left turn, -1 for a right one, (n,).
     """
     asked, joints = np.clip(action, -1.0, 1.0) * action_scale(robot, config), q.shape[1]
-    bends = asked[:, :joints] * drive_signs(robot, turn_sign)[:, :joints]
+    bends = asked[:, :joints] * actuator_signs(robot, turn_sign)[:, :joints]
     bends += q if config.set_points == "measured" else set_points
     bends = np.clip(np.clip(bends, q - config.alpha, q + config.alpha), robot.lower, robot.upper)
     # A bend to the right presses its wheel on the left wall, where turning to the left rolls forwards.
@@ -129,6 +129,6 @@ def to_command(
 
 
 def wheel_joints(robot: RobotSpec) -> list[int]:
-    """Which joint each wheel sits on, (wheels,)."""
+    """Index of the joint that each wheel sits on, (wheels,)."""
     jointed = [link for link in robot.links if link.joint is not None]
     return [i for i, link in enumerate(jointed) if link.wheel is not None]

@@ -1,4 +1,4 @@
-"""How an episode of the traverse task goes and ends, and what it is worth."""
+"""Progress, outcome and reward of the traverse task."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from pipenav.tasks.outcome import Outcome, decide
 from pipenav.tasks.traverse.config import TraverseConfig, TraverseReward
 
 AT_STOP = 0.01
-"""A joint is at its stop within this share of its travel."""
+"""Share of a joint's travel within which it counts as at its stop."""
 
 
-class Facts(NamedTuple):
-    """What the reward of one control step depends on, (n,) each.
+class StepFacts(NamedTuple):
+    """Quantities that the reward of one control step depends on, (n,) each.
 
     Attributes:
-        progress: what the body's middle gained along the pipe [m].
-        force: the step's peak contact force [N].
-        penetration: the step's deepest overlap [m].
+        progress: distance along the pipe that the body's middle gained [m].
+        force: peak contact force of the step [N].
+        penetration: deepest overlap with the wall in the step [m].
         passed: whether the tail is through.
-        failed: whether the step ended the episode as a failure, being stuck among them; running out of time is none.
+        failed: whether the step ended the episode as a failure; being stuck is a failure, running out of time is not.
     """
 
     progress: Floats
@@ -37,27 +37,33 @@ class Facts(NamedTuple):
     failed: Flags
 
 
-class Judged(NamedTuple):
-    """What one control step brought.
+class Assessment(NamedTuple):
+    """Assessment of one control step.
 
     Attributes:
-        facts: what the reward depends on.
+        facts: quantities that the reward depends on.
         outcome: an `Outcome` for each robot, (n,).
     """
 
-    facts: Facts
+    facts: StepFacts
     outcome: NDArray[np.int8]
 
 
-def reward(config: TraverseReward, facts: Facts) -> Floats:
-    """The sum of the terms, (n,)."""
+def reward(config: TraverseReward, facts: StepFacts) -> Floats:
+    """Sum of the reward's terms, (n,)."""
     total = config.progress * facts.progress + config.passed * facts.passed + config.step
     total = total + config.force * facts.force + config.penetration * 1e3 * facts.penetration
     return np.asarray(np.where(facts.failed, config.failed, total))
 
 
 class OutcomeTracker:
-    """Follows n episodes and says how they end."""
+    """Follows n episodes and decides how they end.
+
+    Args:
+        robot: the robot.
+        config: limits of an episode.
+        n: number of episodes.
+    """
 
     def __init__(self, robot: RobotSpec, config: TraverseConfig, n: int) -> None:
         self._robot, self._config = robot, config
@@ -65,36 +71,45 @@ class OutcomeTracker:
         self._middle, self._furthest = np.zeros(n), np.zeros(n)
         self._waited, self._rolled = np.zeros(n, int), np.zeros(n)
 
-    def start(self, indices: Ints, along: Floats) -> None:
-        """Some robots begin anew, their way points at `along` (k, points)."""
-        self._middle[indices] = self._furthest[indices] = along.mean(axis=1)
+    def start(self, indices: Ints, distances: Floats) -> None:
+        """Begin anew with some robots.
+
+        Args:
+            indices: which robots, (k,).
+            distances: distances of their points along the pipe, (k, points) [m].
+        """
+        self._middle[indices] = self._furthest[indices] = distances.mean(axis=1)
         self._waited[indices], self._rolled[indices] = 0, 0.0
 
-    def excuse(self, indices: Flags) -> None:
-        """Count it as no delay that some robots, (n,), did not come on."""
-        self._waited[indices], self._rolled[indices] = 0, 0.0
+    def reset_patience(self, busy: Flags) -> None:
+        """Count the steps without an advance from 0 again, for robots that are busy with something else.
+
+        Args:
+            busy: flags of the robots that are, (n,).
+        """
+        self._waited[busy], self._rolled[busy] = 0, 0.0
 
     def step(
         self,
         steps: Ints,
         limit: Ints,
-        along: Floats,
+        distances: Floats,
         end: Floats,
         reading: Reading,
         truth: Truth | SpaceTruth,
-    ) -> Judged:
+    ) -> Assessment:
         """Facts and outcome of one control step.
 
         Args:
             steps: control steps of each episode, (n,).
-            limit: how many it may take, (n,).
-            along: where the way points are along the pipe, the rear end's first, (n, points) [m].
-            end: where the last corner ends, (n,) [m].
-            reading: what the sensors give.
-            truth: what the simulator knows.
+            limit: largest number of control steps of each episode, (n,).
+            distances: distances along the pipe of rear end, joints and tip, (n, points) [m].
+            end: distance at which the last corner ends, (n,) [m].
+            reading: readings of the sensors.
+            truth: quantities that only the simulator knows.
         """
         config = self._config
-        middle = along.mean(axis=1)
+        middle = distances.mean(axis=1)
         progress, self._middle = middle - self._middle, middle
         advanced = middle >= self._furthest + config.advance
         self._furthest = np.where(advanced, middle, self._furthest)
@@ -104,19 +119,19 @@ class OutcomeTracker:
 
         sank = truth.penetration > config.max_penetration
         back = middle < self._furthest - config.slide_back * self._robot.length
-        passed = (along[:, 0] >= end + config.through) & ~sank
+        passed = (distances[:, 0] >= end + config.through) & ~sank
         stuck = (self._waited >= config.patience) & ~passed
         holds = {Outcome.TIMEOUT: steps >= limit, Outcome.REACHED: passed}
-        holds |= {reason: stuck & seen for reason, seen in self._why_stuck(along, reading).items()}
+        holds |= {reason: stuck & seen for reason, seen in self._why_stuck(distances, reading).items()}
         outcome = decide(len(sank), holds | {Outcome.SLID_BACK: back, Outcome.PENETRATION: sank})
-        facts = Facts(progress, truth.contact_force, truth.penetration, passed, sank | back | stuck)
-        return Judged(facts, outcome)
+        facts = StepFacts(progress, truth.contact_force, truth.penetration, passed, sank | back | stuck)
+        return Assessment(facts, outcome)
 
-    def _why_stuck(self, along: Floats, reading: Reading) -> dict[Outcome, Flags]:
-        """Reasons why a robot does not come on, if it does not, each (n,)."""
+    def _why_stuck(self, distances: Floats, reading: Reading) -> dict[Outcome, Flags]:
+        """Reasons why a robot that is stuck does not advance, (n,) each."""
         robot = self._robot
         spare = AT_STOP * (robot.upper - robot.lower)
         at_stop = np.asarray(((reading.q <= robot.lower + spare) | (reading.q >= robot.upper - spare)).any(axis=1))
-        folded = along[:, -1] < along[:, along.shape[1] // 2]
+        folded = distances[:, -1] < distances[:, distances.shape[1] // 2]
         slips = self._rolled >= self._config.spin
         return {Outcome.JAM: ~slips, Outcome.SLIP: slips, Outcome.LIMIT: at_stop, Outcome.FOLD: folded}

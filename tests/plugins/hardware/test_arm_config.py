@@ -7,10 +7,7 @@ from typing import Any
 
 import pytest
 from helpers.arm import ARM, ROBOT
-from pipenav_hardware.arm_config import (
-    arm_toml,
-    load_arm,
-)
+from pipenav_hardware.arm_config import arm_toml, load_arm
 from pipenav_hardware.servo_config import PINION_TRAVEL
 
 from pipenav.errors import ConfigError

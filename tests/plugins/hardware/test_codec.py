@@ -11,9 +11,7 @@ from helpers.arm import ANGLES, ARM, ROBOT, home, raw, scan, state
 from hypothesis import given
 from hypothesis import strategies as st
 from pipenav_hardware import table
-from pipenav_hardware.arm_config import (
-    ArmConfig,
-)
+from pipenav_hardware.arm_config import ArmConfig
 from pipenav_hardware.beam_filter import BeamFilter
 from pipenav_hardware.codec import JUMP_MARGIN, LIMIT_MARGIN, STEP_SLACK, Codec, Raw
 

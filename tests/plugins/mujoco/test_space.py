@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from pipenav.arrays import Floats
-from pipenav.backends.registry import open_simulator, open_space
+from pipenav.backends.simulators import open_simulator, open_space
 from pipenav.backends.spatial import SpaceBackend
 from pipenav.errors import PipenavError
 from pipenav.pipes.route import PipeRoute
@@ -91,8 +91,8 @@ def test_a_clamped_robot_drives_and_stays_in_its_plane_and_out_of_the_wall(diame
         truth = backend.truth()
         gone = truth.points[0, :, 0].mean() - start
         assert gone > 0.1
-        assert rolling.clamped and rolling.gone == pytest.approx(gone, abs=0.02)
-        zigzag = rolling.third * steepness(ROBOT, route.radius) * ZIGZAG
+        assert rolling.clamped and rolling.distance == pytest.approx(gone, abs=0.02)
+        zigzag = rolling.zigzag_sign * steepness(ROBOT, route.radius) * ZIGZAG
         np.testing.assert_allclose(backend.read().body.q[0], zigzag, atol=0.1)
         assert deepest < 1e-3
         upright = about_x(plane) @ np.array([0, 0, 1])

@@ -17,7 +17,7 @@ from pipenav_pybullet.backend import PybulletBackend, PybulletOptions
 from pipenav.backends.messages import Command, Reading
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
-from pipenav.policies.baselines.wall_distance import clearance
+from pipenav.policies.baselines.wall_distance import wall_distance
 from pipenav.robots import kinematics, laser
 from pipenav.robots.robot import RobotSpec, load_robot
 from pipenav.tasks.reach import episode
@@ -146,7 +146,7 @@ def test_walls_hold_the_arm_and_penetration_is_the_overlap_of_the_shapes() -> No
         truth, q = backend.truth(), backend.read().q
         depths.append(truth.penetration)
         assert np.all(truth.penetration > overlap - 6e-5)  # as the period before ended; walls end 5e-5 before edges
-        overlap = np.array([-clearance(ROBOT, *where) for where in zip(pipes, q, base, strict=True)])
+        overlap = np.array([-wall_distance(ROBOT, *where) for where in zip(pipes, q, base, strict=True)])
         none = truth.contact_share == 0
         assert np.all(truth.contact_force[none] == 0)
         assert np.all(truth.penetration[none] == 0)

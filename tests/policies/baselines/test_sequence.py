@@ -11,13 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipenav.backends.backend import Backend
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.simulators import open_simulator
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines import sequence
 from pipenav.policies.baselines.sequence import SequenceController, TurnPhase
 from pipenav.policies.baselines.sequence_plan import PRESS, plan
-from pipenav.policies.baselines.wall_distance import clearance
+from pipenav.policies.baselines.wall_distance import wall_distance
 from pipenav.policies.named import open_controller
 from pipenav.policies.policy import load_policy, resolve_policy
 from pipenav.robots.robot import load_robot
@@ -137,14 +137,14 @@ def test_the_line_leads_past_all_walls_to_a_pose_that_mirrors_itself(diameter: f
     pipe = PipeCorner.of(diameter, angle, leg_mm=2000)
     corner = plan(ROBOT, pipe)
     line, room = corner.line, pipe.radius - ROBOT.wheels[2].radius
-    q = np.zeros((len(line.along), ROBOT.coordinates))
-    q[:, 0] = line.along - ROBOT.lengths[0] - 2 * ROBOT.lengths[1] * np.cos(corner.steep)
+    q = np.zeros((len(line.distance), ROBOT.coordinates))
+    q[:, 0] = line.distance - ROBOT.lengths[0] - 2 * ROBOT.lengths[1] * np.cos(corner.steep)
     q[:, 1], q[:, 3:5] = -room, [corner.steep, -2 * corner.steep]
     q[:, 5], q[:, 6:] = corner.steep + line.bends[:, 0], line.bends[:, 1:]
-    assert clearance(ROBOT, pipe, q, 0.0).min() > -1e-6
+    assert wall_distance(ROBOT, pipe, q, 0.0).min() > -1e-6
     half_turn = (np.pi - pipe.angle) / 2
     assert line.bends[-1, :2] == pytest.approx(half_turn, abs=0.1)  # the clamp's and the moving half's bend alike
-    assert np.all(np.diff(line.along) > 0)
+    assert np.all(np.diff(line.distance) > 0)
     assert np.all(np.diff(corner.tip) > -1e-3)
 
 
@@ -154,11 +154,11 @@ def test_the_path_onto_the_line_begins_where_the_half_is_and_ends_where_the_line
 ) -> None:
     corner = plan(ROBOT, PipeCorner.of(diameter, angle))
     bends = np.random.default_rng(seed).uniform(-1.0, 1.0, 4)
-    along = float(corner.line.along[0] * (1 - share) + corner.line.along[-2] * share)
+    along = float(corner.line.distance[0] * (1 - share) + corner.line.distance[-2] * share)
     path = corner.onto_line(along, bends, float(corner.tip[len(corner.tip) // 2]))
     assert path.at(along) == pytest.approx(bends)
     assert path.at(0.0) == pytest.approx(corner.line.bends[-1])
-    assert np.all(np.diff(path.along) > 0)
+    assert np.all(np.diff(path.distance) > 0)
 
 
 def test_what_cannot_be_driven_is_refused() -> None:

@@ -8,7 +8,7 @@ import pytest
 from pipenav_mujoco.model import Contact, static_spec
 
 from pipenav.pipes.corner import PipeCorner
-from pipenav.policies.baselines.wall_distance import clearance
+from pipenav.policies.baselines.wall_distance import wall_distance
 from pipenav.robots.robot import load_robot, robot_names
 
 ROBOT = load_robot("basic")
@@ -35,7 +35,7 @@ def test_the_wall_distance_is_the_distance_of_the_shapes(name: str, diameter: fl
         mujoco.mj_kinematics(model, data)
         distance = min(mujoco.mj_geomDistance(model, data, a, b, 1.0, None) for a, b in pairs)
         if distance > 1e-3:
-            errors.append(distance - clearance(robot, pipe, q, base))
+            errors.append(distance - wall_distance(robot, pipe, q, base))
     assert len(errors) > 30
     # Never more than the truth; less only between two corners, and by what a chord leaves of an arc.
     assert np.min(errors) > -2e-4
@@ -53,7 +53,7 @@ def test_the_wall_distance_of_a_straight_arm_is_what_the_walls_leave() -> None:
     poses = np.zeros((3, 4))
     poses[1, 0] = 0.1 + pipe.inner_edge + 0.03  # the tip's end face 20 mm off the outer wall
     poses[2, 1] = 0.5  # into the wall
-    found = clearance(ROBOT, pipe, poses, base)
+    found = wall_distance(ROBOT, pipe, poses, base)
     np.testing.assert_allclose(found[:2], [0.04, 0.02], atol=1e-9)
     assert found[2] < 0
 
@@ -64,7 +64,7 @@ def test_the_wall_distance_agrees_with_a_dense_outline() -> None:
     pipe = PipeCorner.of(80, 70)
     base = -pipe.inner_edge - ROBOT.length
     q = rng.uniform([0.0, -0.3, -0.3, -0.3], [0.2, 0.3, 1.2, 1.5], (400, 4))
-    found = clearance(ROBOT, pipe, q, base)
+    found = wall_distance(ROBOT, pipe, q, base)
     inside = np.array([_outline_inside(pipe, pose, base) for pose in q])
     sure = np.abs(found) > 0.002
     np.testing.assert_array_equal(found[sure] > 0, inside[sure])

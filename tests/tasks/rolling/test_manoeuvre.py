@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from helpers.rolling import ROBOT, clamped
 
-from pipenav.backends.registry import open_space
+from pipenav.backends.simulators import open_space
 from pipenav.pipes.route import PipeRoute
-from pipenav.tasks.rolling.clamp import nearest, room
+from pipenav.tasks.rolling.clamp import axle_offset, nearest_zigzag
 from pipenav.tasks.rolling.manoeuvre import Roll, RollPhase
 from pipenav.tasks.traverse.episode import GRAVITY
 
@@ -24,7 +24,9 @@ def test_a_roll_turns_the_plane_by_what_was_asked_and_the_robot_stays_where_it_i
     diameter: int, gravity: float, plane: float, third: float
 ) -> None:
     route, turn, start = PipeRoute.of(diameter, [(90, "left", 0)], [1500, 600]), math.radians(90), math.radians(plane)
-    q = np.concatenate([[0.0, third * room(ROBOT, route.radius - 1e-4), 0.0], clamped(route.radius - 1e-4, third)])
+    q = np.concatenate(
+        [[0.0, third * axle_offset(ROBOT, route.radius - 1e-4), 0.0], clamped(route.radius - 1e-4, third)]
+    )
     with closing(open_space("mujoco", ROBOT, 1, {}, gravity)) as backend:
         backend.reset(np.arange(1), [route], q[None], np.array([-1.0]), np.array([start]))
         first, before = backend.read().row(0), backend.truth().points[0, :, 0].mean()
@@ -38,7 +40,7 @@ def test_a_roll_turns_the_plane_by_what_was_asked_and_the_robot_stays_where_it_i
         truth, after = backend.truth(), backend.read().row(0)
     turned = np.arctan2(-truth.normals[0, :, 1], truth.normals[0, :, 2]) - start
     assert np.abs(np.remainder(turned - turn + math.pi, 2 * math.pi) - math.pi).max() < math.radians(12)
-    assert abs(after.roll) < 0.05 and nearest(after.body.q) in (1.0, -1.0)
+    assert abs(after.roll) < 0.05 and nearest_zigzag(after.body.q) in (1.0, -1.0)
     np.testing.assert_allclose(np.abs(after.body.q), np.abs(clamped(route.radius, 1.0)), atol=0.4)
     assert deepest < 1e-3
     assert abs(truth.points[0, :, 0].mean() - before) < 0.12

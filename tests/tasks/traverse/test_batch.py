@@ -10,7 +10,7 @@ from helpers.traversing import CONFIG, ROBOT, episodes, started
 
 from pipenav.backends.backend import Simulator
 from pipenav.backends.messages import Command
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.simulators import open_simulator
 from pipenav.disturbances.disturbance import Disturbance
 from pipenav.disturbances.disturbed_backend import DisturbedSimulator
 from pipenav.errors import PipenavError

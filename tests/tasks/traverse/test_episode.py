@@ -7,7 +7,7 @@ import pytest
 from helpers.traversing import CONFIG, PIPES, ROBOT, episodes, seeds
 from hypothesis import given, settings
 
-from pipenav.policies.baselines.wall_distance import clearance
+from pipenav.policies.baselines.wall_distance import wall_distance
 from pipenav.robots.kinematics import waypoints
 from pipenav.tasks.traverse.episode import GRAVITY
 
@@ -17,7 +17,7 @@ from pipenav.tasks.traverse.episode import GRAVITY
 def test_starts_touch_nothing_and_leave_the_gap(seed: int) -> None:
     start = episodes(seed=seed)
     for i, pipe in enumerate(start.pipes):
-        room = clearance(ROBOT, pipe, start.q[i : i + 1], float(start.base[i]))[0]
+        room = wall_distance(ROBOT, pipe, start.q[i : i + 1], float(start.base[i]))[0]
         assert room >= -1e-9
         points = waypoints(ROBOT, start.q[i : i + 1])[0] + [start.base[i], 0.0]
         low, high = CONFIG.start_gap

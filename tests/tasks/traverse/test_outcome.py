@@ -9,7 +9,7 @@ from helpers.traversing import CONFIG, ROBOT
 from pipenav.backends.messages import Reading, Truth
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.traverse.config import TraverseReward
-from pipenav.tasks.traverse.outcome import Facts, OutcomeTracker, reward
+from pipenav.tasks.traverse.outcome import OutcomeTracker, StepFacts, reward
 
 
 class Course:
@@ -75,7 +75,7 @@ def test_time_runs_out_on_one_that_still_comes_on() -> None:
 
 def test_the_reward_is_the_sum_of_its_terms_and_a_failure_is_one_number() -> None:
     config = TraverseReward(progress=2.0, passed=3.0, step=-0.5, force=-0.1, penetration=-1.0, failed=-7.0)
-    facts = Facts(
+    facts = StepFacts(
         np.array([0.1, 0.1]),
         np.array([5.0, 5.0]),
         np.array([1e-3, 0.0]),

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import BackendOptions, Simulator
 from pipenav.backends.messages import Command, Reading, Truth
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.simulators import open_simulator
 from pipenav.disturbances.disturbance import load_disturbance
 from pipenav.disturbances.disturbed_backend import disturbed
 from pipenav.errors import PipenavError
@@ -76,9 +76,9 @@ def test_an_action_seen_from_the_other_side_asks_for_the_same_and_twice_is_itsel
     rng = np.random.default_rng(seed)
     action, (q, before) = rng.uniform(-1.0, 1.0, (2, 12)), rng.uniform(ROBOT.lower, ROBOT.upper, (2, 2, 6))
     change = np.array([-1.0, 1.0])
-    seen = observation.seen_from(ROBOT, action, change)
+    seen = observation.mirror_action(ROBOT, action, change)
     assert seen[1] == pytest.approx(action[1])
-    assert observation.seen_from(ROBOT, seen, change) == pytest.approx(action)
+    assert observation.mirror_action(ROBOT, seen, change) == pytest.approx(action)
     for config in (CONFIG, CONFIG.model_copy(update={"set_points": "measured"})):
         one = observation.to_command(ROBOT, config, action, q, before, np.ones(2)).values
         assert observation.to_command(ROBOT, config, seen, q, before, change).values == pytest.approx(one)
@@ -165,7 +165,7 @@ def test_the_side_is_that_of_the_first_corner_that_the_middle_has_not_passed(rou
         ghost.tail[:] = at
         action = np.random.default_rng(0).uniform(-1.0, 1.0, (1, 12))
         seen = indices.step(action).observation * scale
-        corner = max(corner, min(int((indices.along.mean() >= ends).sum()), len(turn_signs) - 1))
+        corner = max(corner, min(int((indices.distances.mean() >= ends).sum()), len(turn_signs) - 1))
         turn_sign = turn_signs[corner]
         assert seen[0, :6] == pytest.approx(ghost.q[0] * (ROBOT.mirror_signs if turn_sign < 0 else 1.0))
         # What was done last keeps its meaning: the same bends of the same joints.
@@ -237,7 +237,9 @@ def test_ends_that_are_too_short_are_made_longer_or_refused_where_the_route_woul
 
 
 def test_a_route_that_leaves_the_plane_is_refused() -> None:
-    with pytest.raises(PipenavError, match="leaves the plane, in which robots are trained: choose a run without rolls"):
+    with pytest.raises(
+        PipenavError, match="leaves the plane, in which robots are trained: choose a route without rolls"
+    ):
         parse_planar(["runs-rolled"])
     assert len(parse_planar(["runs-level", "d=90,angle=90"])) == 25
     rolled_over = PipeRoute.of(100, [(90, "left", 180)])

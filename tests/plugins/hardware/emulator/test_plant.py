@@ -11,7 +11,7 @@ from pipenav_hardware.emulator.plant import ServoCommand
 from pipenav_hardware.table import COUNT, SPEED_UNIT
 
 from pipenav.backends.real_robot import ArmStart
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.simulators import open_simulator
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import load_robot
 

@@ -1,0 +1,92 @@
+"""The default method of approach I: a map of what the laser has met, and eq 3.18's advance.
+
+The arm straightens on the first leg's axis, collects what all beams have met (`corner_map`), and stops as soon as only
+one corner fits. The target is the middle of the second leg, a set depth past the inner edge. The arm touches nothing,
+and goes back to where it started, straight.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pipenav.arrays import Floats, Ints
+from pipenav.backends.messages import Reading
+from pipenav.locating.corner_map import CornerMap
+from pipenav.locating.locator import Decision, LocateConfig, advance
+from pipenav.robots import frames, kinematics
+from pipenav.robots.robot import RobotSpec
+
+HOME = 0.002
+"""Distance from its start position at which a slide is back [m]: the error of its encoder and its controller."""
+
+STOPPED = 0.001
+"""Advance below which a scan shows nothing new [m]."""
+
+
+class MapLocator:
+    """A straight arm that advances until only one corner fits what the beams have met, and goes back.
+
+    Where it cannot advance before the corner is known, it goes back too and looks again: no two scans are the same.
+    A reading at the laser's minimum may be none at all (`_without_dropouts`).
+    """
+
+    def __init__(self, robot: RobotSpec, config: LocateConfig, n: int) -> None:
+        self._robot, self._config, self.n = robot, config, n
+        self._map = CornerMap(robot.laser, n, config.tolerance)
+        self._advance, self._turn_sign, self._home = np.full(n, config.v0), np.ones(n), np.zeros(n)
+        self._agreed, self._back = np.zeros(n, int), np.zeros(n, bool)
+        self._wall = np.full((n, robot.laser.beams), -np.inf)
+        self._target, self._beam = np.full((n, 2), np.nan), np.full(n, -1)
+
+    def start(self, indices: Ints, reading: Reading, turn_sign: Floats) -> None:
+        self._map.forget(indices)
+        self._advance[indices], self._turn_sign[indices], self._home[indices] = (
+            self._config.v0,
+            turn_sign,
+            reading.q[:, 0],
+        )
+        self._agreed[indices], self._back[indices], self._wall[indices] = 0, False, -np.inf
+        self._target[indices], self._beam[indices] = np.nan, -1
+
+    def act(self, reading: Reading) -> Decision:
+        robot, config = self._robot, self._config
+        looking = np.flatnonzero(self._beam < 0)
+        if len(looking):
+            self._look(looking, reading.part(looking))
+        found, at_home = self._beam >= 0, reading.q[:, 0] <= self._home + HOME
+        self._advance = advance(robot, config, self._advance, self._without_dropouts(reading))
+        self._back = found | np.where(self._back, ~at_home, self._advance < STOPPED)
+        ahead = np.minimum(reading.q[:, 0] + self._advance, robot.upper[0])
+        set_points = np.zeros_like(reading.q)
+        set_points[:, 0] = np.where(self._back, np.maximum(reading.q[:, 0] - config.v0, self._home), ahead)
+        return Decision(set_points, found & at_home, self._target.copy(), self._beam.copy())
+
+    def _without_dropouts(self, reading: Reading) -> Floats:
+        """Readings, (n, beams) [m], with the minimum replaced by what the beam read before, less the advance since.
+
+        A scanner that faces open space may give its minimum (thesis 5.4.2), which must not stop the robot; a wall that
+        really is so near was seen while it came near. A beam that has read nothing else yet is believed.
+        """
+        slide = reading.q[:, :1]
+        read = reading.ranges > self._robot.laser.range_min
+        self._wall = np.where(read, slide + reading.ranges, self._wall)
+        return np.where(read, reading.ranges, np.maximum(self._wall - slide, self._robot.laser.range_min))
+
+    def _look(self, indices: Ints, reading: Reading) -> None:
+        """Take in a scan of robots that have no target yet, and set their targets where the corner is known."""
+        robot, config, turn_sign = self._robot, self._config, self._turn_sign[indices]
+        pose = kinematics.forward(robot, reading.q)
+        beams = pose.headings[:, -1:] + robot.laser.angles
+        self._map.add(
+            indices, frames.robot_to_canonical(pose.tip, turn_sign), beams * turn_sign[:, None], reading.ranges
+        )
+        corner = self._map.corner(indices, config.depth)
+        known = (corner.spread <= config.spread) & (corner.votes >= config.votes)
+        known &= corner.agreement >= config.agreement
+        self._agreed[indices] = np.where(known, self._agreed[indices] + 1, 0)
+        sure = self._agreed[indices] >= config.scans
+        target = frames.canonical_to_robot(corner.target, turn_sign)[sure]
+        away = target - pose.tip[sure]
+        off = np.arctan2(away[:, 1], away[:, 0])[:, None] - beams[sure]
+        self._target[indices[sure]] = target
+        self._beam[indices[sure]] = np.abs(np.angle(np.exp(1j * off))).argmin(axis=1)
