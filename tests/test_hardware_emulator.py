@@ -16,7 +16,7 @@ from pipenav_hardware.packets import Packet, Stream
 from pipenav_hardware.table import COUNT, SPEED_UNIT, Alarm, Register
 
 from pipenav.backends.real_robot import ArmStart
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.simulators import open_simulator
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import load_robot

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pipenav.backends.messages import Command, Reading
-from pipenav.backends.registry import open_simulator
+from pipenav.backends.simulators import open_simulator
 from pipenav.deployment.mission import Mission
 from pipenav.deployment.stages import LOCATE_TICKS, PUSH, Back, Decision, Locate
 from pipenav.locating.locator import LocateConfig
