@@ -10,7 +10,8 @@ import pytest
 from command import run
 
 from pipenav.evaluation.config import EvaluationConfig
-from pipenav.evaluation.results import Evaluation, PipeRecord
+from pipenav.evaluation.pipe_results import PipeRecord
+from pipenav.evaluation.results import Evaluation
 from pipenav.evaluation.thesis import ANGLES_DEG, thesis_rows
 from pipenav.experiments.definition import agents_of, chosen, experiment_names, load_agents, load_experiment
 from pipenav.experiments.figures import success_figure

@@ -11,7 +11,8 @@ from pipenav.errors import PipenavError
 from pipenav.evaluation.config import EvaluationConfig, StageName
 from pipenav.evaluation.episode_runner import EpisodeResults
 from pipenav.evaluation.passage import EpisodePlan, Passages, Progress, StageResult, no_progress
-from pipenav.evaluation.results import Evaluation, PipeRecord
+from pipenav.evaluation.pipe_results import PipeRecord
+from pipenav.evaluation.results import Evaluation
 from pipenav.evaluation.rolling_stage import check_in_space
 from pipenav.evaluation.thesis import thesis_best
 from pipenav.pipes.pipe import Pipe

@@ -7,7 +7,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from pipenav.drawing.style import INK, MARKERS, heading, plain
-from pipenav.evaluation.results import Evaluation, PipeRecord, by_diameter, wilson
+from pipenav.evaluation.interval import wilson
+from pipenav.evaluation.pipe_results import PipeRecord, by_diameter
+from pipenav.evaluation.results import Evaluation
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING
 
 from pipenav.drawing.style import png
 from pipenav.evaluation import figures
-from pipenav.evaluation.results import DiameterRecord, Evaluation, PipeRecord, by_diameter, wilson
+from pipenav.evaluation.interval import wilson
+from pipenav.evaluation.pipe_results import DiameterRecord, PipeRecord, by_diameter
+from pipenav.evaluation.results import Evaluation
 from pipenav.storage.atomic_files import atomic_write_all, prepare_folder
 from pipenav.units import m_to_mm
 

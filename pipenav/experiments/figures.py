@@ -10,7 +10,8 @@ import numpy as np
 from pipenav.arrays import Floats
 from pipenav.drawing.style import INK, MARKERS, heading, plain
 from pipenav.errors import FileProblem
-from pipenav.evaluation.results import Evaluation, PipeRecord
+from pipenav.evaluation.pipe_results import PipeRecord
+from pipenav.evaluation.results import Evaluation
 from pipenav.experiments.plan import ExperimentPlan, resolved_agent
 from pipenav.experiments.tables import SHOWN_STAGES, Result, ShownStage
 from pipenav.learning.progress import progress_columns

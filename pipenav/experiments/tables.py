@@ -6,7 +6,8 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
-from pipenav.evaluation.results import DiameterRecord, Evaluation
+from pipenav.evaluation.pipe_results import DiameterRecord
+from pipenav.evaluation.results import Evaluation
 from pipenav.evaluation.thesis import thesis_rows
 from pipenav.experiments.definition import Row, load_experiment
 from pipenav.experiments.plan import ExperimentPlan, evaluations
