@@ -47,6 +47,4 @@ def _typed_pipe(record: Any) -> str:
         return "?"
     if record.get("run"):
         return str(record["run"])
-    numbers = [record.get("diameter_mm"), record.get("angle_deg")]
-    diameter, angle = (f"{number:g}" if isinstance(number, int | float) else "?" for number in numbers)
-    return f"d={diameter},angle={angle},turn={record.get('turn')}"
+    return f"d={record.get('diameter_mm')},angle={record.get('angle_deg')},turn={record.get('turn')}"

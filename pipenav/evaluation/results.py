@@ -19,7 +19,7 @@ class Evaluation(Record):
     """Results of an evaluation; `Evaluation.of` counts them from the pipes' records.
 
     Attributes:
-        schema_version: version of the format; the key is `schema`.
+        schema_version: version of the format, 2 once it is read; the key is `schema`.
         config: everything that decided what was computed, its stage named.
         robot: name of the robot.
         success: share of all episodes that passed every stage that was run.
@@ -29,7 +29,7 @@ class Evaluation(Record):
         diameters: one record for each diameter, widest first.
     """
 
-    schema_version: Literal[2] = Field(2, alias="schema")
+    schema_version: Literal[1, 2] = Field(2, alias="schema")
     config: EvaluationConfig
     robot: str
     success: Share
