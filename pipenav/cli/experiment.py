@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from pipenav.cli.progress_bars import percentage_bar
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -122,16 +123,8 @@ def _run_round(console: Console, doing: str, jobs: list[Job], processes: int, st
     """Run a round's jobs under a progress bar."""
     from pipenav.experiments.runner import run_jobs
 
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.percentage:>3.0f}%"),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-    )
     taken = [0.0]
-    with Progress(*columns, console=console, speed_estimate_period=600.0) as bar:
+    with percentage_bar(console, speed_estimate_period=600.0) as bar:
         task = bar.add_task(f"{doing}: {len(jobs)} jobs", total=1.0)
 
         def report(message: str, share: float, seconds: float) -> None:

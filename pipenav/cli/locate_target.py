@@ -16,27 +16,33 @@ if TYPE_CHECKING:
     from pipenav.pipes.corner import PipeCorner
     from pipenav.recording.record import Located
 
+DIAMETER_HELP = "Inner diameter of the pipe in mm."
+ANGLE_HELP = "Interior angle between its legs in deg; small is sharp."
+TURN_HELP = "Side that it turns to: left, the default, or right."
 VARIANT_HELP = "map: the beams' ends are fitted to a corner; thesis: the method exactly as printed, eq 3.16 to 3.19."
 PIPES_HELP = "Instead: shipped set, FILE.toml or d=90,angle=60[,turn=right]; repeatable."
 OUT_HELP = "Folder for each pipe's trajectory (.csv) and picture of what the laser saw (.png)."
+PIPE, BEHAVIOUR, SIMULATOR, OUTPUT = "Which pipe", "Who looks, and how", "On what", "Output"
 
 
 def locate_target(
-    d: Annotated[float | None, typer.Option("--d", metavar="MM", help="Inner diameter of the pipe in mm.")] = None,
-    angle: Annotated[
-        float | None, typer.Option(metavar="DEG", help="Interior angle between its legs in deg; small is sharp.")
-    ] = None,
-    turn: Annotated[
-        str | None, typer.Option(metavar="SIDE", help="Side that it turns to: left, the default, or right.")
-    ] = None,
-    pipes: Annotated[list[str] | None, typer.Option(help=PIPES_HELP)] = None,
-    robot: Annotated[str, typer.Option(help="Robot; see `pipenav robots`.")] = "basic",
-    backend: Annotated[str, typer.Option(help="Simulator backend; see `pipenav backends`.")] = "mujoco",
+    d: Annotated[float | None, typer.Option("--d", metavar="MM", help=DIAMETER_HELP, rich_help_panel=PIPE)] = None,
+    angle: Annotated[float | None, typer.Option(metavar="DEG", help=ANGLE_HELP, rich_help_panel=PIPE)] = None,
+    turn: Annotated[str | None, typer.Option(metavar="SIDE", help=TURN_HELP, rich_help_panel=PIPE)] = None,
+    pipes: Annotated[list[str] | None, typer.Option(help=PIPES_HELP, rich_help_panel=PIPE)] = None,
+    robot: Annotated[str, typer.Option(help="Robot; see `pipenav robots`.", rich_help_panel=BEHAVIOUR)] = "basic",
     # The names of pipenav.locating.locator.Variant, whose import would slow down --help.
-    variant: Annotated[Literal["map", "thesis"], typer.Option(help=VARIANT_HELP)] = "map",
-    seed: Annotated[int, typer.Option(min=0, help="Seed of the start, as in `pipenav eval`.")] = 0,
-    option: Annotated[list[str] | None, typer.Option(help="Backend setting, key=value; repeatable.")] = None,
-    out: Annotated[Path | None, typer.Option(metavar="FOLDER", help=OUT_HELP)] = None,
+    variant: Annotated[Literal["map", "thesis"], typer.Option(help=VARIANT_HELP, rich_help_panel=BEHAVIOUR)] = "map",
+    seed: Annotated[
+        int, typer.Option(min=0, help="Seed of the start, as in `pipenav eval`.", rich_help_panel=BEHAVIOUR)
+    ] = 0,
+    backend: Annotated[
+        str, typer.Option(help="Simulator backend; see `pipenav backends`.", rich_help_panel=SIMULATOR)
+    ] = "mujoco",
+    option: Annotated[
+        list[str] | None, typer.Option(help="Backend setting, key=value; repeatable.", rich_help_panel=SIMULATOR)
+    ] = None,
+    out: Annotated[Path | None, typer.Option(metavar="FOLDER", help=OUT_HELP, rich_help_panel=OUTPUT)] = None,
 ) -> None:
     """Let the robot find a target around the corner by itself (approach I), knowing only the turn's side.
 
@@ -55,22 +61,21 @@ def locate_target(
     """
     from rich.progress import track
 
-    from pipenav.backends.registry import check_options, load_simulator
-    from pipenav.cli.options import parse_options
-    from pipenav.recording.record import RecordingSettings, record_locate
+    from pipenav.cli.options import recording_settings
+    from pipenav.recording.record import record_locate
     from pipenav.robots.robot import load_robot
     from pipenav.storage.atomic_files import prepare_folder
     from pipenav.tasks.reach.episode import check_fits
 
     wanted = _pipes(d, angle, turn, pipes or [])
-    spec, options = load_robot(robot), parse_options(option or [])
-    check_options(backend, load_simulator(backend), options)
+    spec = load_robot(robot)
+    simulator = recording_settings(backend, option or [])
     check_fits(spec, wanted)
     folder = None if out is None else prepare_folder(out)
     console = table_console()
     found = []
     for pipe in track(wanted, "locating", console=console, transient=True, disable=not console.is_terminal):
-        found.append(record_locate(spec, variant, pipe, seed, 0, RecordingSettings(backend, options)))
+        found.append(record_locate(spec, variant, pipe, seed, 0, simulator))
         if folder is not None:
             _write(folder, found[-1])
     console.print(_facts(found[0]) if len(found) == 1 else _table(found))
@@ -108,7 +113,7 @@ HEADINGS = ("target x [mm]", "target y [mm]", "beam", "found at step", "inside s
 
 
 def _cells(located: Located) -> list[str]:
-    """What came of one pipe, a cell for each of `HEADINGS`."""
+    """Results in one pipe, a cell for each of `HEADINGS`."""
     import numpy as np
 
     from pipenav.evaluation.locate_stage import inside_second_leg

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from pipenav.cli.progress_bars import percentage_bar
 from pipenav.cli.signals import stop_signals
 from pipenav.errors import PipenavError
 from pipenav.learning.config import DEFAULT_PRESET, TrainConfig, load_config, preset_below, validate_config
@@ -197,16 +197,8 @@ def _interface(config: TrainConfig) -> tuple[object, ...]:
 
 
 def _run(console: Console, training: _Training) -> TrainingSummary:
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.percentage:>3.0f}%"),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-    )
     config = training.config
-    with stop_signals() as stopped, Progress(*columns, console=console) as bar:  # from here on a stop is not lost
+    with stop_signals() as stopped, percentage_bar(console) as bar:  # from here on a stop is not lost
         task = bar.add_task("loading the learner", total=config.steps)
         from pipenav.learning.train import train as run_training
 
