@@ -12,7 +12,7 @@ import typer
 from rich.console import Console
 from rich.progress import TaskID
 
-from pipenav.cli.options import parse_options
+from pipenav.cli.options import SIMULATOR, BackendOption, SettingsOption, parse_options
 from pipenav.cli.progress_bars import episode_bar
 from pipenav.errors import PipenavError
 
@@ -33,34 +33,41 @@ PIPES_HELP = (
     "Shipped set, FILE.toml or d=90,angle=60[,turn=right]; for a whole robot also sets and files of routes; repeatable."
 )
 DISTURB_HELP = "Disturbances, by name (docs/disturbances.md) or as FILE.toml."
-SUBJECT, EPISODES, SIMULATOR, RESULT = "What is measured", "In which episodes", "On what", "Result"
+SUBJECT, EPISODES, RESULT = "What is measured", "In which episodes", "Result"
 
 UNNAMED_STAGES = (None, "reach", "traverse")
 """Stages that the name of an evaluation folder leaves out: the policy's own task."""
 
 
+PolicyOption = Annotated[str | None, typer.Option(help=POLICY_HELP, rich_help_panel=SUBJECT)]
+# The names of StageName, with the older ones, and of Variant, whose import would slow down --help.
+StageOption = Annotated[
+    Literal["locate", "reach", "reach-rear", "passage", "traverse", "front", "front-rear"] | None,
+    typer.Option(help=STAGE_HELP, metavar="STAGE", rich_help_panel=SUBJECT),
+]
+VariantOption = Annotated[Literal["map", "thesis"], typer.Option(help=VARIANT_HELP, rich_help_panel=SUBJECT)]
+RobotOption = Annotated[str | None, typer.Option(help=ROBOT_HELP, rich_help_panel=SUBJECT)]
+PipesOption = Annotated[list[str] | None, typer.Option(help=PIPES_HELP, rich_help_panel=EPISODES)]
+EpisodesOption = Annotated[int, typer.Option(min=1, help="Episodes per pipe.", rich_help_panel=EPISODES)]
+SeedOption = Annotated[int, typer.Option(min=0, help="Seed of starts and targets.", rich_help_panel=EPISODES)]
+DisturbOption = Annotated[str | None, typer.Option(help=DISTURB_HELP, rich_help_panel=SIMULATOR)]
+OutOption = Annotated[
+    Path | None, typer.Option(help="Evaluation folder; default beside the policy.", rich_help_panel=RESULT)
+]
+
+
 def evaluate(
-    policy: Annotated[str | None, typer.Option(help=POLICY_HELP, rich_help_panel=SUBJECT)] = None,
-    # The names of StageName, with the older ones, and of Variant, whose import would slow down --help.
-    stage: Annotated[
-        Literal["locate", "reach", "reach-rear", "passage", "traverse", "front", "front-rear"] | None,
-        typer.Option(help=STAGE_HELP, metavar="STAGE", rich_help_panel=SUBJECT),
-    ] = None,
-    variant: Annotated[Literal["map", "thesis"], typer.Option(help=VARIANT_HELP, rich_help_panel=SUBJECT)] = "map",
-    robot: Annotated[str | None, typer.Option(help=ROBOT_HELP, rich_help_panel=SUBJECT)] = None,
-    pipes: Annotated[list[str] | None, typer.Option(help=PIPES_HELP, rich_help_panel=EPISODES)] = None,
-    episodes: Annotated[int, typer.Option(min=1, help="Episodes per pipe.", rich_help_panel=EPISODES)] = 20,
-    seed: Annotated[int, typer.Option(min=0, help="Seed of starts and targets.", rich_help_panel=EPISODES)] = 0,
-    backend: Annotated[
-        str, typer.Option(help="Simulator backend; see `pipenav backends`.", rich_help_panel=SIMULATOR)
-    ] = "mujoco",
-    option: Annotated[
-        list[str] | None, typer.Option(help="Backend setting, key=value; repeatable.", rich_help_panel=SIMULATOR)
-    ] = None,
-    disturb: Annotated[str | None, typer.Option(help=DISTURB_HELP, rich_help_panel=SIMULATOR)] = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Evaluation folder; default beside the policy.", rich_help_panel=RESULT)
-    ] = None,
+    policy: PolicyOption = None,
+    stage: StageOption = None,
+    variant: VariantOption = "map",
+    robot: RobotOption = None,
+    pipes: PipesOption = None,
+    episodes: EpisodesOption = 20,
+    seed: SeedOption = 0,
+    backend: BackendOption = "mujoco",
+    option: SettingsOption = None,
+    disturb: DisturbOption = None,
+    out: OutOption = None,
 ) -> None:
     """Measure in which pipes a policy passes: success with 95 % intervals, failures, ranges, contact, pictures.
 
@@ -69,25 +76,11 @@ def evaluate(
     Examples:
 
         pipenav eval --policy runs/arm/best.zip
-
         pipenav eval --policy arm --pipes thesis --episodes 100
-
         pipenav eval --policy arm --stage passage --episodes 50
-
         pipenav eval --stage locate --robot high-fidelity --pipes thesis
-
         pipenav eval --policy baseline:centreline --pipes d=90,angle=60 --pipes d=90,angle=60,turn=right
-
-        pipenav eval --policy arm --option timestep=0.001
-
-        pipenav eval --policy pirate --pipes d=70,angle=60
-
-        pipenav eval --policy baseline:sequence --pipes d=90,angle=90
-
-        pipenav eval --policy pirate --pipes runs-level
-
-        pipenav eval --policy pirate --pipes runs-rolled
-
+        pipenav eval --policy pirate --pipes runs-level --option timestep=0.001
         pipenav eval --policy arm --disturb real-world
     """
     from pipenav.evaluation.config import EvaluationConfig, todays_stage

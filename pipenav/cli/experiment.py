@@ -34,39 +34,46 @@ class _Round(NamedTuple):
 
 
 class _RoundEnd(NamedTuple):
-    """How a round ended: whether all its jobs were done, and the seconds that they took."""
+    """End of a round: whether all its jobs were done, and the seconds that they took."""
 
     complete: bool
     seconds: float
 
 
+NameArgument = Annotated[str, typer.Argument(metavar="a|b|c|d|e|f|all", help="One experiment of the thesis, or all.")]
+SeedsOption = Annotated[
+    int, typer.Option(min=1, help="Seeds 0, 1, ... that every agent is trained with.", rich_help_panel=MEASURED)
+]
+StepsOption = Annotated[
+    int | None,
+    typer.Option(
+        min=1,
+        help="Control steps of each training.",
+        show_default="the thesis's 120,000",
+        rich_help_panel=MEASURED,
+    ),
+]
+EpisodesOption = Annotated[
+    int, typer.Option(min=1, help="Episodes per pipe, agent and seed.", rich_help_panel=MEASURED)
+]
+BackendOption = Annotated[
+    str, typer.Option(help="Simulator backend; see `pipenav backends`.", rich_help_panel=MEASURED)
+]
+JobsOption = Annotated[
+    int | None,
+    typer.Option(min=1, help="Trainings at a time.", show_default="one for each core", rich_help_panel=DONE),
+]
+OutOption = Annotated[Path, typer.Option(metavar="FOLDER", help="Where results and report go.", rich_help_panel=DONE)]
+
+
 def experiment(
-    name: Annotated[str, typer.Argument(metavar="a|b|c|d|e|f|all", help="One experiment of the thesis, or all.")],
-    seeds: Annotated[
-        int, typer.Option(min=1, help="Seeds 0, 1, ... that every agent is trained with.", rich_help_panel=MEASURED)
-    ] = 3,
-    steps: Annotated[
-        int | None,
-        typer.Option(
-            min=1,
-            help="Control steps of each training.",
-            show_default="the thesis's 120,000",
-            rich_help_panel=MEASURED,
-        ),
-    ] = None,
-    episodes: Annotated[
-        int, typer.Option(min=1, help="Episodes per pipe, agent and seed.", rich_help_panel=MEASURED)
-    ] = 25,
-    backend: Annotated[
-        str, typer.Option(help="Simulator backend; see `pipenav backends`.", rich_help_panel=MEASURED)
-    ] = "mujoco",
-    jobs: Annotated[
-        int | None,
-        typer.Option(min=1, help="Trainings at a time.", show_default="one for each core", rich_help_panel=DONE),
-    ] = None,
-    out: Annotated[
-        Path, typer.Option(metavar="FOLDER", help="Where results and report go.", rich_help_panel=DONE)
-    ] = OUT,
+    name: NameArgument,
+    seeds: SeedsOption = 3,
+    steps: StepsOption = None,
+    episodes: EpisodesOption = 25,
+    backend: BackendOption = "mujoco",
+    jobs: JobsOption = None,
+    out: OutOption = OUT,
 ) -> None:
     """Train and evaluate the thesis's experiments (a)-(f), and report them beside its tables.
 
@@ -75,7 +82,6 @@ def experiment(
     Examples:
 
         pipenav experiment all --seeds 3
-
         pipenav experiment a --seeds 1 --steps 20000 --episodes 4 --out runs/quick-look
     """
     from pipenav.backends.registry import load_simulator

@@ -39,33 +39,42 @@ ROUTE_HELP = (
 )
 OUT_HELP = "Folder in which the pipe's own folder is made; a pipe folder of the same name is replaced."
 
+DEFAULT_WALL_MM = m_to_mm(DEFAULT_WALL)
 CORNER, ROUTE, OUTPUT = "One corner", "Several corners", "Output"
 
 CORNER_OPTIONS = ("d", "angle", "turn", "bend_radius", "leg", "wall")
 """Parameters of one corner, which a route takes from its file."""
 
 
+DiameterOption = Annotated[
+    float | None, typer.Option("--d", metavar="MM", help=DIAMETER_HELP, show_default=False, rich_help_panel=CORNER)
+]
+AngleOption = Annotated[
+    float | None, typer.Option(metavar="DEG", help=ANGLE_HELP, show_default=False, rich_help_panel=CORNER)
+]
+TurnOption = Annotated[str, typer.Option(metavar="SIDE", help=TURN_HELP, rich_help_panel=CORNER)]
+BendRadiusOption = Annotated[float, typer.Option(metavar="MM", help=BEND_HELP, rich_help_panel=CORNER)]
+LegOption = Annotated[
+    float | None, typer.Option(metavar="MM", help=LEG_HELP, show_default=False, rich_help_panel=CORNER)
+]
+WallOption = Annotated[float, typer.Option(metavar="MM", help=WALL_HELP, rich_help_panel=CORNER)]
+RouteOption = Annotated[
+    str | None,
+    typer.Option("--route", "--run", metavar="FILE|NAME:K", help=ROUTE_HELP, show_default=False, rich_help_panel=ROUTE),
+]
+OutOption = Annotated[Path, typer.Option(metavar="FOLDER", help=OUT_HELP, rich_help_panel=OUTPUT)]
+
+
 def gen_pipe(
     context: typer.Context,
-    d: Annotated[
-        float | None, typer.Option("--d", metavar="MM", help=DIAMETER_HELP, show_default=False, rich_help_panel=CORNER)
-    ] = None,
-    angle: Annotated[
-        float | None, typer.Option(metavar="DEG", help=ANGLE_HELP, show_default=False, rich_help_panel=CORNER)
-    ] = None,
-    turn: Annotated[str, typer.Option(metavar="SIDE", help=TURN_HELP, rich_help_panel=CORNER)] = "left",
-    bend_radius: Annotated[float, typer.Option(metavar="MM", help=BEND_HELP, rich_help_panel=CORNER)] = 0.0,
-    leg: Annotated[
-        float | None, typer.Option(metavar="MM", help=LEG_HELP, show_default=False, rich_help_panel=CORNER)
-    ] = None,
-    wall: Annotated[float, typer.Option(metavar="MM", help=WALL_HELP, rich_help_panel=CORNER)] = m_to_mm(DEFAULT_WALL),
-    route: Annotated[
-        str | None,
-        typer.Option(
-            "--route", "--run", metavar="FILE|NAME:K", help=ROUTE_HELP, show_default=False, rich_help_panel=ROUTE
-        ),
-    ] = None,
-    out: Annotated[Path, typer.Option(metavar="FOLDER", help=OUT_HELP, rich_help_panel=OUTPUT)] = Path(),
+    d: DiameterOption = None,
+    angle: AngleOption = None,
+    turn: TurnOption = "left",
+    bend_radius: BendRadiusOption = 0.0,
+    leg: LegOption = None,
+    wall: WallOption = DEFAULT_WALL_MM,
+    route: RouteOption = None,
+    out: OutOption = Path(),
 ) -> None:
     """Make a pipe, one corner or several: STL meshes, MuJoCo, URDF and SDF models, a drawing, its numbers.
 
@@ -108,7 +117,7 @@ def _make_route(text: str, out: Path) -> None:
 
 
 class _Dimension(NamedTuple):
-    """A dimension as it is told: its name, its value with the unit, and what it means."""
+    """A line about a dimension: its name, its value with the unit, and what it means."""
 
     name: str
     value: str

@@ -16,39 +16,45 @@ TRAJECTORY_HELP = "The front half's recorded passage; of a passage in parts, giv
 PASSAGE, REPLAY = "The passage", "Replay"
 
 
+TrajectoryOption = Annotated[
+    list[Path], typer.Option(help=TRAJECTORY_HELP, show_default=False, rich_help_panel=PASSAGE)
+]
+RobotOption = Annotated[
+    str | None, typer.Option(help="Robot, if the trajectory's is not a shipped one.", rich_help_panel=PASSAGE)
+]
+OutOption = Annotated[Path, typer.Option(help="The rear half's trajectory.", rich_help_panel=PASSAGE)]
+ReplayOption = Annotated[
+    bool, typer.Option("--replay", help="Run it in a simulator and say how well it goes.", rich_help_panel=REPLAY)
+]
+RecordOption = Annotated[
+    Path | None,
+    typer.Option(help="With --replay: also write what the arm really did, as a trajectory.", rich_help_panel=REPLAY),
+]
+BackendOption = Annotated[
+    str, typer.Option(help="Simulator of the replay; see `pipenav backends`.", rich_help_panel=REPLAY)
+]
+ReplaySettingsOption = Annotated[
+    list[str] | None,
+    typer.Option("--option", help="Setting of that simulator, key=value; repeatable.", rich_help_panel=REPLAY),
+]
+
+
 def mirror_rear(
-    trajectory: Annotated[list[Path], typer.Option(help=TRAJECTORY_HELP, show_default=False, rich_help_panel=PASSAGE)],
-    robot: Annotated[
-        str | None, typer.Option(help="Robot, if the trajectory's is not a shipped one.", rich_help_panel=PASSAGE)
-    ] = None,
-    out: Annotated[Path, typer.Option(help="The rear half's trajectory.", rich_help_panel=PASSAGE)] = Path("rear.csv"),
-    replay: Annotated[
-        bool, typer.Option("--replay", help="Run it in a simulator and say how well it goes.", rich_help_panel=REPLAY)
-    ] = False,
-    record: Annotated[
-        Path | None,
-        typer.Option(
-            help="With --replay: also write what the arm really did, as a trajectory.", rich_help_panel=REPLAY
-        ),
-    ] = None,
-    backend: Annotated[
-        str, typer.Option(help="Simulator of the replay; see `pipenav backends`.", rich_help_panel=REPLAY)
-    ] = "mujoco",
-    option: Annotated[
-        list[str] | None,
-        typer.Option(help="Setting of that simulator, key=value; repeatable.", rich_help_panel=REPLAY),
-    ] = None,
+    trajectory: TrajectoryOption,
+    robot: RobotOption = None,
+    out: OutOption = Path("rear.csv"),
+    replay: ReplayOption = False,
+    record: RecordOption = None,
+    backend: BackendOption = "mujoco",
+    option: ReplaySettingsOption = None,
 ) -> None:
     """Turn a front half's recorded passage into the rear half's: mirrored in space, reversed in time (approach II).
 
     Examples:
 
         pipenav view --policy arm --pipes d=90,angle=60 --out front.csv
-
         pipenav mirror-rear --trajectory front.csv --out rear.csv --replay
-
         pipenav mirror-rear --trajectory front.csv --replay --record replayed.csv --option timestep=0.001
-
         pipenav mirror-rear --trajectory locate.csv --trajectory front.csv
     """
     from rich.console import Console

@@ -2,12 +2,25 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from pipenav.errors import PipenavError
 
 if TYPE_CHECKING:
     from pipenav.recording.record import RecordingSettings
+
+SIMULATOR = "On what"
+"""Panel in a command's help of the options that choose a simulator."""
+
+BackendOption = Annotated[
+    str, typer.Option(help="Simulator backend; see `pipenav backends`.", rich_help_panel=SIMULATOR)
+]
+SettingsOption = Annotated[
+    list[str] | None,
+    typer.Option("--option", help="Backend setting, key=value; repeatable.", rich_help_panel=SIMULATOR),
+]
 
 
 def parse_options(given: list[str]) -> dict[str, Any]:

@@ -28,51 +28,55 @@ SECONDS_BETWEEN_LINES = 10
 """Time between two lines of progress where the output is no terminal [s]."""
 
 
+BackendOption = Annotated[
+    str | None, typer.Option(help="Backend to train on; see `pipenav backends`.", rich_help_panel=RECIPE)
+]
+PresetOption = Annotated[
+    str | None,
+    typer.Option(help=f"Shipped recipe; see `pipenav presets`. Default: {DEFAULT_PRESET}.", rich_help_panel=RECIPE),
+]
+ConfigOption = Annotated[Path | None, typer.Option(help=CONFIG_HELP, rich_help_panel=RECIPE)]
+SetOption = Annotated[
+    list[str] | None, typer.Option("--set", help="key=value laid over both; repeatable.", rich_help_panel=RECIPE)
+]
+StepsOption = Annotated[int | None, typer.Option(help="Control steps of all robots together.", rich_help_panel=RECIPE)]
+SeedOption = Annotated[int | None, typer.Option(help="Seed of everything random.", rich_help_panel=RECIPE)]
+RobotOption = Annotated[str | None, typer.Option(help="Robot; see `pipenav robots`.", rich_help_panel=RECIPE)]
+ControlOption = Annotated[str | None, typer.Option(help="torque or position.", rich_help_panel=RECIPE)]
+PipesOption = Annotated[
+    list[str] | None,
+    typer.Option(help="Pipe set, file or d=90,angle=60; repeatable.", rich_help_panel=RECIPE),
+]
+OutOption = Annotated[Path | None, typer.Option(help="Training folder; default runs/PRESET.", rich_help_panel=PLACE)]
+StartOption = Annotated[
+    Path | None,
+    typer.Option("--from", help="Training folder of which to take the weights to start from.", rich_help_panel=PLACE),
+]
+ResumeOption = Annotated[Path | None, typer.Option(help="Training folder to go on with.", rich_help_panel=PLACE)]
+
+
 def train(
-    backend: Annotated[
-        str | None, typer.Option(help="Backend to train on; see `pipenav backends`.", rich_help_panel=RECIPE)
-    ] = None,
-    preset: Annotated[
-        str | None,
-        typer.Option(help=f"Shipped recipe; see `pipenav presets`. Default: {DEFAULT_PRESET}.", rich_help_panel=RECIPE),
-    ] = None,
-    config: Annotated[Path | None, typer.Option(help=CONFIG_HELP, rich_help_panel=RECIPE)] = None,
-    set_: Annotated[
-        list[str] | None, typer.Option("--set", help="key=value laid over both; repeatable.", rich_help_panel=RECIPE)
-    ] = None,
-    steps: Annotated[
-        int | None, typer.Option(help="Control steps of all robots together.", rich_help_panel=RECIPE)
-    ] = None,
-    seed: Annotated[int | None, typer.Option(help="Seed of everything random.", rich_help_panel=RECIPE)] = None,
-    robot: Annotated[str | None, typer.Option(help="Robot; see `pipenav robots`.", rich_help_panel=RECIPE)] = None,
-    control: Annotated[str | None, typer.Option(help="torque or position.", rich_help_panel=RECIPE)] = None,
-    pipes: Annotated[
-        list[str] | None,
-        typer.Option(help="Pipe set, file or d=90,angle=60; repeatable.", rich_help_panel=RECIPE),
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Training folder; default runs/PRESET.", rich_help_panel=PLACE)
-    ] = None,
-    start: Annotated[
-        Path | None,
-        typer.Option(
-            "--from", help="Training folder of which to take the weights to start from.", rich_help_panel=PLACE
-        ),
-    ] = None,
-    resume: Annotated[Path | None, typer.Option(help="Training folder to go on with.", rich_help_panel=PLACE)] = None,
+    backend: BackendOption = None,
+    preset: PresetOption = None,
+    config: ConfigOption = None,
+    set_: SetOption = None,
+    steps: StepsOption = None,
+    seed: SeedOption = None,
+    robot: RobotOption = None,
+    control: ControlOption = None,
+    pipes: PipesOption = None,
+    out: OutOption = None,
+    start: StartOption = None,
+    resume: ResumeOption = None,
 ) -> None:
     """Train a policy by PPO and save it as one file, best.zip.
 
     Examples:
 
         pipenav train --backend mujoco
-
         pipenav train --preset thesis-position --seed 1 --out runs/position-1
-
         pipenav train --pipes d=90,angle=60 --steps 50000 --set learner.epochs=4
-
         pipenav train --preset pirate-gravity-runs --from runs/pirate-gravity
-
         pipenav train --resume runs/arm
     """
     options = {

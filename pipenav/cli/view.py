@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from pipenav.cli.options import BackendOption, SettingsOption
 from pipenav.errors import PipenavError
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 TABLE = ".csv"
 DEFAULT_PIPE = "d=90,angle=60"
-SOURCE, EPISODE, SIMULATOR, OUTPUT = "One of", "Which episode", "On what", "Output"
+SOURCE, EPISODE, OUTPUT = "One of", "Which episode", "Output"
 
 POLICY_HELP = (
     "Draw an episode of a policy: best.zip, a shipped policy's name, or baseline: and a name as for `pipenav eval`."
@@ -33,43 +34,44 @@ OUT_HELP = "Picture .png (a strip), film .gif or .mp4, or trajectory .csv; repea
 LIVE_HELP = "Open the simulator's own viewer and run in real time."
 
 
+PolicyOption = Annotated[str | None, typer.Option(help=POLICY_HELP, rich_help_panel=SOURCE)]
+BehaviourOption = Annotated[
+    Literal["locate:map", "locate:thesis"] | None, typer.Option(help=BEHAVIOUR_HELP, rich_help_panel=SOURCE)
+]
+TrajectoryOption = Annotated[list[Path] | None, typer.Option(help=TRAJECTORY_HELP, rich_help_panel=SOURCE)]
+RobotOption = Annotated[str | None, typer.Option(help=ROBOT_HELP, rich_help_panel=EPISODE)]
+PipesOption = Annotated[list[str] | None, typer.Option(help=PIPES_HELP, rich_help_panel=EPISODE)]
+SeedOption = Annotated[
+    int, typer.Option(min=0, help="Seed of start and target, as in `pipenav eval`.", rich_help_panel=EPISODE)
+]
+EpisodeOption = Annotated[int, typer.Option(min=0, help=EPISODE_HELP, rich_help_panel=EPISODE)]
+OutOption = Annotated[list[Path] | None, typer.Option(help=OUT_HELP, rich_help_panel=OUTPUT)]
+LiveOption = Annotated[bool, typer.Option("--live", help=LIVE_HELP, rich_help_panel=OUTPUT)]
+
+
 def view(
-    policy: Annotated[str | None, typer.Option(help=POLICY_HELP, rich_help_panel=SOURCE)] = None,
-    behaviour: Annotated[
-        Literal["locate:map", "locate:thesis"] | None, typer.Option(help=BEHAVIOUR_HELP, rich_help_panel=SOURCE)
-    ] = None,
-    trajectory: Annotated[list[Path] | None, typer.Option(help=TRAJECTORY_HELP, rich_help_panel=SOURCE)] = None,
-    robot: Annotated[str | None, typer.Option(help=ROBOT_HELP, rich_help_panel=EPISODE)] = None,
-    pipes: Annotated[list[str] | None, typer.Option(help=PIPES_HELP, rich_help_panel=EPISODE)] = None,
-    seed: Annotated[
-        int, typer.Option(min=0, help="Seed of start and target, as in `pipenav eval`.", rich_help_panel=EPISODE)
-    ] = 0,
-    episode: Annotated[int, typer.Option(min=0, help=EPISODE_HELP, rich_help_panel=EPISODE)] = 0,
-    backend: Annotated[
-        str, typer.Option(help="Simulator backend; see `pipenav backends`.", rich_help_panel=SIMULATOR)
-    ] = "mujoco",
-    option: Annotated[
-        list[str] | None, typer.Option(help="Backend setting, key=value; repeatable.", rich_help_panel=SIMULATOR)
-    ] = None,
-    out: Annotated[list[Path] | None, typer.Option(help=OUT_HELP, rich_help_panel=OUTPUT)] = None,
-    live: Annotated[bool, typer.Option("--live", help=LIVE_HELP, rich_help_panel=OUTPUT)] = False,
+    policy: PolicyOption = None,
+    behaviour: BehaviourOption = None,
+    trajectory: TrajectoryOption = None,
+    robot: RobotOption = None,
+    pipes: PipesOption = None,
+    seed: SeedOption = 0,
+    episode: EpisodeOption = 0,
+    backend: BackendOption = "mujoco",
+    option: SettingsOption = None,
+    out: OutOption = None,
+    live: LiveOption = False,
 ) -> None:
     """Draw what a policy, a behaviour or a trajectory file does, from above: links, beams, target, contact forces.
 
     Examples:
 
         pipenav view --policy arm --pipes d=90,angle=60
-
         pipenav view --policy arm --pipes d=90,angle=60,turn=right --episode 7 --out film.mp4 --out front.csv
-
         pipenav view --trajectory front.csv --trajectory rear.csv --out passage.gif
-
         pipenav view --behaviour locate:map --robot high-fidelity --pipes d=70,angle=120
-
         pipenav view --policy pirate --pipes runs-level:3 --out route.gif
-
         pipenav view --policy pirate --pipes runs-rolled:3 --out roll.png
-
         pipenav view --policy baseline:centreline --live
     """
     from rich.console import Console
@@ -107,7 +109,7 @@ def _check_one_source(*sources: object) -> None:
 
 def _checked_outputs(paths: list[Path]) -> list[Path]:
     """The files to write, each of a kind that can be written, before any work is done for them."""
-    from pipenav.recording.film import SUFFIXES, check_suffix
+    from pipenav.recording.film_files import SUFFIXES, check_suffix
 
     for path in paths:
         if path.suffix.lower() != TABLE:

@@ -26,7 +26,7 @@ class Drawing(ABC):
     @property
     @abstractmethod
     def sentences(self) -> list[str]:
-        """One line for each motion: where it was and how it ended."""
+        """Pipe, stage and end of each motion, a line each."""
 
     @abstractmethod
     def write(self, path: Path, progress: Progress) -> None:
@@ -57,7 +57,7 @@ class PlaneDrawing(Drawing):
 
 
 class SpaceDrawing(Drawing):
-    """One motion in a route that leaves the plane."""
+    """A motion in a route that leaves the plane."""
 
     def __init__(self, recording: SpaceRecording) -> None:
         self._recording = recording

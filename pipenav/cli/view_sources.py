@@ -15,7 +15,8 @@ from pipenav.motions.trajectory import read_trajectory
 from pipenav.pipes.corner_sets import parse_pipes
 from pipenav.pipes.pipe import Pipe
 from pipenav.policies.named import open_controller
-from pipenav.recording.film import MAX_ROWS, SUFFIXES, check_suffix
+from pipenav.recording.film import MAX_ROWS
+from pipenav.recording.film_files import SUFFIXES, check_suffix
 from pipenav.recording.live import live_window, play
 from pipenav.recording.record import RecordingSettings, record_locate, record_task
 from pipenav.recording.record_rolling import record_in_space

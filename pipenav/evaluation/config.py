@@ -31,7 +31,7 @@ class EvaluationConfig(Table):
     episodes: int = Field(20, ge=1, description="episodes in each pipe")
     seed: int = Field(0, ge=0, description="seed of starts and targets")
     stage: Annotated[StageName | None, BeforeValidator(todays_stage)] = Field(
-        None, description="stage to run; none: what the policy was trained for"
+        None, description="stage to run; none: the one that the policy was trained for"
     )
     robot: str | None = Field(None, description="robot of the stage locate and of baselines; a policy brings its own")
     variant: Variant = Field("map", description="how a target is located")

@@ -62,7 +62,7 @@ class CheckedEvaluation:
         self._plan = EpisodePlan(self._robot, self._config, pipes, config.episodes, config.seed, simulator, disturbance)
 
     def _stage_of(self, config: EvaluationConfig) -> StageName:
-        """The stage to run, by default what the policy was trained for."""
+        """The stage to run, by default the one that the policy was trained for."""
         traverses = self._task.stage is PassageStage.TRAVERSE
         stage: StageName = config.stage or ("traverse" if traverses else "reach")
         if self._controller is not None and traverses != (stage == "traverse"):

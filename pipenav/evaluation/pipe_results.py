@@ -12,7 +12,7 @@ from pipenav.evaluation.interval import Interval, wilson
 from pipenav.evaluation.thesis import is_thesis_set
 
 Typed = Annotated[float, AfterValidator(lambda value: round(value, 6))]
-"""A number that people type: free of what a way through radians and back leaves in the last digits."""
+"""A number that people type, without the last digits that a conversion to radians and back leaves."""
 
 Share = Annotated[float, Field(ge=0, le=1)]
 Amount = Annotated[float, Field(ge=0)]

@@ -55,7 +55,7 @@ def write_evaluation(folder: Path, evaluation: Evaluation) -> None:
 
 
 def pipes_csv(pipes: Sequence[PipeRecord]) -> str:
-    """One row per pipe with the keys of eval.json; failures as `limit=3 timeout=1`, None as an empty cell."""
+    """Text of eval.csv: a row for each pipe with the keys of eval.json, failures as `limit=3 timeout=1`."""
     text = io.StringIO()
     columns = [*PipeRecord.model_fields, *PipeRecord.model_computed_fields]
     writer = csv.DictWriter(text, columns, lineterminator="\n")
@@ -89,7 +89,7 @@ class _Column(NamedTuple):
 
 
 def _columns(pipes: Sequence[PipeRecord]) -> list[_Column]:
-    """Columns of the stages that were run, and of what the thesis has beside them."""
+    """Columns of the stages that were run, and of the thesis's figures beside them."""
     located = any(record.located is not None for record in pipes)
     reached = any(record.reach_attempts is not None for record in pipes)
     rear = any(record.rear_attempts is not None for record in pipes)

@@ -33,7 +33,7 @@ class Agent(Table):
 
 
 class Row(Table):
-    """One line of an experiment's table: an agent in a stage, or a stage that needs none.
+    """A row of an experiment's table: an agent in a stage, or a stage that needs none.
 
     `table` and `label` name the thesis's row that it stands beside, if the thesis has one.
     """
@@ -62,7 +62,7 @@ class Row(Table):
 
 
 class Experiment(Table):
-    """One experiment of the thesis.
+    """An experiment of the thesis.
 
     Attributes:
         title, question, finding: subject, question, and what the thesis found.

@@ -1,4 +1,4 @@
-"""One plain paragraph per experiment: whether the thesis's finding held here, and on which numbers."""
+"""A paragraph for each experiment: whether the thesis's finding held here, and on which numbers."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ NOTICEABLE = 2.0
 
 
 class Finding(NamedTuple):
-    """Whether a finding held, and the numbers that say so."""
+    """A finding of the thesis: whether it held here, and the numbers that say so."""
 
     held: bool
     because: str

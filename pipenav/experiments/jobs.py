@@ -23,7 +23,7 @@ ShouldStop = Callable[[], bool]
 
 
 class Job(NamedTuple):
-    """One training, or one evaluation, in a process of its own.
+    """A training or an evaluation, in a process of its own.
 
     Attributes:
         name: name for messages.

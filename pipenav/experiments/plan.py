@@ -1,4 +1,4 @@
-"""What experiments need, and the folder that keeps their results."""
+"""The plan of experiments, and the folder that keeps their results."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class ExperimentPlan(NamedTuple):
         return self.out / "agents" / agent / f"seed-{seed}"
 
     def evaluation_folder(self, row: Row, agent: str | None, seed: int) -> Path:
-        """Where a row's evaluation lies; rows that measure the same share it."""
+        """Folder of a row's evaluation; rows that measure the same share it."""
         if agent is None:
             return self.out / "stages" / f"{row.robot}-{row.stage}-{row.variant}" / f"seed-{seed}"
         folders = [self.training_folder(agent, seed) / f"eval-{name}" for name in _names_of_stage(row.stage)]

@@ -32,7 +32,7 @@ STYLE = (
 
 
 class Section(NamedTuple):
-    """One experiment in the report; pictures are PNG files' contents by name."""
+    """An experiment in the report; pictures are PNG files' contents by name."""
 
     name: str
     title: str

@@ -75,7 +75,7 @@ class Result(NamedTuple):
 
     @property
     def failures(self) -> Counter[str]:
-        """How many episodes of all seeds ended by each reason."""
+        """Number of episodes of all seeds that ended by each reason."""
         total: Counter[str] = Counter()
         for evaluation in self.evaluations:
             for record in evaluation.pipes:

@@ -19,7 +19,7 @@ UNREADABLE = (OSError, SafetensorError, RuntimeError, KeyError, TypeError, Value
 
 
 class Checkpoint(NamedTuple):
-    """How far a training has come, beside its weights.
+    """Progress of a training, kept beside its weights.
 
     Attributes:
         steps: control steps.

@@ -1,4 +1,4 @@
-"""What is kept of a training that came to a value that is not finite."""
+"""The end of a training at a value that is not finite, and what is kept of it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class TrainingDiverged(PipenavError):
 
 
 class Seen(NamedTuple):
-    """One control step of all robots, as the learner saw it.
+    """A control step of all robots, as the learner saw it.
 
     Attributes:
         before: observations that the actions answer, (n, size).

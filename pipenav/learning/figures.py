@@ -56,7 +56,7 @@ def _scaled(values: Sequence[float], factor: float) -> list[float]:
 
 
 def _curve(axes: Axes, steps: Sequence[float], values: Sequence[float], **style: Any) -> None:
-    """One line over the control steps; NaN is left out."""
+    """Draw a line over the control steps; NaN is left out."""
     points = [(x, y) for x, y in zip(steps, values, strict=False) if not math.isnan(y)]
     if points:
         marker = "o" if len(points) < 3 else ""  # a line needs points; one or two need a mark to be seen

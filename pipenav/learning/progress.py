@@ -1,4 +1,4 @@
-"""How a training goes: what it reports after each update, and the rows and columns of progress.csv."""
+"""The progress of a training: its report after each update, and the rows and columns of progress.csv."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ PROGRESS_COLUMNS = (
 )
 
 EARLIER_COLUMNS = {"clearance_m": "min_range_m", "eval_success": "check_success"}
-"""Columns that have had another name in progress.csv: the older one, then today's."""
+"""Names that columns of progress.csv had earlier, and the ones that they have today."""
 
 
 class TrainingProgress(NamedTuple):

@@ -1,4 +1,4 @@
-"""How learning rate and exploration noise fall over a training."""
+"""The schedules of learning rate and exploration noise, which fall over a training."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ EPISODE_STOCK = 512
 
 
 class TrainingSummary(NamedTuple):
-    """How a training ended.
+    """End of a training.
 
     Attributes:
         steps: control steps, of all robots together.
