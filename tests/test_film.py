@@ -100,7 +100,7 @@ def test_an_mp4_is_in_real_time_for_every_player(tmp_path: Path) -> None:
     assert about["fps"] == 10
     assert about["pix_fmt"].startswith("yuv420p")
     assert all(turn_sign % 2 == 0 for turn_sign in about["size"])
-    assert len(list(frames)) == 7 + 2 * (film.HOLD - 1)
+    assert len(list(frames)) == 7 + 2 * (film_files.HOLD - 1)
 
 
 def test_frames_of_one_film_differ_and_are_of_one_size() -> None:

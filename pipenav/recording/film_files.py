@@ -50,7 +50,7 @@ def write_frames(path: Path, frames: Frames, ends: set[int]) -> None:
 def check_suffix(path: Path, known: Sequence[str] = SUFFIXES) -> None:
     """Refuse a file whose suffix is not known, and MP4 where ffmpeg is missing."""
     if path.suffix.lower() not in known:
-        raise PipenavError(f"{path}: its suffix must be one of {', '.join(known)}.")
+        raise PipenavError(f"{path}: its suffix must be one of: {', '.join(known)}.")
     if path.suffix.lower() == ".mp4":
         _ffmpeg()
 
