@@ -14,8 +14,8 @@ from rich.console import Console
 
 from pipenav.errors import FileProblem
 from pipenav.evaluation.figures import map_figure, percent, success_figure
-from pipenav.evaluation.report import FILES, evaluation_table, pipes_csv, write_evaluation
 from pipenav.evaluation.pipe_results import PipeRecord
+from pipenav.evaluation.report import FILES, evaluation_table, pipes_csv, write_evaluation
 from pipenav.evaluation.results import Evaluation, read_evaluation
 from pipenav.evaluation.thesis import ANGLES_DEG, thesis_best
 from pipenav.learning.figures import write_training_plot

@@ -166,9 +166,7 @@ def test_a_file_that_extends_a_preset_is_laid_over_it(tmp_path: Path) -> None:
     file.write_text('extends = "pirate-gravity"\nseed = 4\n', encoding="utf-8")
     below = load_config("pirate-gravity")
     assert load_config(file=file) == load_config("pirate-gravity", file) == below.model_copy(update={"seed": 4})
-    with pytest.raises(
-        PipenavError, match=r"mine\.toml extends preset 'pirate-gravity', given 'arm'"
-    ):
+    with pytest.raises(PipenavError, match=r"mine\.toml extends preset 'pirate-gravity', given 'arm'"):
         load_config("arm", file)
     file.write_text('extends = "amr"', encoding="utf-8")
     with pytest.raises(PipenavError, match=r"mine\.toml: extends: unknown preset 'amr': did you mean 'arm'"):
