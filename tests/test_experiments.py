@@ -9,20 +9,16 @@ from typing import Any
 import pytest
 from command import run
 
-from pipenav.evaluation.results import Evaluation, PipeRecord
+from pipenav.evaluation.config import EvaluationConfig
+from pipenav.evaluation.pipe_results import PipeRecord
+from pipenav.evaluation.results import Evaluation
 from pipenav.evaluation.thesis import ANGLES_DEG, thesis_rows
 from pipenav.experiments.definition import agents_of, chosen, experiment_names, load_agents, load_experiment
 from pipenav.experiments.figures import success_figure
 from pipenav.experiments.findings import paragraph
-from pipenav.experiments.runner import (
-    ExperimentPlan,
-    Settings,
-    evaluation_jobs,
-    open_plan,
-    resolved_agent,
-    training_jobs,
-)
-from pipenav.experiments.tables import PHASES, results
+from pipenav.experiments.jobs import evaluation_jobs, training_jobs
+from pipenav.experiments.plan import ExperimentPlan, ExperimentSettings, open_plan, resolved_agent
+from pipenav.experiments.tables import SHOWN_STAGES, results
 
 
 def evaluation(stage: str, percent: dict[str, dict[float, float]], policy: str = "p") -> Evaluation:
@@ -32,9 +28,9 @@ def evaluation(stage: str, percent: dict[str, dict[float, float]], policy: str =
         for angle in ANGLES_DEG:
             counts: dict[str, Any] = {}
             left = 100
-            for phase in PHASES[stage]:
+            for phase in SHOWN_STAGES[stage]:
                 passed = round(left * percent.get(phase, {}).get(diameter, 100.0) / 100)
-                if phase == "located":
+                if phase == "locate":
                     counts["located"] = passed
                 elif phase != "whole":
                     counts |= {f"{phase}_attempts": left, f"{phase}_successes": passed}
@@ -43,21 +39,21 @@ def evaluation(stage: str, percent: dict[str, dict[float, float]], policy: str =
             records.append(
                 PipeRecord(diameter_mm=diameter, angle_deg=angle, turn="left", episodes=100, failures=failed, **counts)
             )
-    names = {"policy": policy, "backend": "mujoco", "robot": "basic", "stage": stage}
-    return Evaluation.of(records, **names, seed=0, episodes_per_pipe=100)
+    config = EvaluationConfig(policy=None if stage == "locate" else policy, stage=stage, episodes=100)
+    return Evaluation.of(records, config=config, robot="basic")
 
 
 def thesis_figures(table: str | None, label: str) -> dict[str, dict[float, float]]:
-    return {row.phase: row.percent for row in thesis_rows() if (row.table, row.agent) == (table, label)}
+    return {row.stage: row.percent for row in thesis_rows() if (row.table, row.agent) == (table, label)}
 
 
 @pytest.fixture
 def thesis_plan(tmp_path: Path) -> ExperimentPlan:
     """A folder of results that holds the thesis's own figures, and for (d) and (e) what it says in words."""
-    plan = open_plan(experiment_names(), 2, Settings(episodes=100), tmp_path)
+    plan = open_plan(experiment_names(), 2, ExperimentSettings(episodes=100), tmp_path)
     said = {
         "d": {"rear": {120.0: 100.0, 110.0: 100.0, 100.0: 60.0, 90.0: 2.0}},
-        "e": {"located": dict.fromkeys((120.0, 110.0, 100.0, 90.0), 100.0)},
+        "e": {"locate": dict.fromkeys((120.0, 110.0, 100.0, 90.0), 100.0)},
     }
     for name in experiment_names():
         for row in load_experiment(name).rows:
@@ -110,7 +106,7 @@ def test_the_thesiss_own_figures_bear_out_its_findings(name: str, thesis_plan: E
 
 def test_tables_hold_the_figures_of_every_phase(thesis_plan: ExperimentPlan) -> None:
     given, located = results(thesis_plan, "f")
-    assert {line.phase for line in given.lines} == {"front", "rear", "whole"}
+    assert {line.stage for line in given.lines} == {"reach", "rear", "whole"}
     for line in (*given.lines, *located.lines):
         for diameter, percent in line.thesis.items():
             assert line.ours[diameter].mean == pytest.approx(percent, abs=3.0)  # whole episodes of few fronts
@@ -123,7 +119,7 @@ def test_the_best_agent_is_taken_over(thesis_plan: ExperimentPlan) -> None:
 
 
 def test_what_is_there_is_not_done_again(thesis_plan: ExperimentPlan) -> None:
-    assert evaluation_jobs(thesis_plan, 1, ("front", "reach-rear", "locate", "passage")) == []
+    assert evaluation_jobs(thesis_plan, 1, ("reach", "reach-rear", "locate", "passage")) == []
     assert len(training_jobs(thesis_plan, 1)) == 2 * len(load_agents())
 
 
@@ -138,13 +134,13 @@ def test_an_unknown_experiment_is_answered_with_the_known(capsys: pytest.Capture
 
 
 def test_results_of_other_settings_are_not_mixed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    open_plan(["e"], 1, Settings(steps=1000, episodes=2), tmp_path)
+    open_plan(["e"], 1, ExperimentSettings(steps=1000, episodes=2), tmp_path)
     assert run("experiment", "e", "--steps", "2000", "--episodes", "2", "--out", str(tmp_path)) == 1
     assert "holds results of 1,000 steps, 2 episodes per pipe" in capsys.readouterr().err
 
 
 def test_a_damaged_folder_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    open_plan(["e"], 1, Settings(steps=1000, episodes=1), tmp_path)
+    open_plan(["e"], 1, ExperimentSettings(steps=1000, episodes=1), tmp_path)
     (tmp_path / "elapsed.json").write_text('{"hours": 1}', encoding="utf-8")
     assert run("experiment", "e", "--seeds", "1", "--steps", "1000", "--episodes", "1", "--out", str(tmp_path)) == 1
     assert "elapsed.json is damaged, it has no number 'seconds'" in capsys.readouterr().err
@@ -155,7 +151,7 @@ def test_an_experiment_from_end_to_end(tmp_path: Path, capsys: pytest.CaptureFix
     assert run(*command, "--out", str(tmp_path)) == 0
     assert "report.html" in capsys.readouterr().out
     text = (tmp_path / "report.md").read_text(encoding="utf-8")
-    assert "| history state, C3=1.5, target located (approach I) | located | ours |" in text
+    assert "| history state, C3=1.5, target located (approach I) | locate | ours |" in text
     assert "thesis, table 5.6" in text
     assert "pipenav train --preset thesis-position --set robot=high-fidelity" in text
     page = (tmp_path / "report.html").read_text(encoding="utf-8")

@@ -12,7 +12,9 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from pipenav.errors import ConfigError, FileProblem
-from pipenav.evaluation.results import DiameterRecord, Evaluation, PipeRecord, read_evaluation, wilson
+from pipenav.evaluation.interval import wilson
+from pipenav.evaluation.pipe_results import DiameterRecord, PipeRecord
+from pipenav.evaluation.results import Evaluation, read_evaluation
 from pipenav.evaluation.thesis import ANGLES_DEG, is_thesis_set, thesis_best, thesis_rows
 
 PIPE_KEYS = {

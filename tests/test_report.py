@@ -14,8 +14,9 @@ from rich.console import Console
 
 from pipenav.errors import FileProblem
 from pipenav.evaluation.figures import map_figure, percent, success_figure
+from pipenav.evaluation.pipe_results import PipeRecord
 from pipenav.evaluation.report import FILES, evaluation_table, pipes_csv, write_evaluation
-from pipenav.evaluation.results import Evaluation, PipeRecord, read_evaluation
+from pipenav.evaluation.results import Evaluation, read_evaluation
 from pipenav.evaluation.thesis import ANGLES_DEG, thesis_best
 from pipenav.learning.figures import write_training_plot
 
@@ -175,7 +176,7 @@ def test_runs_stand_apart_from_corners_by_their_number() -> None:
     assert [text.get_text() for text in success_figure(RUNS).axes[0].get_xticklabels()] == ["1", "2", "3"]
     assert [text.get_text() for text in success_figure(MIXED).axes[0].get_xticklabels()] == ["60"]
     panels = [axes for axes in map_figure(MIXED).axes if axes.texts and axes.images]
-    assert [axes.get_ylabel().split()[0] for axes in panels] == ["left", "runs"]
+    assert [axes.get_ylabel().split()[0] for axes in panels] == ["left", "routes"]
     assert sorted(text.get_text() for text in panels[1].texts) == ["25", "50", "75"]
     assert "R65-L70-R100-R55-L110" in shown(RUNS)
     assert RUNS.diameters[1].reach_success == pytest.approx(3 / 8)

@@ -14,8 +14,9 @@ from pathlib import Path
 
 import pytest
 
+from pipenav.learning.progress import PROGRESS_COLUMNS
 from pipenav.learning.train import train
-from pipenav.learning.training_folder import PROGRESS_COLUMNS, TrainingFolder
+from pipenav.learning.training_folder import TrainingFolder
 from pipenav.policies.policy import load_policy
 
 SETTINGS = (
@@ -111,7 +112,7 @@ def test_kill_leaves_whole_files(tmp_path: Path) -> None:
         for folder in folders:
             child = int(parent.stdout.readline())
             try:
-                wait_for(folder.resume.exists)
+                wait_for(folder.checkpoint.exists)
                 time.sleep(moments.uniform(0.0, 1.0))
             finally:
                 os.kill(child, signal.SIGKILL)
