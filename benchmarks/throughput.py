@@ -33,8 +33,8 @@ import pipenav.env  # noqa: F401  # registers the environment
 from pipenav.backends.simulators import open_simulator
 from pipenav.backends.wall_boxes import wall_boxes
 from pipenav.envs.sb3_env import TaskVecEnv
-from pipenav.learning.callback import noise_at
 from pipenav.learning.config import TrainConfig, load_config
+from pipenav.learning.schedule import noise_at
 from pipenav.learning.train import EPISODE_STOCK, new_model
 from pipenav.pipes.corner_sets import parse_corners
 from pipenav.robots.robot import load_robot

@@ -12,7 +12,7 @@ import pytest
 if TYPE_CHECKING:
     from pipenav_hardware.emulator.client import Emulator
 
-    from pipenav.experiments.runner import ExperimentPlan
+    from pipenav.experiments.plan import ExperimentPlan
     from pipenav.motions.trajectory import Trajectory
 
 sys.path.append(str(Path(__file__).parent))

@@ -107,7 +107,8 @@ def flaw_of(loaded: object) -> Flaw | None:
     if not (inspect.isclass(loaded) and issubclass(loaded, Backend)):
         return Flaw("is not a subclass of pipenav.backends.Backend")
     if not issubclass(loaded, Simulator) and hasattr(loaded, "truth"):
-        return Flaw("defines truth but does not derive from pipenav.backends.Simulator", UPDATE)
+        what = "defines truth, as only a simulator does, but does not derive from pipenav.backends.Simulator"
+        return Flaw(what, UPDATE)
     if inspect.isabstract(loaded):
         return Flaw(f"does not implement {', '.join(sorted(loaded.__abstractmethods__))}")
     options = getattr(loaded, "Options", None)

@@ -27,7 +27,7 @@ COMMANDS = {
     "train": ("pipenav.cli.train:train", "Train a policy by PPO and save it as one file, best.zip."),
     "eval": (
         "pipenav.cli.eval:evaluate",
-        "Measure in which pipes a policy passes: success with 95 % intervals, failures, clearance, contact, pictures.",
+        "Measure in which pipes a policy passes: success with 95 % intervals, failures, ranges, contact, pictures.",
     ),
     "view": (
         "pipenav.cli.view:view",

@@ -1,9 +1,9 @@
-"""`pipenav gen-pipe`: make one pipe corner or a run of them, as files for simulators, printers and people."""
+"""`pipenav gen-pipe`: make one pipe corner or a route, as files for simulators, printers and people."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
@@ -33,27 +33,48 @@ LEG_HELP = (
     "By default as long as the corner and a robot need, 600 or more."
 )
 WALL_HELP = f"Wall thickness in mm, {WALL_RANGE_MM[0]:g} to {WALL_RANGE_MM[1]:g}."
-RUN_HELP = (
-    "Several corners in a row instead of one: a pipe-run TOML (docs/pipe-run.md), "
-    "or one run of a shipped set, as runs-level:3."
+ROUTE_HELP = (
+    "Several corners in a row instead of one: a route's TOML file (docs/pipe-run.md), or one of a shipped set by its "
+    "number, as runs-level:3. --run is the older name of this option."
 )
 OUT_HELP = "Folder in which the pipe's own folder is made; a pipe folder of the same name is replaced."
 
+DEFAULT_WALL_MM = m_to_mm(DEFAULT_WALL)
+CORNER, ROUTE, OUTPUT = "One corner", "Several corners", "Output"
 
-OF_ONE_CORNER = ("d", "angle", "turn", "bend_radius", "leg", "wall")
-"""The parameters that a run takes from its file."""
+CORNER_OPTIONS = ("d", "angle", "turn", "bend_radius", "leg", "wall")
+"""Parameters of one corner, which a route takes from its file."""
+
+
+DiameterOption = Annotated[
+    float | None, typer.Option("--d", metavar="MM", help=DIAMETER_HELP, show_default=False, rich_help_panel=CORNER)
+]
+AngleOption = Annotated[
+    float | None, typer.Option(metavar="DEG", help=ANGLE_HELP, show_default=False, rich_help_panel=CORNER)
+]
+TurnOption = Annotated[str, typer.Option(metavar="SIDE", help=TURN_HELP, rich_help_panel=CORNER)]
+BendRadiusOption = Annotated[float, typer.Option(metavar="MM", help=BEND_HELP, rich_help_panel=CORNER)]
+LegOption = Annotated[
+    float | None, typer.Option(metavar="MM", help=LEG_HELP, show_default=False, rich_help_panel=CORNER)
+]
+WallOption = Annotated[float, typer.Option(metavar="MM", help=WALL_HELP, rich_help_panel=CORNER)]
+RouteOption = Annotated[
+    str | None,
+    typer.Option("--route", "--run", metavar="FILE|NAME:K", help=ROUTE_HELP, show_default=False, rich_help_panel=ROUTE),
+]
+OutOption = Annotated[Path, typer.Option(metavar="FOLDER", help=OUT_HELP, rich_help_panel=OUTPUT)]
 
 
 def gen_pipe(
     context: typer.Context,
-    d: Annotated[float | None, typer.Option("--d", metavar="MM", help=DIAMETER_HELP, show_default=False)] = None,
-    angle: Annotated[float | None, typer.Option(metavar="DEG", help=ANGLE_HELP, show_default=False)] = None,
-    turn: Annotated[str, typer.Option(metavar="SIDE", help=TURN_HELP)] = "left",
-    bend_radius: Annotated[float, typer.Option(metavar="MM", help=BEND_HELP)] = 0.0,
-    leg: Annotated[float | None, typer.Option(metavar="MM", help=LEG_HELP, show_default=False)] = None,
-    wall: Annotated[float, typer.Option(metavar="MM", help=WALL_HELP)] = m_to_mm(DEFAULT_WALL),
-    run: Annotated[str | None, typer.Option(metavar="FILE", help=RUN_HELP, show_default=False)] = None,
-    out: Annotated[Path, typer.Option(metavar="FOLDER", help=OUT_HELP)] = Path(),
+    d: DiameterOption = None,
+    angle: AngleOption = None,
+    turn: TurnOption = "left",
+    bend_radius: BendRadiusOption = 0.0,
+    leg: LegOption = None,
+    wall: WallOption = DEFAULT_WALL_MM,
+    route: RouteOption = None,
+    out: OutOption = Path(),
 ) -> None:
     """Make a pipe, one corner or several: STL meshes, MuJoCo, URDF and SDF models, a drawing, its numbers.
 
@@ -61,45 +82,55 @@ def gen_pipe(
 
     A swept bend to the right: pipenav gen-pipe --d 100 --angle 90 --turn right --bend-radius 150 --out my-pipes
 
-    Corners in a row: pipenav gen-pipe --run my-run.toml
+    Corners in a row: pipenav gen-pipe --route my-route.toml
     """
-    if run is not None:
-        _refuse_options_of_one_corner(context)
-        _make_run(run, out)
+    if route is not None:
+        _refuse_corner_options(context)
+        _make_route(route, out)
         return
     if d is None or angle is None:
         missing = " and ".join(f"--{name}" for name, given in (("d", d), ("angle", angle)) if given is None)
-        raise typer.BadParameter(f"{missing} missing: give --d and --angle for one corner, or --run FILE for a run.")
+        raise typer.BadParameter(
+            f"{missing} missing: give --d and --angle for one corner, or --route FILE for several."
+        )
     from pipenav.export.corner_folder import FILES, write_pipe_folder
 
     pipe = PipeCorner.of(d, angle, turn, bend_radius, leg, wall)
-    _report(write_pipe_folder(pipe, out), FILES, _key_dimensions(pipe))
+    _report(write_pipe_folder(pipe, out), FILES, _corner_dimensions(pipe))
 
 
-def _refuse_options_of_one_corner(context: typer.Context) -> None:
-    sources = {name: context.get_parameter_source(name) for name in OF_ONE_CORNER}
+def _refuse_corner_options(context: typer.Context) -> None:
+    sources = {name: context.get_parameter_source(name) for name in CORNER_OPTIONS}
     given = [
         f"--{name.replace('_', '-')}" for name, source in sources.items() if source and source.name == "COMMANDLINE"
     ]
     if given:
-        raise typer.BadParameter(f"--run takes all of a run from its file: leave out {', '.join(given)}.")
+        raise typer.BadParameter(f"--route takes all of a route from its file: leave out {', '.join(given)}.")
 
 
-def _make_run(text: str, out: Path) -> None:
+def _make_route(text: str, out: Path) -> None:
     from pipenav.export.route_folder import route_files, write_route_folder
     from pipenav.pipes.route_sets import parse_route
 
-    name, run = parse_route(text)
-    _report(write_route_folder(run, name, out), route_files(run), _key_dimensions_of_run(run))
+    name, route = parse_route(text)
+    _report(write_route_folder(route, name, out), route_files(route), _route_dimensions(route))
 
 
-def _report(folder: Path, purposes: dict[str, str], dimensions: list[tuple[str, str, str]]) -> None:
+class _Dimension(NamedTuple):
+    """A line about a dimension: its name, its value with the unit, and what it means."""
+
+    name: str
+    value: str
+    meaning: str
+
+
+def _report(folder: Path, purposes: dict[str, str], dimensions: list[_Dimension]) -> None:
     """Say what was made.
 
     Args:
-        folder: where it is.
-        purposes: its files, each with one line of what it is.
-        dimensions: what, how much and what it means.
+        folder: folder of the pipe.
+        purposes: files of the folder, each with one line that says what it is for.
+        dimensions: dimensions of the pipe.
     """
     from rich.console import Console
     from rich.table import Table
@@ -113,22 +144,25 @@ def _report(folder: Path, purposes: dict[str, str], dimensions: list[tuple[str, 
     console.print(files)
     console.print()
     sizes = Table.grid(padding=(0, 2))
-    for what, value, note in dimensions:
-        sizes.add_row("", what, Text(value, style="bold", justify="right"), note)
+    for dimension in dimensions:
+        value = Text(dimension.value, style="bold", justify="right")
+        sizes.add_row("", dimension.name, value, dimension.meaning)
     console.print(sizes)
 
 
-def _key_dimensions(pipe: PipeCorner) -> list[tuple[str, str, str]]:
-    """What, how much and what it means, of the dimensions that decide whether a robot fits."""
+def _corner_dimensions(pipe: PipeCorner) -> list[_Dimension]:
+    """Dimensions of a corner that decide whether a robot fits."""
     bend = f"{m_to_mm(pipe.bend_radius):.1f} mm" if pipe.bend_radius else "none"
     return [
-        ("diameter", f"{m_to_mm(pipe.diameter):.1f} mm", "inside"),
-        ("angle", f"{rad_to_deg(pipe.angle):.1f} deg", _heading(pipe)),
-        ("bend radius", bend, "of the centre line" if pipe.bend_radius else "a mitre"),
-        ("leg", f"{m_to_mm(pipe.leg):.1f} mm", "each, from the crossing of the centre lines"),
-        ("wall", f"{m_to_mm(pipe.wall):.1f} mm", "outside of the diameter"),
-        ("gap", f"{m_to_mm(pipe.gap):.1f} mm", "across the corner, from wall to wall"),
-        ("inner edge", f"{m_to_mm(pipe.inner_edge):.1f} mm", "before the corner the inner wall begins to turn"),
+        _Dimension("diameter", f"{m_to_mm(pipe.diameter):.1f} mm", "inside"),
+        _Dimension("angle", f"{rad_to_deg(pipe.angle):.1f} deg", _heading(pipe)),
+        _Dimension("bend radius", bend, "of the centre line" if pipe.bend_radius else "a mitre"),
+        _Dimension("leg", f"{m_to_mm(pipe.leg):.1f} mm", "each, from the crossing of the centre lines"),
+        _Dimension("wall", f"{m_to_mm(pipe.wall):.1f} mm", "outside of the diameter"),
+        _Dimension("gap", f"{m_to_mm(pipe.gap):.1f} mm", "across the corner, from wall to wall"),
+        _Dimension(
+            "inner edge", f"{m_to_mm(pipe.inner_edge):.1f} mm", "before the corner the inner wall begins to turn"
+        ),
     ]
 
 
@@ -137,17 +171,17 @@ def _heading(pipe: PipeCorner) -> str:
     return f"interior: the heading changes by {change:g} deg to the {pipe.turn}" if change else "a straight pipe"
 
 
-def _key_dimensions_of_run(run: PipeRoute) -> list[tuple[str, str, str]]:
-    """As for one corner, of the run and of every corner in it."""
-    plane = "in one plane" if run.planar else "in space"
+def _route_dimensions(route: PipeRoute) -> list[_Dimension]:
+    """Dimensions of a route and of every corner in it that decide whether a robot fits."""
+    plane = "in one plane" if route.planar else "in space"
     dimensions = [
-        ("diameter", f"{m_to_mm(run.diameter):.1f} mm", "inside"),
-        ("wall", f"{m_to_mm(run.wall):.1f} mm", "outside of the diameter"),
-        ("length", f"{sum(run.straights):.2f} m", f"along the centre line, {plane}"),
-        ("start", f"{m_to_mm(run.straights[0]):.1f} mm", "to the first corner"),
+        _Dimension("diameter", f"{m_to_mm(route.diameter):.1f} mm", "inside"),
+        _Dimension("wall", f"{m_to_mm(route.wall):.1f} mm", "outside of the diameter"),
+        _Dimension("length", f"{sum(route.straights):.2f} m", f"along the centre line, {plane}"),
+        _Dimension("start", f"{m_to_mm(route.straights[0]):.1f} mm", "to the first corner"),
     ]
-    for i, (corner, straight) in enumerate(zip(run.corners, run.straights[1:], strict=True), 1):
+    for i, (corner, straight) in enumerate(zip(route.corners, route.straights[1:], strict=True), 1):
         roll = f" after a roll of {rad_to_deg(corner.roll):g} deg" if corner.roll else ""
         then = f"to the {corner.turn}{roll}, then {m_to_mm(straight):.1f} mm"
-        dimensions.append((f"corner {i}", f"{rad_to_deg(corner.angle):.1f} deg", then))
+        dimensions.append(_Dimension(f"corner {i}", f"{rad_to_deg(corner.angle):.1f} deg", then))
     return dimensions

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from pipenav.cli import table_console
+from pipenav.cli.options import BackendOption, SettingsOption
 from pipenav.errors import PipenavError
 
 if TYPE_CHECKING:
@@ -16,62 +17,70 @@ if TYPE_CHECKING:
     from pipenav.pipes.corner import PipeCorner
     from pipenav.recording.record import Located
 
+DIAMETER_HELP = "Inner diameter of the pipe in mm."
+ANGLE_HELP = "Interior angle between its legs in deg; small is sharp."
+TURN_HELP = "Side that it turns to: left, the default, or right."
 VARIANT_HELP = "map: the beams' ends are fitted to a corner; thesis: the method exactly as printed, eq 3.16 to 3.19."
 PIPES_HELP = "Instead: shipped set, FILE.toml or d=90,angle=60[,turn=right]; repeatable."
 OUT_HELP = "Folder for each pipe's trajectory (.csv) and picture of what the laser saw (.png)."
+PIPE, BEHAVIOUR, OUTPUT = "Which pipe", "Who looks, and how", "Output"
+
+
+DiameterOption = Annotated[float | None, typer.Option("--d", metavar="MM", help=DIAMETER_HELP, rich_help_panel=PIPE)]
+AngleOption = Annotated[float | None, typer.Option(metavar="DEG", help=ANGLE_HELP, rich_help_panel=PIPE)]
+TurnOption = Annotated[str | None, typer.Option(metavar="SIDE", help=TURN_HELP, rich_help_panel=PIPE)]
+PipesOption = Annotated[list[str] | None, typer.Option(help=PIPES_HELP, rich_help_panel=PIPE)]
+RobotOption = Annotated[str, typer.Option(help="Robot; see `pipenav robots`.", rich_help_panel=BEHAVIOUR)]
+# The names of pipenav.locating.locator.Variant, whose import would slow down --help.
+VariantOption = Annotated[Literal["map", "thesis"], typer.Option(help=VARIANT_HELP, rich_help_panel=BEHAVIOUR)]
+SeedOption = Annotated[
+    int, typer.Option(min=0, help="Seed of the start, as in `pipenav eval`.", rich_help_panel=BEHAVIOUR)
+]
+OutOption = Annotated[Path | None, typer.Option(metavar="FOLDER", help=OUT_HELP, rich_help_panel=OUTPUT)]
 
 
 def locate_target(
-    d: Annotated[float | None, typer.Option("--d", metavar="MM", help="Inner diameter of the pipe in mm.")] = None,
-    angle: Annotated[
-        float | None, typer.Option(metavar="DEG", help="Interior angle between its legs in deg; small is sharp.")
-    ] = None,
-    turn: Annotated[
-        str | None, typer.Option(metavar="SIDE", help="Side that it turns to: left, the default, or right.")
-    ] = None,
-    pipes: Annotated[list[str] | None, typer.Option(help=PIPES_HELP)] = None,
-    robot: Annotated[str, typer.Option(help="Robot; see `pipenav robots`.")] = "basic",
-    backend: Annotated[str, typer.Option(help="Simulator backend; see `pipenav backends`.")] = "mujoco",
-    # The names of pipenav.locating.locator.Variant, whose import would slow down --help.
-    variant: Annotated[Literal["map", "thesis"], typer.Option(help=VARIANT_HELP)] = "map",
-    seed: Annotated[int, typer.Option(min=0, help="Seed of the start, as in `pipenav eval`.")] = 0,
-    option: Annotated[list[str] | None, typer.Option(help="Backend setting, key=value; repeatable.")] = None,
-    out: Annotated[Path | None, typer.Option(metavar="FOLDER", help=OUT_HELP)] = None,
+    d: DiameterOption = None,
+    angle: AngleOption = None,
+    turn: TurnOption = None,
+    pipes: PipesOption = None,
+    robot: RobotOption = "basic",
+    variant: VariantOption = "map",
+    seed: SeedOption = 0,
+    backend: BackendOption = "mujoco",
+    option: SettingsOption = None,
+    out: OutOption = None,
 ) -> None:
     """Let the robot find a target around the corner by itself (approach I), knowing only the turn's side.
 
-    Exit code 1 where no target was found, or one outside the second leg. docs/locate-target.md tells how it works;
-    `pipenav eval --stage locate` measures it over many starts.
+    Exit code 1 where no target was found, or one outside the second leg.
+
+    `pipenav eval --stage locate` measures it over many starts; docs/locate-target.md says how it works.
 
     Examples:
 
         pipenav locate-target --d 90 --angle 60
-
         pipenav locate-target --d 110 --angle 75 --turn right --robot high-fidelity --out located
-
         pipenav locate-target --pipes thesis --robot real-setup
-
         pipenav locate-target --d 120 --angle 90 --variant thesis
     """
     from rich.progress import track
 
-    from pipenav.backends.registry import check_options
-    from pipenav.backends.simulators import load_simulator
-    from pipenav.cli.options import parse_options
-    from pipenav.recording.record import RecordingSettings, record_locate
+    from pipenav.cli.options import recording_settings
+    from pipenav.recording.record import record_locate
     from pipenav.robots.robot import load_robot
     from pipenav.storage.atomic_files import prepare_folder
     from pipenav.tasks.reach.episode import check_fits
 
     wanted = _pipes(d, angle, turn, pipes or [])
-    spec, options = load_robot(robot), parse_options(option or [])
-    check_options(backend, load_simulator(backend), options)
+    spec = load_robot(robot)
+    simulator = recording_settings(backend, option or [])
     check_fits(spec, wanted)
     folder = None if out is None else prepare_folder(out)
     console = table_console()
     found = []
     for pipe in track(wanted, "locating", console=console, transient=True, disable=not console.is_terminal):
-        found.append(record_locate(spec, variant, pipe, seed, 0, RecordingSettings(backend, options)))
+        found.append(record_locate(spec, variant, pipe, seed, 0, simulator))
         if folder is not None:
             _write(folder, found[-1])
     console.print(_facts(found[0]) if len(found) == 1 else _table(found))
@@ -109,7 +118,7 @@ HEADINGS = ("target x [mm]", "target y [mm]", "beam", "found at step", "inside s
 
 
 def _cells(located: Located) -> list[str]:
-    """What came of one pipe, a cell for each of `HEADINGS`."""
+    """Results in one pipe, a cell for each of `HEADINGS`."""
     import numpy as np
 
     from pipenav.evaluation.locate_stage import inside_second_leg

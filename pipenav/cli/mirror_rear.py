@@ -12,42 +12,56 @@ from pipenav.errors import PipenavError
 if TYPE_CHECKING:
     from pipenav.motions.trajectory import Trajectory
 
+TRAJECTORY_HELP = "The front half's recorded passage; of a passage in parts, give locating first and the front last."
+PASSAGE, REPLAY = "The passage", "Replay"
+
+
+TrajectoryOption = Annotated[
+    list[Path], typer.Option(help=TRAJECTORY_HELP, show_default=False, rich_help_panel=PASSAGE)
+]
+RobotOption = Annotated[
+    str | None, typer.Option(help="Robot, if the trajectory's is not a shipped one.", rich_help_panel=PASSAGE)
+]
+OutOption = Annotated[Path, typer.Option(help="The rear half's trajectory.", rich_help_panel=PASSAGE)]
+ReplayOption = Annotated[
+    bool, typer.Option("--replay", help="Run it in a simulator and say how well it goes.", rich_help_panel=REPLAY)
+]
+RecordOption = Annotated[
+    Path | None,
+    typer.Option(help="With --replay: also write what the arm really did, as a trajectory.", rich_help_panel=REPLAY),
+]
+BackendOption = Annotated[
+    str, typer.Option(help="Simulator of the replay; see `pipenav backends`.", rich_help_panel=REPLAY)
+]
+ReplaySettingsOption = Annotated[
+    list[str] | None,
+    typer.Option("--option", help="Setting of that simulator, key=value; repeatable.", rich_help_panel=REPLAY),
+]
+
 
 def mirror_rear(
-    trajectory: Annotated[
-        list[Path],
-        typer.Option(
-            help="The front half's recorded passage; of a passage in parts, give locating first and the front last.",
-            show_default=False,
-        ),
-    ],
-    out: Annotated[Path, typer.Option(help="The rear half's trajectory.")] = Path("rear.csv"),
-    replay: Annotated[bool, typer.Option("--replay", help="Run it in a simulator and say how well it goes.")] = False,
-    record: Annotated[
-        Path | None, typer.Option(help="With --replay: also write what the arm really did, as a trajectory.")
-    ] = None,
-    backend: Annotated[str, typer.Option(help="Simulator of the replay; see `pipenav backends`.")] = "mujoco",
-    robot: Annotated[str | None, typer.Option(help="Robot, if the trajectory's is not a shipped one.")] = None,
-    option: Annotated[list[str] | None, typer.Option(help="Setting of that simulator, key=value; repeatable.")] = None,
+    trajectory: TrajectoryOption,
+    robot: RobotOption = None,
+    out: OutOption = Path("rear.csv"),
+    replay: ReplayOption = False,
+    record: RecordOption = None,
+    backend: BackendOption = "mujoco",
+    option: ReplaySettingsOption = None,
 ) -> None:
     """Turn a front half's recorded passage into the rear half's: mirrored in space, reversed in time (approach II).
 
     Examples:
 
         pipenav view --policy arm --pipes d=90,angle=60 --out front.csv
-
         pipenav mirror-rear --trajectory front.csv --out rear.csv --replay
-
         pipenav mirror-rear --trajectory front.csv --replay --record replayed.csv --option timestep=0.001
-
         pipenav mirror-rear --trajectory locate.csv --trajectory front.csv
     """
     from rich.console import Console
 
-    from pipenav.motions.mirror import hand_over, plan_rear
+    from pipenav.motions.mirror import plan_rear
     from pipenav.motions.trajectory_file import read_trajectory, write_trajectory
     from pipenav.robots.robot import load_robot
-    from pipenav.units import m_to_mm, rad_to_deg
 
     if record is not None and not replay:
         raise PipenavError("--record writes what --replay runs: give both.")
@@ -57,36 +71,45 @@ def mirror_rear(
     write_trajectory(out, plan)
     console = Console(highlight=False, soft_wrap=True)
     console.print(f"written: {out}, {len(plan.q)} rows, {plan.time[-1]:.1f} s, {plan.header.pipe.label}")
-    jump = hand_over(plan.robot, parts[-1].motion)
-    console.print(
+    console.print(_hand_over_sentence(plan, parts[-1]))
+    if not replay:
+        return
+    done = _replayed(plan, backend, option or [])
+    console.print(_replay_sentence(plan, done, backend))
+    if record is not None:
+        write_trajectory(record, done)
+        console.print(f"written: {record}")
+
+
+def _hand_over_sentence(plan: Trajectory, front: Trajectory) -> str:
+    from pipenav.motions.mirror import hand_over
+    from pipenav.units import m_to_mm, rad_to_deg
+
+    jump = hand_over(plan.robot, front.motion)
+    return (
         f"hand-over jump: the robot's middle {m_to_mm(jump.straight):.0f} mm ({m_to_mm(jump.distance):.0f} mm along "
         f"the pipe) and {rad_to_deg(jump.turn_angle):.0f} deg; "
         f"largest joint change {rad_to_deg(jump.joint_change):.0f} deg"
     )
-    if replay:
-        replayed = _replay(plan, backend, option or [])
-        console.print(replayed[1])
-        if record is not None:
-            write_trajectory(record, replayed[0])
-            console.print(f"written: {record}")
 
 
-def _replay(plan: Trajectory, backend: str, options: list[str]) -> tuple[Trajectory, str]:
-    """What the arm did, and the same in a sentence."""
-    from pipenav.backends.registry import check_options
-    from pipenav.backends.simulators import load_simulator
-    from pipenav.cli.options import parse_options
-    from pipenav.recording.record import RecordingSettings, record_rear, tracking
+def _replayed(plan: Trajectory, backend: str, options: list[str]) -> Trajectory:
+    """The motion of the arm that follows the plan."""
+    from pipenav.cli.options import recording_settings
+    from pipenav.recording.record import record_rear
+
+    return record_rear(plan, recording_settings(backend, options))
+
+
+def _replay_sentence(plan: Trajectory, done: Trajectory, backend: str) -> str:
+    from pipenav.recording.record import tracking
     from pipenav.units import m_to_mm, rad_to_deg
 
-    parsed = parse_options(options)
-    check_options(backend, load_simulator(backend), parsed)
-    done = record_rear(plan, RecordingSettings(backend, parsed))
     error = tracking(plan, done)
     force = 0.0 if done.contact_force is None else float(done.contact_force.max())
     end = "the arm came out of the corner" if done.succeeded else f"the arm did not come out: {done.header.outcome}"
     joints = f"{rad_to_deg(error.joint):.1f} deg of a hinge, {m_to_mm(error.slide):.1f} mm of the slide"
-    return done, (
+    return (
         f"replay on {backend}: {end} after {done.time[-1]:.1f} s; largest tracking error {m_to_mm(error.tip):.1f} mm "
         f"at the tip, {joints}; largest contact force {force:.1f} N"
     )

@@ -103,20 +103,20 @@ def _motion(robot: RobotSpec, joint: Joint) -> list[str]:
 
 
 def _wheels(robot: RobotSpec) -> str:
-    """The wheels and the roll joint in a sentence."""
+    """Sentences about the wheels and the roll joint."""
     from pipenav.units import m_to_mm
 
-    told = []
+    parts = []
     if robot.wheels:
         rims = sorted({wheel.radius * robot.actuators[wheel.actuator].speed_limit for wheel in robot.wheels})
         sizes = sorted({wheel.diameter for wheel in robot.wheels})
-        told.append(
+        parts.append(
             f"wheels: {len(robot.wheels)}, {', '.join(f'{m_to_mm(size):g}' for size in sizes)} mm, driven, "
             f"up to {', '.join(f'{m_to_mm(rim):g}' for rim in rims)} mm/s at the rim"
         )
     if robot.roll:
-        told.append(f"roll joint: {robot.roll.joint.name}, across {robot.roll.link}; held at 0 in a plane")
-    return "\n".join(told)
+        parts.append(f"roll joint: {robot.roll.joint.name}, across {robot.roll.link}; held at 0 in a plane")
+    return "\n".join(parts)
 
 
 def _laser(laser: Laser) -> str:

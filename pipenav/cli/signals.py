@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM as a wish to stop, so that long work can save first."""
+"""Ctrl-C and SIGTERM as requests to stop, so that long work can save first."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def stop_signals() -> Iterator[Callable[[], bool]]:
-    """Turn Ctrl-C and SIGTERM into a flag, which long work asks for now and then, to save and end."""
+    """Turn Ctrl-C and SIGTERM into a flag, which long work asks for now and then to save and end."""
     seen: list[int] = []
 
     def note(number: int, _frame: object) -> None:

@@ -5,53 +5,78 @@ from __future__ import annotations
 import shlex
 import sys
 import time
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from pipenav.cli.progress_bars import percentage_bar
 from pipenav.cli.signals import stop_signals
 from pipenav.errors import PipenavError
-from pipenav.learning.config import DEFAULT_PRESET, TrainConfig, load_config, validate_config
+from pipenav.learning.config import DEFAULT_PRESET, TrainConfig, load_config, preset_below, validate_config
 
 if TYPE_CHECKING:
-    from pipenav.learning.callback import Progress as TrainingProgress
+    from pipenav.learning.progress import TrainingProgress
     from pipenav.learning.train import TrainingSummary
     from pipenav.learning.training_folder import TrainingFolder
 
+CONFIG_HELP = 'TOML file laid over the preset; extends = "PRESET" in it stands for --preset.'
+RECIPE, PLACE = "Recipe", "Where it goes on and is kept"
+SECONDS_BETWEEN_LINES = 10
+"""Time between two lines of progress where the output is no terminal [s]."""
+
+
+BackendOption = Annotated[
+    str | None, typer.Option(help="Backend to train on; see `pipenav backends`.", rich_help_panel=RECIPE)
+]
+PresetOption = Annotated[
+    str | None,
+    typer.Option(help=f"Shipped recipe; see `pipenav presets`. Default: {DEFAULT_PRESET}.", rich_help_panel=RECIPE),
+]
+ConfigOption = Annotated[Path | None, typer.Option(help=CONFIG_HELP, rich_help_panel=RECIPE)]
+SetOption = Annotated[
+    list[str] | None, typer.Option("--set", help="key=value laid over both; repeatable.", rich_help_panel=RECIPE)
+]
+StepsOption = Annotated[int | None, typer.Option(help="Control steps of all robots together.", rich_help_panel=RECIPE)]
+SeedOption = Annotated[int | None, typer.Option(help="Seed of everything random.", rich_help_panel=RECIPE)]
+RobotOption = Annotated[str | None, typer.Option(help="Robot; see `pipenav robots`.", rich_help_panel=RECIPE)]
+ControlOption = Annotated[str | None, typer.Option(help="torque or position.", rich_help_panel=RECIPE)]
+PipesOption = Annotated[
+    list[str] | None,
+    typer.Option(help="Pipe set, file or d=90,angle=60; repeatable.", rich_help_panel=RECIPE),
+]
+OutOption = Annotated[Path | None, typer.Option(help="Training folder; default runs/PRESET.", rich_help_panel=PLACE)]
+StartOption = Annotated[
+    Path | None,
+    typer.Option("--from", help="Training folder of which to take the weights to start from.", rich_help_panel=PLACE),
+]
+ResumeOption = Annotated[Path | None, typer.Option(help="Training folder to go on with.", rich_help_panel=PLACE)]
+
 
 def train(
-    backend: Annotated[str | None, typer.Option(help="Backend to train on; see `pipenav backends`.")] = None,
-    preset: Annotated[
-        str | None, typer.Option(help=f"Shipped recipe; see `pipenav presets`. Default: {DEFAULT_PRESET}.")
-    ] = None,
-    config: Annotated[Path | None, typer.Option(help="TOML file laid over the preset.")] = None,
-    set_: Annotated[list[str] | None, typer.Option("--set", help="key=value laid over both; repeatable.")] = None,
-    steps: Annotated[int | None, typer.Option(help="Control steps of all robots together.")] = None,
-    seed: Annotated[int | None, typer.Option(help="Seed of everything random.")] = None,
-    robot: Annotated[str | None, typer.Option(help="Robot; see `pipenav robots`.")] = None,
-    control: Annotated[str | None, typer.Option(help="torque or position.")] = None,
-    pipes: Annotated[list[str] | None, typer.Option(help="Pipe set, file or d=90,angle=60; repeatable.")] = None,
-    out: Annotated[Path | None, typer.Option(help="Run folder; default runs/PRESET.")] = None,
-    start: Annotated[
-        Path | None, typer.Option("--from", help="Run folder of another training, to start from its weights.")
-    ] = None,
-    resume: Annotated[Path | None, typer.Option(help="Run folder to go on with.")] = None,
+    backend: BackendOption = None,
+    preset: PresetOption = None,
+    config: ConfigOption = None,
+    set_: SetOption = None,
+    steps: StepsOption = None,
+    seed: SeedOption = None,
+    robot: RobotOption = None,
+    control: ControlOption = None,
+    pipes: PipesOption = None,
+    out: OutOption = None,
+    start: StartOption = None,
+    resume: ResumeOption = None,
 ) -> None:
     """Train a policy by PPO and save it as one file, best.zip.
 
     Examples:
 
         pipenav train --backend mujoco
-
         pipenav train --preset thesis-position --seed 1 --out runs/position-1
-
         pipenav train --pipes d=90,angle=60 --steps 50000 --set learner.epochs=4
-
         pipenav train --preset pirate-gravity-runs --from runs/pirate-gravity
-
         pipenav train --resume runs/arm
     """
     options = {
@@ -62,43 +87,83 @@ def train(
         "task.control": control,
         "pipes": pipes,
     }
-    folder, resolved, where = _prepare(preset, config, set_ or [], options, out, start, resume)
+    training = (
+        _new_training(_Recipe(preset, config, set_ or [], options), out, start)
+        if resume is None
+        else _resumed_training(resume, [preset, config, out, start, *(set_ or [])], options)
+    )
     console = Console()
-    console.print(f"training {where} on {resolved.backend}: {resolved.steps:,} steps, run folder {folder.path}")
-    outcome = _run(console, resolved, folder, resume is not None, start)
-    _tell(console, folder, outcome)
-    if outcome.stopped:
+    console.print(
+        f"training {training.name} on {training.config.backend}: {training.config.steps:,} steps, "
+        f"training folder {training.folder.path}"
+    )
+    summary = _run(console, training)
+    _conclude(console, training.folder, summary)
+    if summary.stopped:
         raise typer.Exit(130)
 
 
-def _prepare(
-    preset: str | None,
-    config: Path | None,
-    settings: list[str],
-    options: dict[str, Any],
-    out: Path | None,
-    start: Path | None,
-    resume: Path | None,
-) -> tuple[TrainingFolder, TrainConfig, str]:
-    """The run folder and its configuration, new or to be resumed."""
+@dataclass(frozen=True)
+class _Recipe:
+    """The parts of a configuration, as they were typed."""
+
+    preset: str | None
+    file: Path | None
+    settings: list[str]
+    options: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class _Training:
+    """A training that can begin, or go on.
+
+    Attributes:
+        name: preset or folder, for messages.
+        folder: folder of the training.
+        config: its configuration.
+        resumed: whether it goes on.
+        start: folder of another training, from whose weights it starts.
+    """
+
+    name: str
+    folder: TrainingFolder
+    config: TrainConfig
+    resumed: bool = False
+    start: Path | None = None
+
+
+def _new_training(recipe: _Recipe, out: Path | None, start: Path | None) -> _Training:
+    """A new training in a folder of its own."""
     from pipenav.learning.training_folder import TrainingFolder, default_training_path
 
-    if resume is not None:
-        given = [preset, config, out, start, *settings, *(value for key, value in options.items() if key != "steps")]
-        if any(value is not None for value in given):
-            raise PipenavError("--resume goes on with a run as it was configured: only --steps can be given with it.")
-        folder, resolved = TrainingFolder.open(resume)
-        if options["steps"] is not None:
-            resolved = validate_config(resolved.model_dump() | {"steps": options["steps"]}, "--steps")
-            folder.write_config(resolved)
-        return folder, resolved, str(resume)
-    preset = preset or DEFAULT_PRESET
-    resolved = load_config(preset, config, settings, options)
-    _check_names(resolved)
+    preset = preset_below(recipe.preset, recipe.file)
+    config = load_config(preset, recipe.file, recipe.settings, recipe.options)
+    _check_names(config)
     if start is not None:
-        _check_start(start, resolved)
+        _check_start(start, config)
     command = shlex.join(["pipenav", *sys.argv[1:]])
-    return TrainingFolder.create(out or default_training_path(preset), resolved, command), resolved, preset
+    folder = TrainingFolder.create(out or default_training_path(preset), config, command)
+    return _Training(preset, folder, config, start=start)
+
+
+def _resumed_training(path: Path, given: list[Any], options: dict[str, Any]) -> _Training:
+    """A training to go on with, of which only the number of steps may change.
+
+    Args:
+        path: folder of the training.
+        given: values of options that must not be given with `--resume`; None where one was not.
+        options: options of the configuration, by key; None where one was not given.
+    """
+    from pipenav.learning.training_folder import TrainingFolder
+
+    given = [*given, *(value for key, value in options.items() if key != "steps")]
+    if any(value is not None for value in given):
+        raise PipenavError("--resume goes on with a training as it was configured: only --steps can be given with it.")
+    folder, config = TrainingFolder.open(path)
+    if options["steps"] is not None:
+        config = validate_config(config.model_dump() | {"steps": options["steps"]}, "--steps")
+        folder.write_config(config)
+    return _Training(str(path), folder, config, resumed=True)
 
 
 def _check_names(config: TrainConfig) -> None:
@@ -108,43 +173,37 @@ def _check_names(config: TrainConfig) -> None:
     from pipenav.robots.robot import load_robot
     from pipenav.tasks.registry import task_of
 
-    kind = task_of(config.task)
-    kind.check_robot(load_robot(config.robot))
-    kind.parse_training_pipes(config.pipes)
+    task = task_of(config.task)
+    task.check_robot(load_robot(config.robot))
+    task.parse_training_pipes(config.pipes)
     check_options(config.backend, load_simulator(config.backend), config.options)
 
 
 def _check_start(start: Path, config: TrainConfig) -> None:
-    """Refuse a run whose weights do not fit the new one, before a folder is made for it."""
+    """Refuse a training whose weights do not fit the new one, before a folder is made for it."""
     from pipenav.learning.training_folder import TrainingFolder
-    from pipenav.robots.robot import load_robot
-    from pipenav.tasks.registry import task_of
 
-    def interface(run: TrainConfig) -> tuple[object, ...]:
-        scale = task_of(run.task).observation_scale(load_robot(run.robot)).tolist()
-        return run.network, run.task.kind, run.task.observation, run.task.control, scale
-
-    _, other = TrainingFolder.open(start)
-    if interface(config) != interface(other):
+    other = TrainingFolder.open(start).config
+    if _interface(config) != _interface(other):
         raise PipenavError(
             f"{start} was trained with another network, observation or control (robot {other.robot!r}, "
             f"{other.task.kind}, {other.task.observation}, {other.task.control}, network.policy "
-            f"{list(other.network.policy)}): --from takes a run that has the new one's."
+            f"{list(other.network.policy)}): --from takes a training that has the new one's."
         )
 
 
-def _run(
-    console: Console, config: TrainConfig, folder: TrainingFolder, resumed: bool, start: Path | None
-) -> TrainingSummary:
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.percentage:>3.0f}%"),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-    )
-    with stop_signals() as stopped, Progress(*columns, console=console) as bar:  # from here on a stop is not lost
+def _interface(config: TrainConfig) -> tuple[object, ...]:
+    """Everything in which two trainings must be equal for one to take the other's weights."""
+    from pipenav.robots.robot import load_robot
+    from pipenav.tasks.registry import task_of
+
+    scale = task_of(config.task).observation_scale(load_robot(config.robot)).tolist()
+    return config.network, config.task.kind, config.task.observation, config.task.control, scale
+
+
+def _run(console: Console, training: _Training) -> TrainingSummary:
+    config = training.config
+    with stop_signals() as stopped, percentage_bar(console) as bar:  # from here on a stop is not lost
         task = bar.add_task("loading the learner", total=config.steps)
         from pipenav.learning.train import train as run_training
 
@@ -154,23 +213,24 @@ def _run(
         def report(progress: TrainingProgress) -> None:
             text = (
                 f"{progress.steps_per_s:,.0f} steps/s, success {progress.success:.1%}, "
-                f"clearance {progress.min_range * 1e3:.0f} mm"
+                f"least laser reading {progress.min_range * 1e3:.0f} mm"
             )
             bar.update(task, completed=progress.steps, description=text)
-            if not console.is_terminal and time.monotonic() - last_line[0] > 10:
+            if not console.is_terminal and time.monotonic() - last_line[0] > SECONDS_BETWEEN_LINES:
                 last_line[0] = time.monotonic()
                 console.print(f"{progress.steps:>9,} of {config.steps:,} steps: {text}")
 
-        return run_training(config, folder, resumed, report, stopped, start)
+        return run_training(config, training.folder, training.resumed, report, stopped, training.start)
 
 
-def _tell(console: Console, folder: TrainingFolder, outcome: TrainingSummary) -> None:
-    if outcome.stopped:
+def _conclude(console: Console, folder: TrainingFolder, summary: TrainingSummary) -> None:
+    """Say how the training ended, and what can be done with it."""
+    if summary.stopped:
         console.print(
-            f"stopped after {outcome.steps:,} steps and saved; go on with: pipenav train --resume {folder.path}"
+            f"stopped after {summary.steps:,} steps and saved; go on with: pipenav train --resume {folder.path}"
         )
         return
     console.print(
-        f"trained {outcome.steps:,} steps in {outcome.seconds:.0f} s; best check {outcome.check_success:.1%} success\n"
+        f"trained {summary.steps:,} steps in {summary.seconds:.0f} s; best check {summary.check_success:.1%} success\n"
         f"policy   {folder.best}\npicture  {folder.plot}\nmeasure it: pipenav eval --policy {folder.best}"
     )

@@ -1,4 +1,4 @@
-"""Everything that decides what an evaluation computes; it is saved in eval.json."""
+"""The configuration of an evaluation, which eval.json keeps."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from pipenav.arrays import Table
 from pipenav.locating.locator import Variant
 
 StageName = Literal["locate", "reach", "reach-rear", "passage", "traverse"]
-"""What to run: one part of a passage, or several one after the other."""
+"""Name of what is run: one part of a passage, or several one after the other."""
 
 EARLIER_STAGES = {"front": "reach", "front-rear": "reach-rear"}
-"""Names of stages that have had another name: the older one, then today's."""
+"""Names that stages had earlier, and the ones that they have today."""
 
 
 def todays_stage(given: Any) -> Any:
-    """A stage by the name that it has today."""
+    """Name that a stage has today; anything else as it is."""
     return EARLIER_STAGES.get(given, given) if isinstance(given, str) else given
 
 
 class EvaluationConfig(Table):
-    """One evaluation."""
+    """Everything that decides what an evaluation computes."""
 
     policy: str | None = Field(None, description="shipped policy, FILE.zip or baseline; none for the stage locate")
     pipes: tuple[str, ...] = Field(
@@ -31,15 +31,15 @@ class EvaluationConfig(Table):
     episodes: int = Field(20, ge=1, description="episodes in each pipe")
     seed: int = Field(0, ge=0, description="seed of starts and targets")
     stage: Annotated[StageName | None, BeforeValidator(todays_stage)] = Field(
-        None, description="what to run; none: what the policy was trained for"
+        None, description="stage to run; none: the one that the policy was trained for"
     )
     robot: str | None = Field(None, description="robot of the stage locate and of baselines; a policy brings its own")
     variant: Variant = Field("map", description="how a target is located")
     backend: str = Field("mujoco", description="name of a simulator backend")
     options: dict[str, JsonValue] = Field(default_factory=dict, description="the simulator's own settings")
-    disturb: str | None = Field(None, description="what goes wrong on purpose, by name or as FILE.toml")
+    disturb: str | None = Field(None, description="disturbances, by name or as FILE.toml")
 
     @property
     def subject(self) -> str:
-        """What is evaluated: the policy's name, or the behaviour that locates a target."""
+        """Name of what is evaluated: of the policy, or of the behaviour that locates a target."""
         return self.policy or f"locate:{self.variant}"

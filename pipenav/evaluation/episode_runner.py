@@ -1,4 +1,4 @@
-"""Many episodes of one stage in many pipes, and what came of them."""
+"""Many episodes of one stage in many pipes, and their results."""
 
 from __future__ import annotations
 
@@ -23,7 +23,10 @@ from pipenav.tasks.traverse.episode import TraverseEpisodes
 from pipenav.units import m_to_mm, rad_to_deg
 
 Episode = TypeVar("Episode")
-"""What a stage's episode starts from: a task's episodes of k = 1, or a motion to replay."""
+"""The start of a stage's episode: a task's episodes of k = 1, or a motion to replay."""
+
+ReportEpisodes = Callable[[int, int], None]
+"""Called with the episodes that are done and how many of those succeeded."""
 
 Starting = TypeVar("Starting", ReachEpisodes, TraverseEpisodes)
 
@@ -31,14 +34,15 @@ MAX_ROBOTS = 256
 """Robots stepped together: enough to keep every core busy, few enough that the last ones to finish cost little."""
 
 EPISODES_PER_ROBOT = 4
-"""With fewer each, most robots would wait for the last ones, whose episodes may be ten times longer than the mean."""
+"""Episodes for each robot: with fewer, most robots would wait for the last ones, whose episodes may be ten times longer
+than the mean."""
 
 
 class EpisodeResults(NamedTuple):
-    """One entry per episode, in order: all episodes of the first pipe, then of the next.
+    """Results of episodes, in order: all episodes of the first pipe, then of the next.
 
     Attributes:
-        outcome: a `Outcome` each, (k,).
+        outcome: how each episode ended, an `Outcome` each, (k,).
         steps: control steps, (k,).
         min_range: smallest laser reading, (k,) [m].
         penetration: deepest overlap with the wall, (k,) [m].
@@ -56,29 +60,29 @@ class EpisodeResults(NamedTuple):
     q: Floats
 
     def put(self, jobs: Ints, part: EpisodeResults) -> None:
-        """Overwrite those of some episodes, k of them, by `part`."""
+        """Overwrite the results of k episodes by `part`."""
         for column, rows in zip(self, part, strict=True):
             np.asarray(column)[jobs] = rows
 
     @classmethod
     def empty(cls, total: int, robot: RobotSpec) -> EpisodeResults:
-        """Room for so many."""
+        """Room for the results of so many episodes."""
         min_range, penetration, force, contact_share = np.zeros((4, total))
         outcome, steps, q = np.zeros(total, np.int8), np.zeros(total, np.intp), np.zeros((total, robot.coordinates))
         return cls(outcome, steps, min_range, penetration, force, contact_share, q)
 
-    def select(self, which: Flags) -> EpisodeResults:
-        """Those of the episodes that are marked, (k,)."""
-        return EpisodeResults(*(column[which] for column in self))  # type: ignore[arg-type]  # every column alike
+    def select(self, wanted: Flags) -> EpisodeResults:
+        """Results of the episodes that are marked, (k,)."""
+        return EpisodeResults(*(column[wanted] for column in self))  # type: ignore[arg-type]  # every column alike
 
 
 class EpisodeQueue(Generic[Episode]):
-    """Hands out episodes one after another and remembers which robot runs which.
+    """Hands out episodes one after another and remembers which of them each robot runs.
 
     Args:
         start: gives an episode by its number, the same one whenever it is asked.
-        total: how many episodes there are.
-        n: how many robots share them.
+        total: number of episodes.
+        n: number of robots that share them.
     """
 
     def __init__(self, start: Callable[[int], Episode], total: int, n: int) -> None:
@@ -100,7 +104,7 @@ class EpisodeQueue(Generic[Episode]):
 def joined(parts: Sequence[Starting]) -> Starting:
     """Several episodes of a task as one, in order."""
     pipes, *arrays = zip(*parts, strict=True)
-    return type(parts[0])(tuple(one for (one,) in pipes), *map(np.concatenate, arrays))
+    return type(parts[0])(tuple(pipe for (pipe,) in pipes), *map(np.concatenate, arrays))
 
 
 def random_start(
@@ -128,7 +132,7 @@ def random_start(
 
 
 def robots_for(total: int) -> int:
-    """How many robots share `total` episodes."""
+    """Number of robots that share `total` episodes."""
     return min(MAX_ROBOTS, max(1, total // EPISODES_PER_ROBOT))
 
 
@@ -138,7 +142,7 @@ def run_stage(
     start: Callable[[int], Episode],
     pipes: Sequence[Pipe],
     simulator: SimulatorSettings = DEFAULT_SIMULATOR,
-    progress: Callable[[int, int], None] | None = None,
+    report_progress: ReportEpisodes | None = None,
 ) -> EpisodeResults:
     """Run every episode of a stage once.
 
@@ -148,14 +152,14 @@ def run_stage(
         start: gives an episode by its number.
         pipes: the pipe of every episode.
         simulator: the simulator.
-        progress: called with (episodes done, successes so far) now and then.
+        report_progress: called with (episodes done, successes so far) now and then.
     """
     segments = max(len(pipe.segments) for pipe in pipes)
 
     def make_in_plane(queue: EpisodeQueue[Episode]) -> Stage:
         return make(simulator.open(robot, len(queue.running), segments), queue)
 
-    return run_queue(make_in_plane, start, len(pipes), robots_for(len(pipes)), progress)
+    return run_queue(make_in_plane, start, len(pipes), robots_for(len(pipes)), report_progress)
 
 
 def run_queue(
@@ -163,24 +167,24 @@ def run_queue(
     start: Callable[[int], Episode],
     total: int,
     n: int,
-    progress: Callable[[int, int], None] | None = None,
+    report_progress: ReportEpisodes | None = None,
 ) -> EpisodeResults:
-    """As `run_stage`, of a stage that brings what it runs on.
+    """Run every episode of a stage once, where the stage brings its own simulator.
 
     Args:
         make: the stage, from the queue of its episodes.
         start: gives an episode by its number.
-        total: how many episodes there are.
-        n: how many robots share them.
-        progress: as of `run_stage`.
+        total: number of episodes.
+        n: number of robots that share them.
+        report_progress: called with (episodes done, successes so far) now and then.
     """
     queue = EpisodeQueue(start, total, n)
     with closing(make(queue)) as stage:
-        return drain(stage, queue, progress)
+        return drain(stage, queue, report_progress)
 
 
 class _Peaks:
-    """What has been seen of each robot's running episode."""
+    """Extremes of each robot's running episode."""
 
     def __init__(self, n: int) -> None:
         self.min_range, self.penetration = np.full(n, np.inf), np.zeros(n)
@@ -197,9 +201,7 @@ class _Peaks:
         self.force[indices], self.contact_steps[indices] = 0.0, 0.0
 
 
-def drain(
-    stage: Stage, queue: EpisodeQueue[Episode], progress: Callable[[int, int], None] | None = None
-) -> EpisodeResults:
+def drain(stage: Stage, queue: EpisodeQueue[Episode], report_progress: ReportEpisodes | None = None) -> EpisodeResults:
     """Step until every episode of the queue, which is the stage's source, has ended."""
     total = queue.total
     results = EpisodeResults.empty(total, stage.robot)
@@ -220,8 +222,8 @@ def drain(
         results.contact_share[jobs] = peaks.contact_steps[counted] / stage.steps[counted]
         finished += len(counted)
         peaks.forget(ended)
-        if progress is not None:
-            progress(finished, int((results.outcome == Outcome.REACHED).sum()))
+        if report_progress is not None:
+            report_progress(finished, int((results.outcome == Outcome.REACHED).sum()))
         if finished < total:
             stage.start(ended)
     return results

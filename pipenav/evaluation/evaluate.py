@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from pipenav.arrays import Flags
@@ -11,8 +13,9 @@ from pipenav.disturbances.disturbance import UNDISTURBED, load_disturbance
 from pipenav.errors import PipenavError
 from pipenav.evaluation.config import EvaluationConfig, StageName
 from pipenav.evaluation.episode_runner import EpisodeResults
-from pipenav.evaluation.passage import EpisodePlan, Passages, Progress, StageResult, no_progress
-from pipenav.evaluation.results import Evaluation, PipeRecord
+from pipenav.evaluation.passage import EpisodePlan, Passages, ReportProgress, StageResult, report_nothing
+from pipenav.evaluation.pipe_results import PipeRecord
+from pipenav.evaluation.results import Evaluation
 from pipenav.evaluation.rolling_stage import check_in_space
 from pipenav.evaluation.thesis import thesis_best
 from pipenav.pipes.pipe import Pipe
@@ -60,7 +63,7 @@ class CheckedEvaluation:
         self._plan = EpisodePlan(self._robot, self._config, pipes, config.episodes, config.seed, simulator, disturbance)
 
     def _stage_of(self, config: EvaluationConfig) -> StageName:
-        """The stage to run, by default what the policy was trained for."""
+        """The stage to run, by default the one that the policy was trained for."""
         traverses = self._task.stage is PassageStage.TRAVERSE
         stage: StageName = config.stage or ("traverse" if traverses else "reach")
         if self._controller is not None and traverses != (stage == "traverse"):
@@ -69,14 +72,14 @@ class CheckedEvaluation:
             raise PipenavError(f"policy {config.policy} {does}: its stage is {fits}, given {stage}.")
         return stage
 
-    def run(self, progress: Progress = no_progress) -> Evaluation:
+    def run(self, report_progress: ReportProgress = report_nothing) -> Evaluation:
         """Run every stage over all episodes, one after the other."""
         config, plan = self.config, self._plan
-        parts = self._run_stages(Passages(plan, progress))
+        stages = self._run_stages(Passages(plan, report_progress))
         deepest = np.zeros(len(plan.pipes) * plan.episodes)
-        for part in parts.values():
-            deepest[part.jobs] = np.maximum(deepest[part.jobs], part.results.penetration)
-        records = [_pipe_record(pipe, parts, i * plan.episodes, plan.episodes) for i, pipe in enumerate(plan.pipes)]
+        for result in stages.values():
+            deepest[result.jobs] = np.maximum(deepest[result.jobs], result.results.penetration)
+        records = [_pipe_record(pipe, stages, i * plan.episodes, plan.episodes) for i, pipe in enumerate(plan.pipes)]
         trained = None if self._controller is None else self._controller.task.control
         return Evaluation.of(
             records,
@@ -87,41 +90,40 @@ class CheckedEvaluation:
         )
 
     def _run_stages(self, passages: Passages) -> StageResults:
-        parts: StageResults = {}
+        stages: StageResults = {}
         if self.config.stage in ("locate", "passage"):
-            parts[PassageStage.LOCATE] = passages.locate(self.config.variant)
+            stages[PassageStage.LOCATE] = passages.locate(self.config.variant)
         if self._controller is not None:
-            parts[self._task.stage] = passages.task(self._controller, parts.get(PassageStage.LOCATE))
+            stages[self._task.stage] = passages.task(self._controller, stages.get(PassageStage.LOCATE))
         if self.config.stage in ("reach-rear", "passage"):
-            parts[PassageStage.REAR] = passages.rear(parts[PassageStage.REACH], parts.get(PassageStage.LOCATE))
-        return parts
+            stages[PassageStage.REAR] = passages.rear(stages[PassageStage.REACH], stages.get(PassageStage.LOCATE))
+        return stages
 
 
-def _pipe_record(pipe: Pipe, parts: StageResults, first: int, episodes: int) -> PipeRecord:
-    """The record of one pipe, whose episodes are `first` and the ones after it."""
-    counts: dict[str, int] = {}
-    failures: dict[str, int] = {}
-    seen: list[EpisodeResults] = []
+MAIN_STAGES = (PassageStage.REACH, PassageStage.TRAVERSE, PassageStage.LOCATE)
+"""Stages whose steps count for an evaluation, the most important one first."""
 
-    def here(part: StageResult) -> Flags:
-        return np.asarray((part.jobs >= first) & (part.jobs < first + episodes))
 
-    for stage, part in parts.items():
-        results, passed = part.results.select(here(part)), part.passed[here(part)]
-        seen.append(results)
-        if stage is PassageStage.LOCATE:
-            counts["located"] = int(passed.sum())
-        else:
-            counts |= {f"{stage}_attempts": len(passed), f"{stage}_successes": int(passed.sum())}
-        main_task = stage in (PassageStage.REACH, PassageStage.TRAVERSE)
-        for outcome in results.outcome[~passed]:
-            reason = Outcome(outcome).label if main_task else f"{stage} {Outcome(outcome).label}"
-            failures[reason] = failures.get(reason, 0) + 1
-    main = parts.get(PassageStage.REACH) or parts.get(PassageStage.TRAVERSE) or parts[PassageStage.LOCATE]
-    timed = main.results.select(here(main))
-    reached = timed.outcome == Outcome.REACHED
-    steps = np.concatenate([results.steps for results in seen])
-    shares = np.concatenate([results.contact_share for results in seen])
+class _StageInPipe(NamedTuple):
+    """The episodes of a stage in one pipe, and which of them succeeded."""
+
+    results: EpisodeResults
+    passed: Flags
+
+    @classmethod
+    def of(cls, stage: StageResult, first: int, episodes: int) -> _StageInPipe:
+        here = np.asarray((stage.jobs >= first) & (stage.jobs < first + episodes))
+        return cls(stage.results.select(here), stage.passed[here])
+
+
+def _pipe_record(pipe: Pipe, stages: StageResults, first: int, episodes: int) -> PipeRecord:
+    """The record of a pipe, whose episodes are `first` and the ones after it."""
+    here = {stage: _StageInPipe.of(result, first, episodes) for stage, result in stages.items()}
+    results = [part.results for part in here.values()]
+    main = next(here[stage].results for stage in MAIN_STAGES if stage in here)
+    reached = main.outcome == Outcome.REACHED
+    steps = np.concatenate([part.steps for part in results])
+    shares = np.concatenate([part.contact_share for part in results])
     corner = pipe.corner
     return PipeRecord(
         diameter_mm=round(m_to_mm(pipe.diameter), 6),
@@ -129,11 +131,33 @@ def _pipe_record(pipe: Pipe, parts: StageResults, first: int, episodes: int) -> 
         turn=None if corner is None else corner.turn,
         route=pipe.name if corner is None else None,
         episodes=episodes,
-        failures=failures,
-        mean_steps=float(timed.steps[reached].mean()) if reached.any() else None,
-        min_range_m=min(float(results.min_range.min(initial=np.inf)) for results in seen),
-        max_penetration_m=max(float(results.penetration.max(initial=0.0)) for results in seen),
-        peak_force_n=max(float(results.force.max(initial=0.0)) for results in seen),
+        failures=_failures(here),
+        mean_steps=float(main.steps[reached].mean()) if reached.any() else None,
+        min_range_m=min(float(part.min_range.min(initial=np.inf)) for part in results),
+        max_penetration_m=max(float(part.penetration.max(initial=0.0)) for part in results),
+        peak_force_n=max(float(part.force.max(initial=0.0)) for part in results),
         contact_time_share=float((steps * shares).sum() / steps.sum()),
-        **counts,
+        **_counts(here),
     )
+
+
+def _counts(here: dict[PassageStage, _StageInPipe]) -> dict[str, int]:
+    """Attempts and successes of the stages, by the keys of a `PipeRecord`."""
+    counts: dict[str, int] = {}
+    for stage, (_, passed) in here.items():
+        if stage is PassageStage.LOCATE:
+            counts["located"] = int(passed.sum())
+        else:
+            counts |= {f"{stage}_attempts": len(passed), f"{stage}_successes": int(passed.sum())}
+    return counts
+
+
+def _failures(here: dict[PassageStage, _StageInPipe]) -> dict[str, int]:
+    """Number of episodes by the reason of their failure; before it the stage, where that is not the main task."""
+    failures: dict[str, int] = {}
+    for stage, (results, passed) in here.items():
+        before = "" if stage in (PassageStage.REACH, PassageStage.TRAVERSE) else f"{stage} "
+        for outcome in results.outcome[~passed]:
+            reason = before + Outcome(outcome).label
+            failures[reason] = failures.get(reason, 0) + 1
+    return failures

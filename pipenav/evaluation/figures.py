@@ -1,4 +1,4 @@
-"""The pictures of evaluations and training runs, in percent, millimetres and degrees."""
+"""The pictures of an evaluation, in percent, millimetres and degrees."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from pipenav.drawing.style import INK, MARKERS, heading, plain
-from pipenav.evaluation.results import Evaluation, PipeRecord, by_diameter, wilson
+from pipenav.evaluation.interval import wilson
+from pipenav.evaluation.pipe_results import PipeRecord, by_diameter
+from pipenav.evaluation.results import Evaluation
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,14 +23,14 @@ SINGLE_ANGLE_DODGE = 0.9
 
 
 MOST_TICKS = 24
-"""Places along an axis that are all written on it."""
+"""Most positions along an axis that are all written on it."""
 
 CORNER_AXIS = "interior corner angle [deg] (smaller is sharper)"
-RUN_AXIS = "number of the run, in the order given"
+ROUTE_AXIS = "number of the route, in the order given"
 
 
 class Cell(NamedTuple):
-    """Episodes of one diameter and angle, or of one run: how many there were, how many succeeded."""
+    """Episodes of one diameter and angle, or of one route: how many there were, how many succeeded."""
 
     successes: int
     episodes: int
@@ -39,7 +41,7 @@ class Cell(NamedTuple):
 
 
 def headline(evaluation: Evaluation) -> str:
-    """What was measured and what came of it, in one line."""
+    """Subject and success of an evaluation, in one line."""
     low, high = evaluation.success_low, evaluation.success_high
     return (
         f"{evaluation.policy}: {percent(evaluation.success)} % of {evaluation.episodes:,} episodes "
@@ -48,7 +50,7 @@ def headline(evaluation: Evaluation) -> str:
 
 
 def circumstances(evaluation: Evaluation) -> str:
-    """Where and how it was measured, in one line."""
+    """Circumstances of an evaluation, in one line."""
     pipes = len(evaluation.pipes)
     settings = ", ".join(f"{name} {value}" for name, value in evaluation.options.items())
     return (
@@ -76,20 +78,20 @@ def pooled(pipes: Sequence[PipeRecord]) -> dict[float, Cell]:
     return dict(sorted(cells.items()))
 
 
-def run_cells(evaluation: Evaluation) -> dict[float, dict[float, Cell]]:
-    """Episodes in runs of corners, by diameter [mm], widest first, and by the run's number among all runs, from 1."""
-    runs = [record for record in evaluation.pipes if record.route is not None]
-    numbers = {id(record): number for number, record in enumerate(runs, 1)}
+def route_cells(evaluation: Evaluation) -> dict[float, dict[float, Cell]]:
+    """Episodes in routes, by diameter [mm], widest first, and by the route's number among all routes, from 1."""
+    routes = [record for record in evaluation.pipes if record.route is not None]
+    numbers = {id(record): number for number, record in enumerate(routes, 1)}
     return {
         diameter: {float(numbers[id(r)]): Cell(r.successes, r.episodes) for r in group}
-        for diameter, group in by_diameter(runs).items()
+        for diameter, group in by_diameter(routes).items()
     }
 
 
 def success_figure(evaluation: Evaluation) -> Figure:
     """Success over the corner angle, one line per diameter with its Wilson 95 % band, left and right together.
 
-    Runs of corners have no one angle: where nothing else was evaluated it is success over the run's number, as points.
+    Routes have no one angle: where nothing else was evaluated it is success over the route's number, as points.
     """
     from matplotlib import colormaps
     from matplotlib.figure import Figure
@@ -99,7 +101,7 @@ def success_figure(evaluation: Evaluation) -> Figure:
     axes = figure.add_subplot()
     plain(axes)
     corners = [record for record in evaluation.pipes if record.route is None]
-    lines = {d: pooled(records) for d, records in by_diameter(corners).items()} if corners else run_cells(evaluation)
+    lines = {d: pooled(records) for d, records in by_diameter(corners).items()} if corners else route_cells(evaluation)
     angles = sorted({angle for line in lines.values() for angle in line})
     shades = colormaps["viridis"]
     lowest = 1.0
@@ -115,21 +117,21 @@ def success_figure(evaluation: Evaluation) -> Figure:
     axes.set(ylim=(bottom - (100 - bottom) * 0.02, 100 + (100 - bottom) * 0.03), ylabel="success [%]")
     axes.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10], integer=True))
     margin = 0.025 * (angles[-1] - angles[0]) or 5.0
-    label = CORNER_AXIS if corners else RUN_AXIS
+    label = CORNER_AXIS if corners else ROUTE_AXIS
     axes.set(xlabel=label, xlim=(angles[0] - margin, angles[-1] + margin))
     if len(angles) <= MOST_TICKS:
         axes.set_xticks(angles, [f"{angle:g}" for angle in angles])
     beside = (1.0, 0.5)
     axes.legend(title="pipe diameter", loc="center left", bbox_to_anchor=beside, frameon=False, labelcolor=INK)
     given = {record.turn for record in corners}
-    turns = "left and right turns together" if len(given) > 1 else f"{given.pop()} turns" if given else "runs"
-    title = "Success over the corner angle" if corners else "Success of every run"
+    turns = "left and right turns together" if len(given) > 1 else f"{given.pop()} turns" if given else "routes"
+    title = "Success over the corner angle" if corners else "Success of every route"
     _title(axes, title, evaluation, f"{turns}; Wilson 95 % intervals")
     return figure
 
 
 class _Style(NamedTuple):
-    """How one diameter is drawn: `weight` scales its line, `dodge` moves it sideways [deg]."""
+    """Style of one diameter: `weight` scales its line, `dodge` moves it sideways [deg]."""
 
     colour: tuple[float, float, float, float]
     marker: str
@@ -138,7 +140,7 @@ class _Style(NamedTuple):
 
 
 def _draw_line(axes: Axes, label: str, line: dict[float, Cell], style: _Style, joined: bool) -> float:
-    """One diameter; returns the lowest end of its intervals."""
+    """Draw one diameter; returns the lowest end of its intervals."""
     x = [angle + style.dodge for angle in line]
     share = [100 * cell.share for cell in line.values()]
     intervals = [wilson(*cell) for cell in line.values()]
@@ -156,7 +158,7 @@ def _draw_line(axes: Axes, label: str, line: dict[float, Cell], style: _Style, j
 
 
 def map_figure(evaluation: Evaluation) -> Figure:
-    """Success by diameter and angle with the numbers in the cells, one panel for each turn and one for runs."""
+    """Success by diameter and angle with the numbers in the cells, one panel for each turn and one for routes."""
     from matplotlib.figure import Figure
 
     maps: dict[str, dict[float, dict[float, Cell]]] = {}
@@ -164,43 +166,43 @@ def map_figure(evaluation: Evaluation) -> Figure:
         groups = by_diameter([record for record in evaluation.pipes if record.turn == turn])
         maps[f"{turn} turn"] = {diameter: pooled(group) for diameter, group in groups.items()}
     angles = sorted({angle for cells in maps.values() for line in cells.values() for angle in line})
-    maps["runs"] = run_cells(evaluation)
-    numbers = sorted(number for line in maps["runs"].values() for number in line)
+    maps["routes"] = route_cells(evaluation)
+    numbers = sorted(number for line in maps["routes"].values() for number in line)
     maps = {name: cells for name, cells in maps.items() if cells}
     rows = len(evaluation.diameters)
     columns = max(len(angles), len(numbers))
-    width, height = max(0.56 * columns + 2.2, 6.5), len(maps) * (0.42 * rows + 0.75) + 1.2 + 0.3 * ("runs" in maps)
+    width, height = max(0.56 * columns + 2.2, 6.5), len(maps) * (0.42 * rows + 0.75) + 1.2 + 0.3 * ("routes" in maps)
     figure = Figure((width, height), facecolor="white", layout="constrained")
     panels = figure.subplots(len(maps), 1, squeeze=False)[:, 0]
     for (name, cells), axes in zip(maps.items(), panels, strict=True):
-        places = numbers if name == "runs" else angles
-        image = _draw_map(axes, cells, places, [row.diameter_mm for row in evaluation.diameters])
+        ticks = numbers if name == "routes" else angles
+        image = _draw_map(axes, cells, ticks, [row.diameter_mm for row in evaluation.diameters])
         axes.set_ylabel(f"{name}\ndiameter [mm]", color=INK)
-        if name == list(maps)[-1] or "runs" in maps:
-            axes.set_xlabel(RUN_AXIS if name == "runs" else CORNER_AXIS, color=INK)
+        if name == list(maps)[-1] or "routes" in maps:
+            axes.set_xlabel(ROUTE_AXIS if name == "routes" else CORNER_AXIS, color=INK)
     bar = figure.colorbar(image, ax=list(panels), label="success [%]", fraction=0.05, pad=0.015, aspect=12 * len(maps))
     bar.outline.set_visible(False)
-    title = "Success by diameter and corner angle" if angles else "Success by diameter and run"
+    title = "Success by diameter and corner angle" if angles else "Success by diameter and route"
     _title(panels[0], title, evaluation, "percent of the episodes; empty: not run")
     return figure
 
 
 def _draw_map(
-    axes: Axes, cells: dict[float, dict[float, Cell]], places: list[float], diameters: list[float]
+    axes: Axes, cells: dict[float, dict[float, Cell]], ticks: list[float], diameters: list[float]
 ) -> AxesImage:
-    """One panel: rows are diameters, widest on top, columns are angles or runs. Returns what a colour bar needs."""
-    shares = [[math.nan] * len(places) for _ in diameters]
+    """Draw one panel: rows are diameters, widest on top, columns are angles or routes; returns its image."""
+    shares = [[math.nan] * len(ticks) for _ in diameters]
     colours = _map_colours()
     for diameter, line in cells.items():
-        for place, cell in line.items():
-            row, column = diameters.index(diameter), places.index(place)
+        for tick, cell in line.items():
+            row, column = diameters.index(diameter), ticks.index(tick)
             shares[row][column] = 100 * cell.share
             ink = "white" if _is_dark(colours(cell.share)) else INK
             axes.text(column, row, percent(cell.share, 0), ha="center", va="center", fontsize=9, color=ink)
     image = axes.imshow(shares, cmap=colours, vmin=0, vmax=100, aspect="auto")
-    axes.set_xticks(range(len(places)), [f"{place:g}" for place in places])
+    axes.set_xticks(range(len(ticks)), [f"{tick:g}" for tick in ticks])
     axes.set_yticks(range(len(diameters)), [f"{diameter:g}" for diameter in diameters])
-    axes.set_xticks([i - 0.5 for i in range(1, len(places))], minor=True)
+    axes.set_xticks([i - 0.5 for i in range(1, len(ticks))], minor=True)
     axes.set_yticks([i - 0.5 for i in range(1, len(diameters))], minor=True)
     axes.grid(which="minor", color="white", linewidth=2)
     axes.tick_params(which="both", length=0, labelcolor=INK, labelsize=9)

@@ -1,4 +1,4 @@
-"""Approach I as a part of a passage: n robots that look for a target, judged by where it lies and what they touched."""
+"""Approach I as a stage of a passage: n robots look for a target; success is a target inside the second leg."""
 
 from __future__ import annotations
 
@@ -23,16 +23,15 @@ class LocateStage(Stage):
 
     Args:
         robot: a slide followed by hinges, with the fan that the locator wants (`robot_for`).
-        locator: the behaviour, of n robots.
+        locator: the behaviour of n robots.
         task: settings that say when an episode fails: its steps, penetration and limit margin.
         simulator: a simulator with n robots.
-        source: the source of episodes; their targets are not looked at.
+        source: source of episodes, whose targets are not looked at.
 
     Attributes:
-        target: found targets in the canonical frame, where a front passage's `ReachEpisodes.set_points` lives, (n, 2) [m]; NaN
-            before one is found.
-        beam: the beam on or nearest to which it lies, from right to left from 0, (n,); -1 before.
-        reading: what the robots' sensors gave last; the next step decides on it.
+        target: found targets in the canonical frame, as `ReachEpisodes.target`, (n, 2) [m]; NaN before one is found.
+        beam: beam on which the target lies, or the nearest one, from right to left from 0, (n,); -1 before.
+        reading: the last readings of the robots' sensors; the next step decides on them.
 
     Raises:
         PipenavError: a robot of other joints.
@@ -92,12 +91,12 @@ class LocateStage(Stage):
     def close(self) -> None:
         self._simulator.close()
 
-    def _well_placed(self, robot: int, target: Floats) -> bool:
-        pipe = self._pipes[robot]
-        return pipe is not None and inside_second_leg(pipe, frames.robot_to_pipe(target, self._base[robot]))
+    def _well_placed(self, index: int, target: Floats) -> bool:
+        pipe = self._pipes[index]
+        return pipe is not None and inside_second_leg(pipe, frames.robot_to_pipe(target, self._base[index]))
 
 
 def inside_second_leg(pipe: PipeCorner, point: Floats) -> bool:
     """Whether a point (2,) of the pipe's frame lies inside the pipe and past the end of the inner wall's bend."""
-    along = float(pipe.along_second_leg(point)[0])
-    return along > pipe.inner_edge and bool(pipe.contains(point))
+    distance = float(pipe.along_second_leg(point)[0])
+    return distance > pipe.inner_edge and bool(pipe.contains(point))

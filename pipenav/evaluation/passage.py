@@ -1,6 +1,6 @@
 """The whole passage, stage by stage: locate a target, reach it with the policy, bring the rear half after.
 
-Every stage runs over all episodes before the next one begins, and each takes up what the one before left: reaching
+Every stage runs over all episodes before the next one begins, and starts where the one before ended: reaching
 starts at rest in the pose in which locating ended and goes for the target that was found; the rear starts in the
 mirrored final pose of a successful front half and plays the passage backwards (approach II).
 """
@@ -29,8 +29,9 @@ from pipenav.evaluation.episode_runner import (
 )
 from pipenav.evaluation.locate_stage import LocateStage
 from pipenav.evaluation.rear_stage import RearStage
+from pipenav.evaluation.recorded_stage import RecordedStage
 from pipenav.evaluation.rolling_stage import rolling_stage
-from pipenav.evaluation.stage import Stage, StageStep, TaskStage
+from pipenav.evaluation.stage import Stage, TaskStage
 from pipenav.locating.locator import LocateConfig, Variant, robot_for
 from pipenav.locating.variants import LOCATORS
 from pipenav.motions.mirror import join, rear_motion
@@ -42,20 +43,20 @@ from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach.episode import ReachEpisodes
 from pipenav.tasks.registry import TaskConfig, require_reach, task_of
 
-Progress = Callable[[str, int, int, int], None]
+ReportProgress = Callable[[str, int, int, int], None]
 """Called with the stage that runs, its episodes, how many are done, and how many of those succeeded."""
 
 MakeStage = Callable[[Simulator, EpisodeQueue[Any]], Stage]
 """Makes a stage on a simulator, with as many robots as the queue that is its source."""
 
 
-def no_progress(_stage: str, _total: int, _done: int, _successes: int) -> None:
-    """Report progress to nobody."""
+def report_nothing(_stage: str, _total: int, _done: int, _successes: int) -> None:
+    """A `ReportProgress` that reports to nobody."""
 
 
 @dataclass(frozen=True)
 class EpisodePlan:
-    """Which episodes are run, and on what.
+    """The episodes of an evaluation, and the simulator that they run on.
 
     Attributes:
         robot: the robot.
@@ -64,7 +65,7 @@ class EpisodePlan:
         episodes: number of episodes in each pipe.
         seed: seed of starts and, where none is located, of targets.
         simulator: the simulator.
-        disturbance: what goes wrong, drawn anew in every stage.
+        disturbance: disturbances, drawn anew in every stage.
     """
 
     robot: RobotSpec
@@ -77,13 +78,13 @@ class EpisodePlan:
 
 
 class StageResult(NamedTuple):
-    """What came of one stage.
+    """Results of one stage.
 
     Attributes:
         jobs: numbers of the episodes that the stage was tried in, (k,).
         results: results of these episodes, in order.
-        motions: joint positions from the start to the end of each, k arrays (rows, joints); none of a rear.
-        targets: the targets that were found, (k, 2) in the canonical frame; NaN where none was, and of other stages.
+        motions: joint positions from the start to the end of each episode, k arrays (rows, joints); none for a rear.
+        targets: the targets that were found, (k, 2) in the canonical frame; NaN where none was, and for other stages.
     """
 
     jobs: Ints
@@ -98,55 +99,20 @@ class StageResult(NamedTuple):
 
     @property
     def passed(self) -> Flags:
-        """Which of the stage's episodes succeeded, (k,)."""
+        """Whether each of the stage's episodes succeeded, (k,)."""
         return np.asarray(self.results.outcome == Outcome.REACHED)
-
-
-class _Recorded(Stage):
-    """A stage whose motions and found targets are kept, by episode."""
-
-    def __init__(self, stage: Stage, queue: EpisodeQueue[Any], start: Callable[[int], Any], rows: int) -> None:
-        self.robot, self.n = stage.robot, stage.n
-        self._stage, self._queue, self._start = stage, queue, start
-        self._rows = np.zeros((stage.n, rows, stage.robot.coordinates))
-        self.motions: dict[int, Floats] = {}
-        self.targets: dict[int, Floats] = {}
-
-    @property
-    def steps(self) -> Ints:
-        return self._stage.steps
-
-    def start(self, indices: Ints) -> None:
-        self._stage.start(indices)
-        for robot in indices:
-            self._rows[robot, 0] = self._start(max(int(self._queue.running[robot]), 0)).q[0]
-
-    def step(self) -> StageStep:
-        step = self._stage.step()
-        # A robot without work is stepped on beyond its time; its rows are nobody's.
-        count = np.minimum(self._stage.steps, self._rows.shape[1] - 1)
-        self._rows[np.arange(self.n), count] = step.q
-        for robot in np.flatnonzero(step.outcome != Outcome.RUNNING):
-            job = int(self._queue.running[robot])
-            self.motions.setdefault(job, self._rows[robot, : count[robot] + 1].copy())
-            if isinstance(self._stage, LocateStage):
-                self.targets.setdefault(job, self._stage.target[robot].copy())
-        return step
-
-    def close(self) -> None:
-        self._stage.close()
 
 
 class Passages:
     """Runs stages over the same episodes of the same pipes.
 
     Args:
-        plan: which episodes, on what.
-        progress: see `Progress`.
+        plan: the episodes.
+        report_progress: see `ReportProgress`.
     """
 
-    def __init__(self, plan: EpisodePlan, progress: Progress = no_progress) -> None:
-        self._plan, self._progress = plan, progress
+    def __init__(self, plan: EpisodePlan, report_progress: ReportProgress = report_nothing) -> None:
+        self._plan, self._report_progress = plan, report_progress
         self._task = task_of(plan.task)
         self._pipes = [pipe for pipe in plan.pipes for _ in range(plan.episodes)]
         starts = plan.disturbance.starts(plan.task)
@@ -159,7 +125,7 @@ class Passages:
         def make(simulator: Simulator, queue: EpisodeQueue[ReachEpisodes]) -> Stage:
             n = len(queue.running)
             locator = LOCATORS[variant](robot, LocateConfig(), n)
-            return LocateStage(robot, locator, task, simulator, lambda r: joined(queue.take(r)))
+            return LocateStage(robot, locator, task, simulator, lambda indices: joined(queue.take(indices)))
 
         return self._run("locating", make, robot, np.arange(len(self._pipes)), self._given)
 
@@ -196,7 +162,7 @@ class Passages:
             lambda i: self._given(int(rolled[i])),
             len(rolled),
             min(len(rolled), os.cpu_count() or 1),  # a few: episodes are long, and the last one keeps all robots busy
-            lambda done, successes: self._progress(f"{self._task.stage} in space", len(rolled), done, successes),
+            lambda done, successes: self._report_progress(f"{self._task.stage} in space", len(rolled), done, successes),
         )
         results.put(np.searchsorted(jobs, rolled), in_space)
         return StageResult.without_motions(jobs, results)
@@ -204,7 +170,7 @@ class Passages:
     def _make(self, controller: AnyController) -> MakeStage:
         def make(simulator: Simulator, queue: EpisodeQueue[Any]) -> Stage:
             n = len(queue.running)
-            batch = self._task.batch(self._plan.robot, simulator, n, lambda r: joined(queue.take(r)))
+            batch = self._task.batch(self._plan.robot, simulator, n, lambda indices: joined(queue.take(indices)))
             return TaskStage(batch, controller)
 
         return make
@@ -227,7 +193,7 @@ class Passages:
             lambda i: motions[int(jobs[i])],
             [motions[int(job)].pipe for job in jobs],
             self._plan.simulator,
-            lambda done, successes: self._progress("rear", len(jobs), done, successes),
+            lambda done, successes: self._report_progress("rear", len(jobs), done, successes),
         )
         return StageResult.without_motions(jobs, results)
 
@@ -250,7 +216,7 @@ class Passages:
     ) -> StageResult:
         if not len(jobs):
             return _nothing(robot)
-        recorded: list[_Recorded] = []
+        recorded: list[RecordedStage] = []
         pipes = [self._pipes[job] for job in jobs]
         most_steps = self._plan.task.max_steps * max(len(pipe.interior_angles) for pipe in pipes)
 
@@ -259,11 +225,11 @@ class Passages:
 
         def make_recorded(simulator: Simulator, queue: EpisodeQueue[Any]) -> Stage:
             stage = make(self._disturbed(simulator, len(queue.running)), queue)
-            recorded.append(_Recorded(stage, queue, begin, most_steps + 1))
+            recorded.append(RecordedStage(stage, queue, begin, most_steps + 1))
             return recorded[0]
 
         def report(done: int, successes: int) -> None:
-            self._progress(name, len(jobs), done, successes)
+            self._report_progress(name, len(jobs), done, successes)
 
         results = run_stage(make_recorded, robot, begin, pipes, self._plan.simulator, report)
         (kept,) = recorded
@@ -272,7 +238,7 @@ class Passages:
 
 
 def _nothing(robot: RobotSpec) -> StageResult:
-    """The result of a stage that no episode came to."""
+    """Result of a stage that no episode came to."""
     return StageResult.without_motions(np.zeros(0, np.intp), EpisodeResults.empty(0, robot))
 
 
@@ -284,6 +250,6 @@ def run_task(
     simulator: SimulatorSettings = DEFAULT_SIMULATOR,
     disturbance: Disturbance = UNDISTURBED,
 ) -> EpisodeResults:
-    """Run the controller's task alone, reaching a given target or a traverse; the arguments are an `EpisodePlan`'s."""
+    """Run the controller's task alone: reach a given target, or traverse; the arguments are an `EpisodePlan`'s."""
     plan = EpisodePlan(controller.robot, controller.task, pipes, episodes, seed, simulator, disturbance)
     return Passages(plan).task(controller).results

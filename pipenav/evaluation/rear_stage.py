@@ -19,15 +19,15 @@ from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.reach.episode import at_limit
 
 MotionSource = Callable[[Ints], Sequence[Motion]]
-"""Given the robots that start anew, their next rear motions."""
+"""Called with the robots that start anew; returns the next rear motion of each."""
 
 
 class RearStage(Stage):
     """The rear half leaves the corner: its motion is sent, row by row, to the position controllers, see `Follower`.
 
-    Every robot starts at rest in its motion's first row, the mirrored final pose of the front passage, and after the
-    last row holds it. REACHED: the whole arm is out of the corner, see `is_out`; that has to happen within the
-    follower's patience, else TIMEOUT. Joint limits and overlap are judged as in the front's task.
+    Every robot starts at rest in its motion's first row, the mirrored final pose of the front passage, and holds the
+    last row. REACHED: the whole arm is out of the corner; TIMEOUT: it is not within the follower's patience. Joint
+    limits and overlap end an episode as in the front's task.
     """
 
     def __init__(
@@ -47,8 +47,8 @@ class RearStage(Stage):
         motions = self._source(indices)
         if not self._motions:
             self._motions = [motions[0]] * self.n
-        for robot, motion in zip(indices, motions, strict=True):
-            self._motions[robot] = motion
+        for index, motion in zip(indices, motions, strict=True):
+            self._motions[index] = motion
         first, base = np.array([motion.q[0] for motion in motions]), np.array([motion.base for motion in motions])
         reading = self._backend.reset(indices, [motion.pipe for motion in motions], first, base)
         self._follower.start(indices, [motion.q for motion in motions])

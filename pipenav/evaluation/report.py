@@ -7,11 +7,13 @@ import io
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from pipenav.drawing.style import png
 from pipenav.evaluation import figures
-from pipenav.evaluation.results import DiameterRecord, Evaluation, PipeRecord, by_diameter, wilson
+from pipenav.evaluation.interval import wilson
+from pipenav.evaluation.pipe_results import DiameterRecord, PipeRecord, by_diameter
+from pipenav.evaluation.results import Evaluation
 from pipenav.storage.atomic_files import atomic_write_all, prepare_folder
 from pipenav.units import m_to_mm
 
@@ -25,13 +27,13 @@ FILES = {
     "success.png": "success over the corner angle, one line per diameter",
     "map.png": "success by diameter and angle",
 }
-"""The files of an evaluation folder, each with one line of what it is."""
+"""Files of an evaluation folder, each with one line that says what it is."""
 
 WORST_PIPES = 8
-"""Pipes in the list of the worst ones."""
+"""Most pipes in the list of the worst ones."""
 
 SHOWN_CORNERS = 5
-"""Corners of a run that are written out in a table."""
+"""Corners of a route that are written out in a table."""
 
 MISSING = "-"
 
@@ -53,7 +55,7 @@ def write_evaluation(folder: Path, evaluation: Evaluation) -> None:
 
 
 def pipes_csv(pipes: Sequence[PipeRecord]) -> str:
-    """One row per pipe with the keys of eval.json; failures as `limit=3 timeout=1`, None as an empty cell."""
+    """Text of eval.csv: a row for each pipe with the keys of eval.json, failures as `limit=3 timeout=1`."""
     text = io.StringIO()
     columns = [*PipeRecord.model_fields, *PipeRecord.model_computed_fields]
     writer = csv.DictWriter(text, columns, lineterminator="\n")
@@ -79,26 +81,48 @@ def evaluation_table(evaluation: Evaluation) -> RenderableType:
     return Group(headline, *(Padding(part, (0, 0, 1, 0), expand=False) for part in parts))
 
 
-def _successes(evaluation: Evaluation) -> Table:
-    """Success by diameter: the stages that were run, what the thesis has, why episodes failed."""
-    pipes = evaluation.pipes
+class _Column(NamedTuple):
+    """A column of the table of successes: its heading, and the cell of a row."""
+
+    heading: str
+    cell: Callable[[DiameterRecord], str]
+
+
+def _columns(pipes: Sequence[PipeRecord]) -> list[_Column]:
+    """Columns of the stages that were run, and of the thesis's figures beside them."""
     located = any(record.located is not None for record in pipes)
-    front = any(record.reach_attempts is not None for record in pipes)
+    reached = any(record.reach_attempts is not None for record in pipes)
     rear = any(record.rear_attempts is not None for record in pipes)
-    traverse = any(record.traverse_attempts is not None for record in pipes)
-    headings = ["diameter\nmm", "episodes\n"]
-    headings += ["located\n%"] * located
-    headings += [f"{'front' if located or rear else 'success'}\n%", "95 %\ninterval", "thesis\n%"] * front
-    headings += ["rear\n%"] * rear + ["success\n%", "95 %\ninterval"] * traverse
+    traversed = any(record.traverse_attempts is not None for record in pipes)
+    columns = [_Column("episodes\n", lambda row: f"{row.episodes:,}")]
+    if located:
+        columns.append(_Column("located\n%", lambda row: _percent(row.located_share)))
+    if reached:
+        heading = "front\n%" if located or rear else "success\n%"
+        columns += [
+            _Column(heading, lambda row: _percent(row.reach_success)),
+            _Column("95 %\ninterval", lambda row: _interval(row.reach_success_low, row.reach_success_high)),
+            _Column("thesis\n%", lambda row: _number(row.thesis_percent, 0)),
+        ]
+    if rear:
+        columns.append(_Column("rear\n%", lambda row: _percent(row.rear_success)))
+    if traversed:
+        columns += [
+            _Column("success\n%", lambda row: _percent(row.traverse_success)),
+            _Column("95 %\ninterval", lambda row: _interval(row.traverse_success_low, row.traverse_success_high)),
+        ]
+    return columns
+
+
+def _successes(evaluation: Evaluation) -> Table:
+    """Success by diameter: the stages that were run, the thesis's figures, why episodes failed."""
+    pipes = evaluation.pipes
+    columns = _columns(pipes)
+    headings = ["diameter\nmm", *(column.heading for column in columns)]
     table = _table("Success by diameter", headings, ["failed episodes\n"])
 
     def cells(row: DiameterRecord) -> list[str]:
-        found = [_percent(row.located_share)] * located
-        interval = _interval(row.reach_success_low, row.reach_success_high)
-        passed = [_percent(row.reach_success), interval, _number(row.thesis_percent, 0)] * front
-        through = _interval(row.traverse_success_low, row.traverse_success_high)
-        traversed = [_percent(row.traverse_success), through] * traverse
-        return [f"{row.episodes:,}", *found, *passed, *[_percent(row.rear_success)] * rear, *traversed]
+        return [column.cell(row) for column in columns]
 
     for row, records in zip(evaluation.diameters, by_diameter(pipes).values(), strict=True):
         table.add_row(f"{row.diameter_mm:g}", *cells(row), _failures(records))
@@ -109,8 +133,8 @@ def _successes(evaluation: Evaluation) -> Table:
 
 
 def _contacts(evaluation: Evaluation) -> Table:
-    """How quick and how gentle the episodes of each diameter were, and the pipe in which most of them failed."""
-    headings = ["diameter\nmm", "mean steps\nof successes", "least clearance\nmm", "peak force\nN"]
+    """Steps and contact of the episodes of each diameter, and the pipe in which most of them failed."""
+    headings = ["diameter\nmm", "mean steps\nof successes", "least range\nmm", "peak force\nN"]
     headings += ["contact\n% of time", "deepest overlap\nmm"]
     table = _table("Motion and contact by diameter", headings, ["worst pipe and\nits success"])
     for diameter, records in by_diameter(evaluation.pipes).items():
@@ -138,7 +162,7 @@ def _worst(pipes: Sequence[PipeRecord]) -> RenderableType:
     shown = failing[:WORST_PIPES]
     title = f"The {len(shown)} worst of {len(failing)} pipes" if len(failing) > len(shown) else "Pipes"
     headings = ["diameter\nmm", "angle\ndeg", "turn\n", "success\n%", "95 %\ninterval", "mean\nsteps"]
-    headings += ["clearance\nmm", "force\nN"]
+    headings += ["least\nrange mm", "force\nN"]
     table = _table(f"{title} with failures", headings, ["failed episodes\n"])
     for record in shown:
         table.add_row(
@@ -178,16 +202,22 @@ def _table(title: str, numbers: Sequence[str], words: Sequence[str]) -> Table:
 def _worst_pipe(records: Sequence[PipeRecord]) -> str:
     worst = min(records, key=lambda record: record.success)
     angle, turn = _corner_cells(worst)
-    where = turn.replace("-", " ") if worst.route else f"{angle}° {turn}"  # with places to break the line
+    where = turn.replace("-", " ") if worst.route else f"{angle}° {turn}"  # spaces, so that the line can break
     return f"{where}: {_percent(worst.success)} %" if worst.success < 1 else MISSING
 
 
-def _corner_cells(record: PipeRecord) -> tuple[str, str]:
-    """Angle and turn of a corner; of a run its first corners as its name has them: the diameter stands beside."""
+class _CornerCells(NamedTuple):
+    angle: str
+    turn: str
+
+
+def _corner_cells(record: PipeRecord) -> _CornerCells:
+    """Angle and turn of a corner; for a route its first corners, as its name has them."""
     if record.route is not None:
         corners = record.route.split("-")[2:]
-        return "run", "-".join(corners[:SHOWN_CORNERS]) + "-..." * (len(corners) > SHOWN_CORNERS)
-    return f"{record.angle_deg:g}", str(record.turn)
+        shown = "-".join([*corners[:SHOWN_CORNERS], *(["..."] if len(corners) > SHOWN_CORNERS else [])])
+        return _CornerCells("route", shown)
+    return _CornerCells(f"{record.angle_deg:g}", str(record.turn))
 
 
 def _weighted_mean(values: Sequence[tuple[float, int]]) -> float | None:

@@ -1,4 +1,4 @@
-"""The traverse task in space as an evaluation runs it."""
+"""The traverse task in space as a stage of an evaluation."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pipenav.tasks.traverse.episode import GRAVITY, TraverseEpisodes
 
 
 def check_in_space(robot: RobotSpec, backend: str, disturb: str | None = None) -> None:
-    """Refuse what cannot be done in runs that leave the plane.
+    """Refuse what cannot be done in routes that leave the plane.
 
     Raises:
         PipenavError: a robot that cannot roll, a backend of the plane alone, or a disturbance.
@@ -23,11 +23,11 @@ def check_in_space(robot: RobotSpec, backend: str, disturb: str | None = None) -
     check_robot(robot)
     load_spatial(backend)
     if disturb is not None:
-        raise PipenavError("--disturb disturbs robots in a plane: choose runs without rolls, or leave it out.")
+        raise PipenavError("--disturb disturbs robots in a plane: choose routes without rolls, or leave it out.")
 
 
 def gravity_of(task: TraverseConfig) -> float:
-    """Downwards in runs that leave the plane [m/s^2]: none for a policy of a level plane, in which nothing weighs."""
+    """Gravity in routes that leave the plane [m/s^2]: none for a policy of a level plane, in which nothing weighs."""
     return 0.0 if task.inclination_deg is None else GRAVITY
 
 
@@ -36,6 +36,6 @@ def rolling_stage(
 ) -> TaskStage:
     """The controller's task in space, with as many robots as the queue, which is its source."""
     robot, task, n = controller.robot, controller.task, len(queue.running)
-    assert isinstance(task, TraverseConfig)  # no other task takes such runs
+    assert isinstance(task, TraverseConfig)  # no other task takes such routes
     simulator = open_space(settings.backend, robot, n, settings.options, gravity_of(task))
-    return TaskStage(RollingBatch(robot, task, simulator, n, lambda r: joined(queue.take(r))), controller)
+    return TaskStage(RollingBatch(robot, task, simulator, n, lambda indices: joined(queue.take(indices))), controller)

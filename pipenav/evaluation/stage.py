@@ -1,4 +1,4 @@
-"""One part of a passage on n robots at once: what an evaluation runs, whatever happens in it."""
+"""A part of a passage on n robots at once, as an evaluation runs it."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from pipenav.tasks.batch import TaskBatch
 
 
 class StageStep(NamedTuple):
-    """One control step of n robots.
+    """Results of a control step of n robots.
 
     Attributes:
-        outcome: a `Outcome` for each, (n,); other than RUNNING ends the episode, REACHED is the stage's success.
+        outcome: an `Outcome` for each robot, (n,); any but RUNNING ends the episode, REACHED is the stage's success.
         min_range: smallest laser reading, (n,) [m].
-        truth: what the simulator knows.
-        q: configurations after the step in the robot's own frame, (n, coordinates): where a next stage starts.
+        truth: everything that the simulator knows.
+        q: configurations after the step in the robot's own frame, (n, coordinates), from which a next stage starts.
     """
 
     outcome: NDArray[np.int8]
@@ -35,12 +35,12 @@ class StageStep(NamedTuple):
 class Stage(ABC):
     """n episodes of one part of a passage, stepped together.
 
-    A stage draws its episodes from the source that it was made with. Who calls `step` also says, by `start`, which
-    robots begin anew; a robot whose episode has ended may be stepped on until then.
+    A stage draws its episodes from the source that it was made with. Robots begin anew when `start` is called for them;
+    a robot whose episode has ended may be stepped on until then.
 
     Attributes:
         robot: the robot.
-        n: how many of them.
+        n: number of robots.
     """
 
     robot: RobotSpec
@@ -57,11 +57,11 @@ class Stage(ABC):
 
     @abstractmethod
     def step(self) -> StageStep:
-        """One control period of every robot."""
+        """Run one control period of every robot."""
 
     @abstractmethod
     def close(self) -> None:
-        """Release the backend."""
+        """Release the simulator."""
 
 
 class TaskStage(Stage):

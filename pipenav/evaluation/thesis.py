@@ -1,4 +1,4 @@
-"""The success figures of the thesis, to compare evaluations with. thesis.csv beside this file holds its tables."""
+"""The success figures of the thesis, to compare evaluations with; thesis.csv beside this file holds its tables."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ ANGLES_DEG = tuple(float(angle) for angle in range(55, 126, 5))
 
 
 class ThesisRow(NamedTuple):
-    """One agent in one table.
+    """An agent in a table of the thesis.
 
     Attributes:
         table: number of the table, e.g. `5.1`.
         control: `torque` or `position`.
         robot: `basic` or `high-fidelity`.
-        phase: `reach` or `rear`; the rear's figures are shares of the successful front passages.
+        stage: `reach` or `rear`; the rear's figures are shares of the successful front passages.
         agent: state, reward weights and target, in words.
-        percent: success by diameter [mm].
+        percent: success [percent] by diameter [mm].
     """
 
     table: str
     control: str
     robot: str
-    phase: str
+    stage: str
     agent: str
     percent: dict[float, float]
 
@@ -39,11 +39,11 @@ def thesis_rows() -> tuple[ThesisRow, ...]:
     return tuple(_row(row) for row in csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
 
 
-def thesis_best(control: str, robot: str = "basic", phase: str = "reach") -> dict[float, float]:
-    """The thesis's best success [percent] by diameter [mm], whichever agent had it; empty where it has none."""
+def thesis_best(control: str, robot: str = "basic", stage: str = "reach") -> dict[float, float]:
+    """The thesis's best success [percent] of all its agents, by diameter [mm]; empty where it has none."""
     best: dict[float, float] = {}
     for row in thesis_rows():
-        if (row.control, row.robot, row.phase) == (control, robot, phase):
+        if (row.control, row.robot, row.stage) == (control, robot, stage):
             best |= {d: max(percent, best.get(d, 0.0)) for d, percent in row.percent.items()}
     return best
 
@@ -55,4 +55,4 @@ def is_thesis_set(angles_deg: Iterable[float | None]) -> bool:
 
 def _row(row: dict[str, str]) -> ThesisRow:
     percent = {float(key[1:]): float(value) for key, value in row.items() if key.startswith("d")}
-    return ThesisRow(row["table"], row["control"], row["fidelity"], row["phase"], row["agent"], percent)
+    return ThesisRow(row["table"], row["control"], row["fidelity"], row["stage"], row["agent"], percent)

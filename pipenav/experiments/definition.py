@@ -1,4 +1,4 @@
-"""What an experiment trains and measures, as its TOML file says."""
+"""An experiment: what it trains and measures, as its TOML file says."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from pipenav.storage.atomic_files import read_toml
 FOLDER = Path(__file__).parent
 ALL = "all"
 BEST_OF = "best of "
-"""An agent named so is the one of that experiment that did best."""
+"""Beginning of the name of an agent that is the best one of another experiment."""
 
 
 class Agent(Table):
@@ -33,23 +33,23 @@ class Agent(Table):
 
 
 class Row(Table):
-    """One line of an experiment's table: an agent in a stage, or a stage that needs none.
+    """A row of an experiment's table: an agent in a stage, or a stage that needs none.
 
     `table` and `label` name the thesis's row that it stands beside, if the thesis has one.
     """
 
     label: str
-    note: str | None = Field(None, description="what sets it apart from a row of the same label")
+    note: str | None = Field(None, description="words that set it apart from a row of the same label")
     agent: str | None = None
-    robot: str | None = Field(None, description="of a stage without an agent")
+    robot: str | None = Field(None, description="robot of a stage without an agent")
     stage: StageName = "reach"
-    variant: Variant = Field("map", description="of the stages that locate a target")
+    variant: Variant = Field("map", description="how the stages that locate a target do it")
     table: str | None = Field(None, description="the thesis's table, e.g. 5.1")
     candidate: bool = Field(True, description="whether the experiment's best agent is chosen from it too")
 
     @property
     def title(self) -> str:
-        """Its label, and its note if it has one."""
+        """The row's label, and its note if it has one."""
         return f"{self.label}, {self.note}" if self.note else self.label
 
     @model_validator(mode="after")
@@ -62,12 +62,12 @@ class Row(Table):
 
 
 class Experiment(Table):
-    """One experiment of the thesis.
+    """An experiment of the thesis.
 
     Attributes:
-        title, question, finding: what it is about, what it asks, what the thesis found.
-        rows: its table.
-        pipes: where its rows are measured.
+        title, question, finding: subject, question, and what the thesis found.
+        rows: rows of its table.
+        pipes: pipes in which its rows are measured.
     """
 
     title: str
@@ -116,14 +116,14 @@ def _checked(model: type[Experiment], path: Path) -> Experiment:
 
 
 def agents_of(experiments: list[str]) -> list[str]:
-    """The agents that these experiments need, each once, in order; what the best agent is chosen from as well."""
+    """The agents that these experiments need, each once, in order, with those that the best agent is chosen from."""
     names: dict[str, None] = {}
     for experiment in experiments:
         for row in load_experiment(experiment).rows:
             if row.agent is None:
                 continue
             if row.agent.startswith(BEST_OF):
-                names |= dict.fromkeys(agents_of([row.agent.removeprefix(BEST_OF)]))  # the measured ones as well
+                names |= dict.fromkeys(agents_of([row.agent.removeprefix(BEST_OF)]))
             else:
                 names[row.agent] = None
     return list(names)

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.drawing.style import INK, MARKERS, heading, plain
 from pipenav.errors import FileProblem
-from pipenav.evaluation.results import Evaluation, PipeRecord
-from pipenav.experiments.runner import ExperimentPlan, resolved_agent
-from pipenav.experiments.tables import PHASES, Phase, Result
-from pipenav.learning.figures import progress_columns
+from pipenav.evaluation.pipe_results import PipeRecord
+from pipenav.evaluation.results import Evaluation
+from pipenav.experiments.plan import ExperimentPlan, resolved_agent
+from pipenav.experiments.tables import SHOWN_STAGES, Result, ShownStage
+from pipenav.learning.progress import progress_columns
 from pipenav.learning.training_folder import TrainingFolder
 
 if TYPE_CHECKING:
@@ -27,11 +28,18 @@ ITERATION = 800
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 """Okabe and Ito's palette, which the colour-blind can tell apart."""
 
-PHASE_WORDS: dict[Phase, str] = {"locate": "target located", "reach": "front", "rear": "rear of the successful fronts"}
+STAGE_WORDS: dict[ShownStage, str] = {
+    "locate": "target located",
+    "reach": "front",
+    "rear": "rear of the successful fronts",
+}
 
 
 def training_figure(plan: ExperimentPlan, results: Sequence[Result], title: str) -> Figure | None:
-    """Success and clearance over the thesis's iterations, mean over seeds with their range; None without trainings."""
+    """Success and least laser reading over the thesis's iterations, mean over seeds with their range.
+
+    None where the experiment has no trainings.
+    """
     from matplotlib.figure import Figure
 
     agents = {result.row.title: resolved_agent(plan, result.row) for result in results}
@@ -40,9 +48,9 @@ def training_figure(plan: ExperimentPlan, results: Sequence[Result], title: str)
         return None
     figure = Figure((11.0, 5.4), facecolor="white", layout="constrained")
     left, right = figure.subplots(1, 2)
-    for (label, (x, success, clearance)), colour in zip(curves.items(), COLOURS, strict=False):
-        _band(left, x, 100 * success, colour, label)
-        _band(right, x, 1000 * clearance, colour, label)
+    for (label, curve), colour in zip(curves.items(), COLOURS, strict=False):
+        _band(left, curve.iterations, 100 * curve.success, _Style(colour, label))
+        _band(right, curve.iterations, 1000 * curve.min_range, _Style(colour, label))
     left.set(ylim=(-2, 103), ylabel="success of training episodes [%]")
     right.set(ylabel="mean of the smallest laser reading [mm]")
     right.set_ylim(bottom=0)
@@ -55,25 +63,37 @@ def training_figure(plan: ExperimentPlan, results: Sequence[Result], title: str)
     return figure
 
 
-def _curves(plan: ExperimentPlan, agent: str) -> tuple[Floats, Floats, Floats]:
-    """Iterations (k,), success and clearance [m], both (seeds, k); NaN where an iteration saw no episode end."""
+class _Curves(NamedTuple):
+    """The trainings of one agent; NaN where an iteration saw no episode end.
+
+    Attributes:
+        iterations: numbers of the iterations, from 1, (k,).
+        success: share of the training episodes that succeeded, (seeds, k).
+        min_range: mean of the smallest laser reading, (seeds, k) [m].
+    """
+
+    iterations: Floats
+    success: Floats
+    min_range: Floats
+
+
+def _curves(plan: ExperimentPlan, agent: str) -> _Curves:
     columns = [_columns(plan, agent, seed) for seed in plan.seeds]
     count = max(int(max(c["steps"], default=0.0)) // ITERATION for c in columns)
-    x = np.arange(1.0, count + 1)
-    curves = np.full((2, len(columns), count), np.nan)
+    success, min_range = np.full((2, len(columns), count), np.nan)
     for seed, column in enumerate(columns):
-        place = np.ceil(np.array(column["steps"]) / ITERATION).astype(int) - 1
-        for row, name in enumerate(("success", "clearance_m")):
+        iteration = np.ceil(np.array(column["steps"]) / ITERATION).astype(int) - 1
+        for curve, name in ((success, "success"), (min_range, "min_range_m")):
             values = np.array(column[name])
-            for i in np.unique(place[place < count]):
-                here = values[place == i]
+            for i in np.unique(iteration[iteration < count]):
+                here = values[iteration == i]
                 if np.isfinite(here).any():
-                    curves[row, seed, i] = np.nanmean(here)
-    return x, curves[0], curves[1]
+                    curve[seed, i] = np.nanmean(here)
+    return _Curves(np.arange(1.0, count + 1), success, min_range)
 
 
 def _columns(plan: ExperimentPlan, agent: str, seed: int) -> dict[str, list[float]]:
-    file = TrainingFolder(plan.run_folder(agent, seed)).progress
+    file = TrainingFolder(plan.training_folder(agent, seed)).progress
     try:
         return progress_columns(file.read_text(encoding="utf-8"))
     except OSError as error:
@@ -81,65 +101,79 @@ def _columns(plan: ExperimentPlan, agent: str, seed: int) -> dict[str, list[floa
 
 
 def success_figure(results: Sequence[Result], title: str) -> Figure:
-    """Success over the corner angle, one panel for each diameter and phase, one line for each row of the table."""
+    """Success over the corner angle, one panel for each diameter and stage, one line for each row of the table."""
     from matplotlib.figure import Figure
 
-    phases = [phase for phase in PHASE_WORDS if any(phase in PHASES[result.row.stage] for result in results)]
-    diameters = [record.diameter_mm for record in results[0].found[0].diameters]
-    figure = Figure((3.3 * len(diameters), 3.1 * len(phases) + 1.2), facecolor="white", layout="constrained")
-    panels = figure.subplots(len(phases), len(diameters), sharex=True, sharey=True, squeeze=False)
-    for phase, row in zip(phases, panels, strict=True):
+    stages = [stage for stage in STAGE_WORDS if any(stage in SHOWN_STAGES[result.row.stage] for result in results)]
+    diameters = [record.diameter_mm for record in results[0].evaluations[0].diameters]
+    figure = Figure((3.3 * len(diameters), 3.1 * len(stages) + 1.2), facecolor="white", layout="constrained")
+    panels = figure.subplots(len(stages), len(diameters), sharex=True, sharey=True, squeeze=False)
+    for stage, row in zip(stages, panels, strict=True):
         for diameter, axes in zip(diameters, row, strict=True):
-            _draw_panel(axes, results, phase, diameter)
+            _draw_panel(axes, results, stage, diameter)
             axes.set_title(f"{diameter:g} mm", loc="center", fontsize=11, color=INK)
-        row[0].set_ylabel(f"{PHASE_WORDS[phase]}\nsuccess [%]")
+        row[0].set_ylabel(f"{STAGE_WORDS[stage]}\nsuccess [%]")
     for axes in panels[-1]:
         axes.set_xlabel("interior corner angle [deg]")
-    # No single phase has every row.
+    # No single stage has every row.
     drawn = {line.get_label(): line for axes in panels[:, 0] for line in axes.get_lines()}
     figure.legend(handles=list(drawn.values()), loc="outside lower center", ncols=2, frameon=False, labelcolor=INK)
-    seeds = max(len(result.found) for result in results)
+    seeds = max(len(result.evaluations) for result in results)
     note = f"mean of {seeds} seeds, bands: their range" if seeds > 1 else "one seed"
     figure.suptitle(f"{title}\n{note}", x=0.01, ha="left", color=INK)
     return figure
 
 
-def _draw_panel(axes: Axes, results: Sequence[Result], phase: Phase, diameter: float) -> None:
+def _draw_panel(axes: Axes, results: Sequence[Result], stage: ShownStage, diameter: float) -> None:
     plain(axes)
     axes.set_ylim(-3, 104)
     for i, result in enumerate(results):
-        if phase not in PHASES[result.row.stage]:
+        if stage not in SHOWN_STAGES[result.row.stage]:
             continue
-        shares = [_by_angle(evaluation, phase, diameter) for evaluation in result.found]
-        angles = sorted({angle for one in shares for angle in one})
-        values = np.array([[one.get(angle, np.nan) for angle in angles] for one in shares]).reshape(len(shares), -1)
-        _band(axes, np.array(angles), 100 * values, COLOURS[i % len(COLOURS)], result.row.title, MARKERS[i])
+        shares = [_by_angle(evaluation, stage, diameter) for evaluation in result.evaluations]
+        angles = sorted({angle for share in shares for angle in share})
+        values = np.array([[share.get(angle, np.nan) for angle in angles] for share in shares])
+        style = _Style(COLOURS[i % len(COLOURS)], result.row.title, MARKERS[i])
+        _band(axes, np.array(angles), 100 * values.reshape(len(shares), -1), style)
 
 
-def _by_angle(evaluation: Evaluation, phase: Phase, diameter: float) -> dict[float, float]:
-    """Share of successes by angle [deg], of the attempts of a phase; angles without any are left out."""
-    counts: dict[float, tuple[int, int]] = {}
+def _by_angle(evaluation: Evaluation, stage: ShownStage, diameter: float) -> dict[float, float]:
+    """Share of successes by angle [deg], of the attempts of a stage; angles without any are left out."""
+    counts: dict[float, _Counts] = {}
     for record in evaluation.pipes:
-        successes, attempts = _counts(record, phase)
-        if record.diameter_mm == diameter and record.angle_deg is not None and attempts:
-            before = counts.get(record.angle_deg, (0, 0))
-            counts[record.angle_deg] = before[0] + successes, before[1] + attempts
+        here = _counts(record, stage)
+        if record.diameter_mm == diameter and record.angle_deg is not None and here.attempts:
+            before = counts.get(record.angle_deg, _Counts(0, 0))
+            counts[record.angle_deg] = _Counts(before.successes + here.successes, before.attempts + here.attempts)
     return {angle: successes / attempts for angle, (successes, attempts) in counts.items()}
 
 
-def _counts(record: PipeRecord, phase: Phase) -> tuple[int, int]:
-    if phase == "locate":
-        return record.located or 0, record.episodes
-    if phase == "reach":
-        return record.reach_successes or 0, record.reach_attempts or 0
-    return record.rear_successes or 0, record.rear_attempts or 0
+class _Counts(NamedTuple):
+    successes: int
+    attempts: int
 
 
-def _band(axes: Axes, x: Floats, values: Floats, colour: str, label: str, marker: str = "") -> None:
+def _counts(record: PipeRecord, stage: ShownStage) -> _Counts:
+    if stage == "locate":
+        return _Counts(record.located or 0, record.episodes)
+    if stage == "reach":
+        return _Counts(record.reach_successes or 0, record.reach_attempts or 0)
+    return _Counts(record.rear_successes or 0, record.rear_attempts or 0)
+
+
+class _Style(NamedTuple):
+    colour: str
+    label: str
+    marker: str = ""
+
+
+def _band(axes: Axes, x: Floats, values: Floats, style: _Style) -> None:
     """The mean over the rows of values (seeds, k) with their range; columns without a value are left out."""
     seen = np.isfinite(values).any(axis=0)
     if not seen.any():
         return
     x, values = x[seen], values[:, seen]
-    axes.fill_between(x, np.nanmin(values, axis=0), np.nanmax(values, axis=0), color=colour, alpha=0.13, linewidth=0)
-    axes.plot(x, np.nanmean(values, axis=0), color=colour, label=label, lw=1.6, marker=marker, markersize=4)
+    low, high = np.nanmin(values, axis=0), np.nanmax(values, axis=0)
+    axes.fill_between(x, low, high, color=style.colour, alpha=0.13, linewidth=0)
+    mean = np.nanmean(values, axis=0)
+    axes.plot(x, mean, color=style.colour, label=style.label, lw=1.6, marker=style.marker, markersize=4)

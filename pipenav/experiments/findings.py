@@ -1,4 +1,4 @@
-"""One plain paragraph per experiment: whether the thesis's finding held here, and on which numbers."""
+"""A paragraph for each experiment: whether the thesis's finding held here, and on which numbers."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from pipenav.locating.locator import LocateConfig
 from pipenav.units import rad_to_deg
 
 NOTICEABLE = 2.0
-"""Difference in percentage points below which two agents count as alike: about what seeds differ by."""
+"""Difference in percentage points below which two agents count as alike: about as much as seeds differ by."""
 
 
-class Outcome(NamedTuple):
-    """Whether a finding held, and the numbers that say so."""
+class Finding(NamedTuple):
+    """A finding of the thesis: whether it held here, and the numbers that say so."""
 
     held: bool
     because: str
@@ -23,16 +23,16 @@ class Outcome(NamedTuple):
 
 def paragraph(name: str, results: Sequence[Result]) -> str:
     """The thesis's finding, whether it held, and on which numbers."""
-    outcome = _JUDGES[name](results)
+    found = _FINDINGS[name](results)
     failures = sum((result.failures for result in results), start=type(results[0].failures)())
     episodes = sum(result.episodes for result in results)
     counted = ", ".join(f"{reason} {count:,}" for reason, count in failures.most_common()) or "none"
     end = f"Failed episodes of all agents together, of {episodes:,}: {counted}."
-    opening = "That held here" if outcome.held else "That did not hold here"
-    return f"The thesis: {load_experiment(name).finding} {opening}: {outcome.because} {end}"
+    opening = "That held here" if found.held else "That did not hold here"
+    return f"The thesis: {load_experiment(name).finding} {opening}: {found.because} {end}"
 
 
-def _sweet_spot(results: Sequence[Result]) -> Outcome:
+def _sweet_spot(results: Sequence[Result]) -> Finding:
     means = [result.line("reach").mean for result in results]
     best = means.index(max(means))
     inside = 0 < best < len(means) - 1
@@ -45,10 +45,10 @@ def _sweet_spot(results: Sequence[Result]) -> Outcome:
             f" The weights are {max(means) - min(means):.1f} points apart, against 79.8 in the thesis. The learner here"
             " explores by a schedule; whether that is why the weight decides so little was not measured."
         )
-    return Outcome(inside and drops, because)
+    return Finding(inside and drops, because)
 
 
-def _change_reward_helps(results: Sequence[Result]) -> Outcome:
+def _change_reward_helps(results: Sequence[Result]) -> Finding:
     basic, without, _, full = (result.line("reach").mean for result in results[:4])
     held = full - without > NOTICEABLE and full - basic > NOTICEABLE
     narrow = [result.line("reach") for result in results[:4]]
@@ -62,10 +62,10 @@ def _change_reward_helps(results: Sequence[Result]) -> Outcome:
         because += f" The others leave it {100 - max(basic, without):.1f} points to add."
     elif not held:
         because += f" It added {full - without:+.1f} and {full - basic:+.1f} points to them."
-    return Outcome(held, because)
+    return Finding(held, because)
 
 
-def _rear_fails_in_narrow_pipes(results: Sequence[Result]) -> Outcome:
+def _rear_fails_in_narrow_pipes(results: Sequence[Result]) -> Finding:
     rear = results[0].line("rear").ours
     listed = ", ".join(f"{spread.mean:.1f} % at {d:g} mm" for d, spread in sorted(rear.items(), reverse=True))
     narrow = rear.get(min(rear)) if rear else None
@@ -73,28 +73,28 @@ def _rear_fails_in_narrow_pipes(results: Sequence[Result]) -> Outcome:
     because = f"of the successful fronts, the rear followed in {listed}."
     if not held:
         because += (
-            " The rear replays what the front's joints did, not what they were told, through controllers that follow it"
+            " The rear replays what the front's joints did, not what they were sent, through controllers that follow it"
             f" closely; its largest contact force was {max(_peak_forces(results)):.0f} N over all stages."
         )
-    return Outcome(held, because)
+    return Finding(held, because)
 
 
 def _peak_forces(results: Sequence[Result]) -> list[float]:
-    pipes = [record for result in results for evaluation in result.found for record in evaluation.pipes]
+    pipes = [record for result in results for evaluation in result.evaluations for record in evaluation.pipes]
     return [record.peak_force_n for record in pipes if record.peak_force_n is not None] or [0.0]
 
 
-def _always_located(results: Sequence[Result]) -> Outcome:
+def _always_located(results: Sequence[Result]) -> Finding:
     printed, ours = (result.line("locate").mean for result in results)
     because = (
         f"as printed, the behaviour found a target inside the second leg in {printed:.1f} % of the episodes; ours did"
         f" in {ours:.1f} %. The thesis gives neither its starts nor which beams lie ahead (eq 3.18); here those within"
         f" {rad_to_deg(LocateConfig().front):.0f} deg do; docs/locate-target.md tells what that decides."
     )
-    return Outcome(printed == 100.0, because)
+    return Finding(printed == 100.0, because)
 
 
-def _locating_helps(results: Sequence[Result]) -> Outcome:
+def _locating_helps(results: Sequence[Result]) -> Finding:
     given, located = results
     fronts = given.line("reach").mean, located.line("reach").mean
     rears = given.line("rear").mean, located.line("rear").mean
@@ -105,10 +105,10 @@ def _locating_helps(results: Sequence[Result]) -> Outcome:
     )
     if not held:
         because += f" With the target given only {100 - fronts[0]:.1f} points were left to gain."
-    return Outcome(held, because)
+    return Finding(held, because)
 
 
-_JUDGES: dict[str, Callable[[Sequence[Result]], Outcome]] = {
+_FINDINGS: dict[str, Callable[[Sequence[Result]], Finding]] = {
     "a": _sweet_spot,
     "b": _change_reward_helps,
     "c": _change_reward_helps,

@@ -11,7 +11,7 @@ from pipenav.drawing.style import png
 from pipenav.experiments.definition import agents_of, load_agents, load_experiment
 from pipenav.experiments.figures import success_figure, training_figure
 from pipenav.experiments.findings import paragraph
-from pipenav.experiments.runner import TRAINED_FILE, ExperimentPlan, elapsed, read_number
+from pipenav.experiments.plan import TRAINED_FILE, ExperimentPlan, elapsed, read_number
 from pipenav.experiments.tables import Line, Result, results
 from pipenav.storage.atomic_files import Content, atomic_write_all
 
@@ -21,7 +21,7 @@ INTRODUCTION = (
     " A rear's success is over the successful fronts; `whole` is every stage together, over all episodes."
 )
 
-PHASE_LABELS = {"locate": "locate", "reach": "reach", "rear": "rear", "whole": "whole passage"}
+STAGE_LABELS = {"locate": "locate", "reach": "reach", "rear": "rear", "whole": "whole passage"}
 
 STYLE = (
     "body{font:16px/1.5 system-ui,sans-serif;color:#20262c;max-width:70rem;margin:2rem auto;padding:0 1rem}"
@@ -32,7 +32,7 @@ STYLE = (
 
 
 class Section(NamedTuple):
-    """One experiment in the report; pictures are PNG files' contents by name."""
+    """An experiment in the report; pictures are PNG files' contents by name."""
 
     name: str
     title: str
@@ -43,10 +43,10 @@ class Section(NamedTuple):
 
 
 def write_report(plan: ExperimentPlan) -> list[str]:
-    """Write the report of what the plan's folder holds; the names of its files.
+    """Write the report of what the plan's folder holds; returns the names of its files.
 
     Args:
-        plan: its experiments must be complete.
+        plan: a plan whose experiments are complete.
     """
     sections = [_section(plan, name) for name in plan.experiments]
     summary = _summary(plan)
@@ -70,8 +70,8 @@ def _section(plan: ExperimentPlan, name: str) -> Section:
 
 
 def _summary(plan: ExperimentPlan) -> str:
-    """What was run, in how long, against the time that the robots lived through."""
-    folders = [plan.run_folder(agent, seed) for agent in agents_of(list(plan.experiments)) for seed in plan.seeds]
+    """Trainings and episodes, and how long they took against the time that the robots lived through."""
+    folders = [plan.training_folder(agent, seed) for agent in agents_of(list(plan.experiments)) for seed in plan.seeds]
     steps = sum(int(read_number(folder / TRAINED_FILE, "steps")) for folder in folders)
     hours = steps / 10 / 3600
     episodes = sum(r.episodes for name in plan.experiments for r in results(plan, name))
@@ -89,18 +89,23 @@ def _summary(plan: ExperimentPlan) -> str:
     return text
 
 
-def table(results: Sequence[Result]) -> tuple[list[str], list[list[str]]]:
-    """Headings and rows of an experiment's table, as texts."""
+class _Table(NamedTuple):
+    headings: list[str]
+    rows: list[list[str]]
+
+
+def _table(results: Sequence[Result]) -> _Table:
+    """An experiment's table, as texts."""
     lines = [line for result in results for line in result.lines]
     diameters = sorted({d for line in lines for d in line.ours}, reverse=True)
     headings = ["agent", "stage", "", *(f"{d:g} mm" for d in diameters)]
     rows = []
     for line in lines:
         ours = [line.ours[d].text if d in line.ours else "-" for d in diameters]
-        rows.append([line.label, PHASE_LABELS[line.phase], "ours", *ours])
+        rows.append([line.label, STAGE_LABELS[line.stage], "ours", *ours])
         if line.thesis:
             rows.append(["", "", f"thesis, table {line.table}", *(_number(line, d) for d in diameters)])
-    return headings, rows
+    return _Table(headings, rows)
 
 
 def _number(line: Line, diameter: float) -> str:
@@ -121,7 +126,7 @@ def _settings(section: Section) -> str:
 def _markdown(sections: Sequence[Section], summary: str) -> str:
     parts = ["# The thesis's experiments", INTRODUCTION, summary]
     for section in sections:
-        headings, rows = table(section.results)
+        headings, rows = _table(section.results)
         lines = [f"| {' | '.join(row)} |" for row in (headings, ["---"] * len(headings), *rows)]
         pictures = [f"![{name.removesuffix('.png')}]({name})" for name in section.pictures]
         parts += [f"## {section.title}", section.question, "\n".join(lines), section.paragraph, *pictures]
@@ -131,10 +136,10 @@ def _markdown(sections: Sequence[Section], summary: str) -> str:
 
 
 def _html(sections: Sequence[Section], summary: str) -> str:
-    """One file that holds its pictures."""
+    """The report as one file that holds its pictures."""
     body = ["<h1>The thesis's experiments</h1>", _p(INTRODUCTION), _p(summary)]
     for section in sections:
-        headings, rows = table(section.results)
+        headings, rows = _table(section.results)
         head = "".join(f"<th>{html.escape(cell)}</th>" for cell in headings)
         cells = ["".join(f"<td>{html.escape(cell)}</td>" for cell in row) for row in rows]
         lines = "".join(f"<tr>{row}</tr>" for row in (head, *cells))

@@ -6,20 +6,22 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
-from pipenav.evaluation.results import DiameterRecord, Evaluation
+from pipenav.evaluation.pipe_results import DiameterRecord
+from pipenav.evaluation.results import Evaluation
 from pipenav.evaluation.thesis import thesis_rows
 from pipenav.experiments.definition import Row, load_experiment
-from pipenav.experiments.runner import ExperimentPlan, evaluations
+from pipenav.experiments.plan import ExperimentPlan, evaluations
 
-Phase = Literal["locate", "reach", "rear", "whole"]
+ShownStage = Literal["locate", "reach", "rear", "whole"]
+"""A stage of a passage, or `whole` for all that were run, together."""
 
-PHASES: dict[str, tuple[Phase, ...]] = {
+SHOWN_STAGES: dict[str, tuple[ShownStage, ...]] = {
     "reach": ("reach",),
     "reach-rear": ("reach", "rear", "whole"),
     "locate": ("locate",),
     "passage": ("locate", "reach", "rear", "whole"),
 }
-"""What each stage has figures of; the rear's are shares of the successful fronts, `whole` is all stages together."""
+"""Stages that an evaluation has figures of, by its own stage; the rear's are shares of the successful fronts."""
 
 
 class Spread(NamedTuple):
@@ -38,51 +40,51 @@ class Spread(NamedTuple):
 
 
 class Line(NamedTuple):
-    """One phase of one row.
+    """A row's figures of one stage.
 
     Attributes:
-        label: of the agent.
+        label: label of the agent.
         table: the thesis's table, or empty.
-        phase: see `PHASES`.
-        ours: by diameter [mm]; without the diameters in which the phase was never tried.
+        stage: the stage, see `SHOWN_STAGES`.
+        ours: success over the seeds by diameter [mm]; without the diameters in which the stage was never tried.
         thesis: success [percent] by diameter [mm]; empty where it has none.
     """
 
     label: str
     table: str
-    phase: Phase
+    stage: ShownStage
     ours: dict[float, Spread]
     thesis: dict[float, float]
 
     @property
     def mean(self) -> float:
-        """Over the diameters [percent]; NaN without any."""
+        """Mean over the diameters [percent]; NaN without any."""
         return sum(spread.mean for spread in self.ours.values()) / len(self.ours) if self.ours else float("nan")
 
 
 class Result(NamedTuple):
-    """What a row came to: its evaluations, one per seed, and its lines."""
+    """Results of a row: its evaluations, one per seed, and its lines."""
 
     row: Row
-    found: list[Evaluation]
+    evaluations: list[Evaluation]
     lines: list[Line]
 
-    def line(self, phase: Phase) -> Line:
-        (line,) = (line for line in self.lines if line.phase == phase)
+    def line(self, stage: ShownStage) -> Line:
+        (line,) = (line for line in self.lines if line.stage == stage)
         return line
 
     @property
     def failures(self) -> Counter[str]:
-        """How many episodes of all seeds ended by each reason."""
+        """Number of episodes of all seeds that ended by each reason."""
         total: Counter[str] = Counter()
-        for evaluation in self.found:
+        for evaluation in self.evaluations:
             for record in evaluation.pipes:
                 total.update(record.failures)
         return total
 
     @property
     def episodes(self) -> int:
-        return sum(evaluation.episodes for evaluation in self.found)
+        return sum(evaluation.episodes for evaluation in self.evaluations)
 
 
 def results(plan: ExperimentPlan, name: str) -> list[Result]:
@@ -91,33 +93,33 @@ def results(plan: ExperimentPlan, name: str) -> list[Result]:
 
 
 def _result(row: Row, found: list[Evaluation]) -> Result:
-    return Result(row, found, [_line(row, phase, found) for phase in PHASES[row.stage]])
+    return Result(row, found, [_line(row, stage, found) for stage in SHOWN_STAGES[row.stage]])
 
 
-def _line(row: Row, phase: Phase, found: Sequence[Evaluation]) -> Line:
+def _line(row: Row, stage: ShownStage, found: Sequence[Evaluation]) -> Line:
     by_diameter: dict[float, list[float]] = {}
     for evaluation in found:
         for record in evaluation.diameters:
-            share = _share(record, evaluation, phase)
+            share = _share(record, evaluation, stage)
             if share is not None:
                 by_diameter.setdefault(record.diameter_mm, []).append(100 * share)
     ours = {d: Spread(sum(v) / len(v), min(v), max(v), len(v)) for d, v in by_diameter.items()}
-    return Line(row.title, row.table or "", phase, ours, _thesis(row, phase))
+    return Line(row.title, row.table or "", stage, ours, _thesis(row, stage))
 
 
-def _share(record: DiameterRecord, evaluation: Evaluation, phase: Phase) -> float | None:
-    if phase == "locate":
+def _share(record: DiameterRecord, evaluation: Evaluation, stage: ShownStage) -> float | None:
+    if stage == "locate":
         return record.located_share
-    if phase == "reach":
+    if stage == "reach":
         return record.reach_success
-    if phase == "rear":
+    if stage == "rear":
         return record.rear_success
     pipes = [pipe for pipe in evaluation.pipes if pipe.diameter_mm == record.diameter_mm]
     return sum(pipe.successes for pipe in pipes) / sum(pipe.episodes for pipe in pipes)
 
 
-def _thesis(row: Row, phase: Phase) -> dict[float, float]:
+def _thesis(row: Row, stage: ShownStage) -> dict[float, float]:
     for known in thesis_rows():
-        if (known.table, known.agent, known.phase) == (row.table, row.label, phase):
+        if (known.table, known.agent, known.stage) == (row.table, row.label, stage):
             return known.percent
     return {}

@@ -1,1 +1,1 @@
-"""PPO on a task: configuration and presets, learner, callback, checkpoint, run folder."""
+"""PPO on a task: configuration and presets, learner, callback, checkpoint, training folder."""

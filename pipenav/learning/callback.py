@@ -1,68 +1,49 @@
-"""Watching a training run: exploration noise, counting, checks, saving, and stopping when something goes wrong."""
+"""The callback of a training: exploration noise, counting, checks, saving, and stopping when something goes wrong."""
 
 from __future__ import annotations
 
-import json
 import math
 import time
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 import torch
 from stable_baselines3.common.callbacks import BaseCallback
 
 from pipenav.backends.simulators import SimulatorSettings
-from pipenav.errors import PipenavError
 from pipenav.evaluation.passage import run_task
-from pipenav.learning import checkpoint
+from pipenav.learning.checkpoint import Checkpoint, save_checkpoint
 from pipenav.learning.config import TrainConfig
+from pipenav.learning.divergence import Seen, TrainingDiverged, write_cause
 from pipenav.learning.figures import write_training_plot
+from pipenav.learning.progress import TrainingProgress
+from pipenav.learning.schedule import noise_at
 from pipenav.learning.training_folder import TrainingFolder
 from pipenav.policies.header import PolicyHeader, header_for
 from pipenav.policies.named import PolicyController
 from pipenav.policies.policy import load_policy, save_policy
 from pipenav.robots.robot import load_robot
-from pipenav.storage.atomic_files import atomic_write
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.registry import task_of
 
-NOISE_SETTLED = 0.9
-"""Share of the steps after which the exploration noise stays at its last value."""
-
 SAVE_EVERY_S = 10.0
-"""What a killed run may lose [s]."""
+"""Time between two savings, which is the most that a killed training loses [s]."""
 
 CHECK_SEED = 1_000_003
-"""Added to the run's seed for checks: not the seed of an evaluation that anybody is likely to type."""
+"""Number added to the training's seed for checks: not the seed of an evaluation that anybody is likely to type."""
 
 
-class Progress(NamedTuple):
-    """What a run reports after each update.
+@dataclass
+class _Counts:
+    """Episodes and steps since the last report."""
 
-    Attributes:
-        steps: control steps so far.
-        steps_per_s: since the last report.
-        success: share of the episodes since the last report that reached their target; NaN without any.
-        min_range: mean over steps of the smallest laser reading [m].
-        check_success: success of the last noise-free check; NaN before the first.
-    """
-
-    steps: int
-    steps_per_s: float
-    success: float
-    min_range: float
-    check_success: float
-
-
-class TrainingDiverged(PipenavError):
-    """A value became infinite or not a number; the state that caused it was saved."""
-
-
-def noise_at(config: TrainConfig, steps: int) -> float:
-    """Standard deviation of exploration after so many control steps."""
-    done = min(steps / (NOISE_SETTLED * config.steps), 1.0)
-    return config.learner.noise_start + (config.learner.noise_stop - config.learner.noise_start) * done
+    episodes: int = 0
+    successes: int = 0
+    episode_steps: int = 0
+    min_range: float = 0.0
+    reward: float = 0.0
+    samples: int = 0
 
 
 class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3 is imported untyped
@@ -72,29 +53,25 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         self,
         config: TrainConfig,
         folder: TrainingFolder,
-        state: checkpoint.State,
-        report: Callable[[Progress], None] | None,
+        checkpoint: Checkpoint,
+        report: Callable[[TrainingProgress], None] | None,
         should_stop: Callable[[], bool],
     ) -> None:
         super().__init__()
         self._config, self._folder = config, folder
         self._report, self._should_stop = report, should_stop
-        self.best_success = state.best_success
+        self.best_success = checkpoint.best_success
         self.stopped = False
         self._check_success = math.nan
-        self._earlier_seconds = state.seconds
+        self._earlier_seconds = checkpoint.seconds
         self._started = self._last_time = time.monotonic()
-        self._last_steps = state.steps
-        self._next_check = state.steps + config.check.every
-        self._clear_counts()
+        self._last_steps = checkpoint.steps
+        self._next_check = checkpoint.steps + config.check.every
+        self._counts = _Counts()
 
     @property
     def seconds(self) -> float:
         return self._earlier_seconds + time.monotonic() - self._started
-
-    def _clear_counts(self) -> None:
-        self._episodes = self._successes = self._episode_steps = 0
-        self._min_range, self._reward, self._samples = 0.0, 0.0, 0
 
     def _on_rollout_start(self) -> None:
         self.model.policy.log_std.data.fill_(math.log(noise_at(self._config, self.num_timesteps)))
@@ -102,18 +79,18 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
             self._after_update()
 
     def _on_step(self) -> bool:
-        env = self.training_env
+        env, counts = self.training_env, self._counts
         rewards, observations = self.locals["rewards"], self.locals["new_obs"]
         if not (np.isfinite(observations).all() and np.isfinite(rewards).all()):
-            self._diverge(observations, rewards)
-        self._min_range += float(env.min_range.sum())
-        self._reward += float(rewards.sum())
-        self._samples += len(rewards)
+            self._diverge()
+        counts.min_range += float(env.min_range.sum())
+        counts.reward += float(rewards.sum())
+        counts.samples += len(rewards)
         for info in self.locals["infos"]:
             if info:
-                self._episodes += 1
-                self._successes += info["outcome"] == Outcome.REACHED.label
-                self._episode_steps += info["episode"]["l"]
+                counts.episodes += 1
+                counts.successes += info["outcome"] == Outcome.REACHED.label
+                counts.episode_steps += info["episode"]["l"]
         self.stopped = self.stopped or self._should_stop()
         return not self.stopped
 
@@ -130,7 +107,7 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
             self.save()
 
     def _on_training_start(self) -> None:
-        self.save()  # from here on there is a run to resume, whatever happens
+        self.save()  # from here on there is a training to resume, whatever happens
 
     def finish(self) -> None:
         self._require_finite_weights()
@@ -141,43 +118,44 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         write_training_plot(self._folder.plot, self._folder.progress)
 
     def _report_progress(self) -> None:
-        now = time.monotonic()
-        steps = self.num_timesteps
+        now, steps, counts = time.monotonic(), self.num_timesteps, self._counts
         if steps == self._last_steps:
             return
-        episodes = self._episodes
-        row = Progress(
+        progress = TrainingProgress(
             steps=steps,
             steps_per_s=(steps - self._last_steps) / max(now - self._last_time, 1e-9),
-            success=self._successes / episodes if episodes else math.nan,
-            min_range=self._min_range / max(self._samples, 1),
+            success=counts.successes / counts.episodes if counts.episodes else math.nan,
+            min_range=counts.min_range / max(counts.samples, 1),
             check_success=self._check_success,
         )
+        self._add_row(progress)
+        self._last_time, self._last_steps = now, steps
+        self._counts = _Counts()
+        if self._report is not None:
+            self._report(progress)
+
+    def _add_row(self, progress: TrainingProgress) -> None:
+        """Add the row of progress.csv that belongs to a report."""
+        counts = self._counts
         self._folder.add_progress(
             {
-                "steps": steps,
+                "steps": progress.steps,
                 "seconds": f"{self.seconds:.2f}",
-                "steps_per_s": f"{row.steps_per_s:.0f}",
-                "success": f"{row.success:.4f}" if episodes else "",
-                "clearance_m": f"{row.min_range:.5f}",
-                "reward": f"{self._reward / max(self._samples, 1):.4f}",
-                "episode_steps": f"{self._episode_steps / episodes:.2f}" if episodes else "",
+                "steps_per_s": f"{progress.steps_per_s:.0f}",
+                "success": f"{progress.success:.4f}" if counts.episodes else "",
+                "min_range_m": f"{progress.min_range:.5f}",
+                "reward": f"{counts.reward / max(counts.samples, 1):.4f}",
+                "episode_steps": f"{counts.episode_steps / counts.episodes:.2f}" if counts.episodes else "",
                 "std": f"{float(self.model.policy.log_std.exp()[0]):.3f}",
                 "check_success": "" if math.isnan(self._check_success) else f"{self._check_success:.4f}",
             }
         )
-        self._last_time, self._last_steps = now, steps
-        self._clear_counts()
-        if self._report is not None:
-            self._report(row)
 
     def save(self) -> None:
-        """Write last.zip, what `--resume` needs, and progress.csv."""
+        """Write last.zip, the checkpoint that `--resume` needs, and progress.csv."""
         folder, model = self._folder, self.model
         save_policy(folder.last, model, self._header())
-        checkpoint.save_state(
-            folder.resume, model, checkpoint.State(model.num_timesteps, self.seconds, self.best_success)
-        )
+        save_checkpoint(folder.checkpoint, model, Checkpoint(model.num_timesteps, self.seconds, self.best_success))
         folder.write_progress()
         self._last_saved = time.monotonic()
 
@@ -191,16 +169,13 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
 
     def _measure(self) -> float:
         """Success of the noise-free policy on episodes spread evenly over the training pipes."""
-        check = self._config.check
-        pipes = task_of(self._config.task).parse_training_pipes(self._config.pipes)
+        config, check = self._config, self._config.check
+        pipes = task_of(config.task).parse_training_pipes(config.pipes)
         chosen = [pipes[i] for i in np.linspace(0, len(pipes) - 1, min(check.episodes, len(pipes))).astype(int)]
         each = math.ceil(check.episodes / len(chosen))
-        seed = self._config.seed + CHECK_SEED
         controller = PolicyController(load_policy(self._folder.last))
-        config = self._config
-        results = run_task(
-            controller, chosen, each, seed, SimulatorSettings(config.backend, config.options), config.randomise
-        )
+        simulator = SimulatorSettings(config.backend, config.options)
+        results = run_task(controller, chosen, each, config.seed + CHECK_SEED, simulator, config.randomise)
         return float((results.outcome == Outcome.REACHED).mean())
 
     def _header(self) -> PolicyHeader:
@@ -216,32 +191,11 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
     def _require_finite_weights(self) -> None:
         flat = torch.nn.utils.parameters_to_vector(self.model.policy.parameters())
         if not bool(torch.isfinite(flat).all()):
-            self._diverge(self.locals["new_obs"], self.locals["rewards"])
+            self._diverge()
 
-    def _diverge(self, observations: np.ndarray, rewards: np.ndarray) -> None:
-        """Save what was seen and stop."""
-        bad = ~(np.isfinite(observations).all(axis=1) & np.isfinite(rewards))
-        env = self.training_env
-        robots = np.flatnonzero(bad) if bad.any() else np.arange(len(rewards))
-        cause = {
-            "steps": self.num_timesteps,
-            "robots": robots.tolist(),
-            "pipes": [pipe.name if (pipe := env.batch.pipes[i]) else "" for i in robots],
-            "observations": _printable(observations[robots]),
-            "rewards": _printable(rewards[robots]),
-            "observations_before": _printable(np.asarray(self.model._last_obs)[robots]),
-            "actions": _printable(np.asarray(self.locals["actions"])[robots]),
-        }
-        atomic_write(self._folder.diverged, json.dumps(cause, indent=1) + "\n")
-        raise TrainingDiverged(
-            f"training stopped after {self.num_timesteps} steps at a value that is not finite: the state that caused "
-            f"it is in {self._folder.diverged}, the last sound policy in {self._folder.last} if there is one."
-        )
-
-
-def _printable(values: np.ndarray) -> list[Any]:
-    """Nested lists in which non-finite numbers are strings, since JSON has none."""
-    return [
-        _printable(value) if isinstance(value, np.ndarray) else float(value) if math.isfinite(value) else str(value)
-        for value in values
-    ]
+    def _diverge(self) -> None:
+        """Save the last control step and stop."""
+        before, actions = np.asarray(self.model._last_obs), np.asarray(self.locals["actions"])
+        seen = Seen(before, actions, self.locals["new_obs"], self.locals["rewards"])
+        write_cause(self._folder, self.num_timesteps, seen, self.training_env.batch.pipes)
+        raise TrainingDiverged(self.num_timesteps, self._folder)

@@ -1,4 +1,9 @@
-"""What a training run is made of: a preset, overlaid with a file, with `--set` and with options."""
+"""The configuration of a training: a preset, overlaid with a file, with `--set` and with options.
+
+A preset may begin with `extends = "NAME"`: it then says only what differs from the preset of that name, which must not
+extend another one itself. An empty table in it, such as `options = {}`, leaves nothing of the table below. A file for
+`--config` may begin with the same key, instead of naming the preset by `--preset`.
+"""
 
 from __future__ import annotations
 
@@ -20,6 +25,8 @@ from pipenav.tasks.registry import TaskConfig
 
 DEFAULT_PRESET = "arm"
 
+EXTENDS = "extends"
+"""Key by which a preset or a file names the preset that it differs from."""
 
 _Widths = tuple[Annotated[int, Field(ge=1, le=4096)], ...]
 
@@ -38,7 +45,7 @@ class LearnerConfig(Table):
     rollout_steps: int = Field(16, ge=2, description="control steps of each robot between two updates")
     batch_size: int = Field(512, ge=2, description="samples of a gradient step")
     epochs: int = Field(8, ge=1, description="passes over a rollout")
-    learning_rate: float = Field(1e-3, gt=0, description="at the start; falls linearly to a twentieth")
+    learning_rate: float = Field(1e-3, gt=0, description="learning rate at the start; falls linearly to a twentieth")
     gamma: float = Field(0.98, gt=0, le=1, description="discount per control step")
     gae_lambda: float = Field(0.95, ge=0, le=1, description="lambda of the advantage estimate")
     clip: float = Field(0.2, gt=0, description="clip range of the probability ratio")
@@ -46,8 +53,8 @@ class LearnerConfig(Table):
     noise_stop: float = Field(
         0.1,
         gt=0,
-        description="and from nine tenths of the steps on: the noise falls linearly, so that the policy ends up "
-        "precise by itself instead of leaning on its own noise",
+        description="standard deviation from nine tenths of the steps on: the noise falls linearly, so that the policy "
+        "ends up precise by itself instead of leaning on its own noise",
     )
 
     @model_validator(mode="after")
@@ -67,7 +74,7 @@ class CheckConfig(Table):
 
 
 class TrainConfig(Table):
-    """Everything that decides what a training run computes."""
+    """Everything that decides what a training computes."""
 
     description: str = Field(description="one line for `pipenav presets`")
     robot: str = "basic"
@@ -89,7 +96,7 @@ def preset_names() -> list[str]:
 
 
 def load_config(
-    preset: str = DEFAULT_PRESET,
+    preset: str | None = None,
     file: Path | None = None,
     settings: Sequence[str] = (),
     options: Mapping[str, Any] | None = None,
@@ -97,7 +104,7 @@ def load_config(
     """A preset, overlaid in this order by a TOML file, by `key=value` settings and by options.
 
     Args:
-        preset: name of a shipped preset.
+        preset: name of a shipped preset; None: what the file extends, or the default.
         file: TOML with any part of a TrainConfig.
         settings: `learner.epochs=4` and the like, values as in TOML.
         options: dotted keys to values; None means not given.
@@ -107,12 +114,11 @@ def load_config(
         ConfigError: a value that does not fit.
         FileProblem: a file that cannot be read.
     """
-    if preset not in preset_names():
-        raise UnknownName("preset", preset, preset_names())
-    table = read_toml(shipped.presets_dir() / f"{preset}.toml")
+    preset = preset_below(preset, file)
+    table = _preset_table(preset)
     where = f"preset {preset}"
     if file is not None:
-        table = _overlay(table, read_toml(file))
+        table = _overlay(table, {key: value for key, value in read_toml(file).items() if key != EXTENDS})
         where = str(file)
     for text in settings:
         key, equals, value = text.partition("=")
@@ -124,6 +130,52 @@ def load_config(
         if value is not None:
             table = _overlay(table, _nested(key, value))
     return validate_config(table, where)
+
+
+def preset_below(preset: str | None, file: Path | None) -> str:
+    """Name of the preset that everything else is laid over: the one given, what the file extends, or the default.
+
+    Raises:
+        UnknownName: no such preset.
+        ConfigError: the file extends another preset than the one given, or none that there is.
+        FileProblem: the file cannot be read.
+    """
+    extended = None if file is None else _extended_name(read_toml(file), str(file))
+    if preset is not None and extended not in (None, preset):
+        raise ConfigError(f"{file} extends preset {extended!r}, given {preset!r}: leave out --preset.")
+    name = preset or extended or DEFAULT_PRESET
+    if name not in preset_names():
+        raise UnknownName("preset", name, preset_names())
+    return name
+
+
+def _extended_name(table: Mapping[str, Any], where: str) -> str | None:
+    """Name of the preset that a table extends, if it extends any."""
+    name = table.get(EXTENDS)
+    if name is None:
+        return None
+    if not isinstance(name, str):
+        raise ConfigError(f"{where}: extends: input should be the name of a preset, given {name!r}.")
+    if name not in preset_names():
+        raise ConfigError(f"{where}: extends: {UnknownName('preset', name, preset_names())}")
+    return name
+
+
+def _preset_table(name: str) -> dict[str, Any]:
+    """A shipped preset, with what it extends below it."""
+    where, table = f"preset {name}", _read_preset(name)
+    extended = _extended_name(table, where)
+    if extended is None:
+        return table
+    below = _read_preset(extended)
+    if EXTENDS in below:
+        raise ConfigError(f"{where}: extends: preset {extended!r} extends {below[EXTENDS]!r} itself: extend that one.")
+    kept = {key: value for key, value in below.items() if table.get(key) != {}}
+    return _overlay(kept, {key: value for key, value in table.items() if key != EXTENDS})
+
+
+def _read_preset(name: str) -> dict[str, Any]:
+    return read_toml(shipped.presets_dir() / f"{name}.toml")
 
 
 def validate_config(table: Mapping[str, Any], where: str) -> TrainConfig:

@@ -1,92 +1,74 @@
-"""The picture of a training: success and clearance over its control steps."""
+"""The picture of a training: success and least laser reading over its control steps."""
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any
 
 from pipenav.drawing.style import INK, MAIN, SECOND, THIRD, heading, plain, png
 from pipenav.errors import FileProblem
+from pipenav.learning.progress import progress_columns
 from pipenav.storage.atomic_files import atomic_write
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
-def progress_columns(text: str) -> dict[str, list[float]]:
-    """The columns of a progress.csv; NaN where a cell is empty or no number. Broken rows are left out."""
-    reader = csv.DictReader(io.StringIO(text))
-    rows = [row for row in reader if None not in row.values() and not math.isnan(_number(row.get("steps")))]
-    return {name: [_number(row.get(name)) for row in rows] for name in reader.fieldnames or []}
-
-
-def _number(cell: str | None) -> float:
-    try:
-        value = float(cell or "nan")
-    except ValueError:
-        return math.nan
-    return value if math.isfinite(value) else math.nan
-
-
-def training_figure(columns: dict[str, list[float]], run: str) -> Figure:
-    """Success (top) and clearance (bottom) over the control steps of one run.
+def training_figure(columns: dict[str, list[float]], name: str) -> Figure:
+    """Success (top) and least laser reading (bottom) over the control steps of one training.
 
     Args:
-        columns: those of progress.csv, as far as there are any.
-        run: the run's name.
+        columns: columns of progress.csv, as far as there are any.
+        name: name of the training.
     """
     from matplotlib.figure import Figure
 
     figure = Figure((9.0, 6.0), facecolor="white", layout="constrained")
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=[3, 2])
-    _curve(top, columns, "success", MAIN, "training episodes, with exploration noise", 100)
-    for name in ("check_success", "eval_success"):
-        _curve(top, columns, name, SECOND, "check, without noise", 100, drawstyle="steps-post")
-    _curve(bottom, columns, "clearance_m", THIRD, "", 1000)
+    steps, seconds = columns.get("steps", []), columns.get("seconds", [])
+    success, checks, ranges = (columns.get(key, []) for key in ("success", "check_success", "min_range_m"))
+    _curve(top, steps, _scaled(success, 100), color=MAIN, label="training episodes, with exploration noise")
+    _curve(top, steps, _scaled(checks, 100), color=SECOND, label="check, without noise", drawstyle="steps-post")
+    _curve(bottom, steps, _scaled(ranges, 1000), color=THIRD)
     top.set(ylim=(-2, 103), ylabel="success [%]")
     bottom.set_ylim(bottom=0)
-    bottom.set(ylabel="mean clearance\nat the tip [mm]", xlabel="control steps")
+    bottom.set(ylabel="mean of the least\nlaser reading [mm]", xlabel="control steps")
     bottom.xaxis.set_major_formatter("{x:,.0f}")
     for axes in (top, bottom):
         plain(axes)
     if top.get_legend_handles_labels()[0]:
         top.legend(loc="lower right", fontsize=9, frameon=True, framealpha=0.9, edgecolor="none", labelcolor=INK)
-    steps, seconds = columns.get("steps", []), columns.get("seconds", [])
     took = f", {seconds[-1]:,.0f} s" if seconds and not math.isnan(seconds[-1]) else ""
     heading(
         top,
-        f"Training of {run}" if run else "Training",
+        f"Training of {name}" if name else "Training",
         f"{steps[-1]:,.0f} control steps{took}" if steps else "no steps yet",
     )
     return figure
 
 
-def _curve(
-    axes: Axes,
-    columns: dict[str, list[float]],
-    name: str,
-    colour: str,
-    label: str,
-    scale: float,
-    drawstyle: Literal["default", "steps-post"] = "default",
-) -> None:
-    steps = columns.get("steps", [])
-    points = [(x, scale * y) for x, y in zip(steps, columns.get(name, []), strict=False) if not math.isnan(y)]
+def _scaled(values: Sequence[float], factor: float) -> list[float]:
+    return [factor * value for value in values]
+
+
+def _curve(axes: Axes, steps: Sequence[float], values: Sequence[float], **style: Any) -> None:
+    """Draw a line over the control steps; NaN is left out."""
+    points = [(x, y) for x, y in zip(steps, values, strict=False) if not math.isnan(y)]
     if points:
         marker = "o" if len(points) < 3 else ""  # a line needs points; one or two need a mark to be seen
-        axes.plot(*zip(*points, strict=True), color=colour, label=label, lw=1.8, marker=marker, drawstyle=drawstyle)
+        axes.plot(*zip(*points, strict=True), lw=1.8, marker=marker, **style)
 
 
 def write_training_plot(path: Path, progress_csv: Path) -> None:
-    """Draw success and clearance over the steps of a run.
+    """Draw success and least laser reading over the steps of a training.
 
     Args:
         path: the PNG file.
-        progress_csv: the run's progress.csv; empty cells and a broken last line are skipped.
+        progress_csv: the training's progress.csv; empty cells and a broken last line are skipped.
 
     Raises:
         FileProblem: the one cannot be read or the other not be written.
@@ -95,6 +77,5 @@ def write_training_plot(path: Path, progress_csv: Path) -> None:
         text = progress_csv.read_text(encoding="utf-8", errors="replace")
     except OSError as error:
         raise FileProblem(progress_csv, "read", error) from error
-    columns = progress_columns(text)
-    figure = training_figure(columns, progress_csv.resolve().parent.name)
+    figure = training_figure(progress_columns(text), progress_csv.resolve().parent.name)
     atomic_write(path, png(figure))

@@ -1,4 +1,4 @@
-"""Training: Stable-Baselines3's PPO on a batched task, with a run folder that survives anything."""
+"""Training: Stable-Baselines3's PPO on a batched task, with a training folder that survives anything."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ from stable_baselines3.common.logger import configure
 from pipenav.backends.simulators import open_simulator
 from pipenav.disturbances.disturbed_backend import disturbed
 from pipenav.envs.sb3_env import TaskVecEnv
-from pipenav.learning import checkpoint
-from pipenav.learning.callback import Progress, TrainingCallback
+from pipenav.learning.callback import TrainingCallback
+from pipenav.learning.checkpoint import Checkpoint, load_checkpoint, load_weights
 from pipenav.learning.config import TrainConfig
+from pipenav.learning.progress import TrainingProgress
 from pipenav.learning.schedule import LearningRate
 from pipenav.learning.training_folder import TrainingFolder
 from pipenav.robots.robot import load_robot
@@ -24,11 +25,18 @@ from pipenav.tasks.registry import task_of
 from pipenav.tasks.sampling import random_episodes
 
 EPISODE_STOCK = 512
-"""How many episodes are drawn at a time."""
+"""Episodes that are drawn at a time."""
 
 
 class TrainingSummary(NamedTuple):
-    """How a run ended."""
+    """End of a training.
+
+    Attributes:
+        steps: control steps, of all robots together.
+        seconds: seconds of training, without the pauses between resumptions.
+        stopped: whether it was asked to stop before its last step.
+        check_success: success of the best check.
+    """
 
     steps: int
     seconds: float
@@ -40,51 +48,53 @@ def train(
     config: TrainConfig,
     folder: TrainingFolder,
     resumed: bool = False,
-    report: Callable[[Progress], None] | None = None,
+    report: Callable[[TrainingProgress], None] | None = None,
     should_stop: Callable[[], bool] = lambda: False,
     start: Path | None = None,
 ) -> TrainingSummary:
     """Run PPO to `config.steps`, or until `should_stop`; then the folder holds best.zip, last.zip and the rest.
 
     Args:
-        config: what to compute.
-        folder: of this run.
-        resumed: go on with what the folder holds.
-        report: told of each update.
+        config: configuration of the training.
+        folder: folder of this training.
+        resumed: go on from the folder's checkpoint.
+        report: called after each update.
         should_stop: asked at every step.
-        start: folder of another run, whose weights a new one starts from.
+        start: folder of another training, from whose weights this one starts.
 
     Raises:
         TrainingDiverged: a non-finite value; best.zip and last.zip stay those of the last sound update.
         PipenavError: anything a user can mend.
     """
     torch.set_num_threads(1)  # physics has the cores; torch on one thread is 1.3 times faster for nets this small
-    robot = load_robot(config.robot)
-    task = task_of(config.task)
-    sets = [task.parse_training_pipes([name]) for name in config.pipes]
-    n = config.learner.robots
-    segments = max(len(pipe.segments) for pipes in sets for pipe in pipes)
     rng = np.random.default_rng(config.seed)
+    env = _environment(config, rng)
+    try:
+        model = new_model(config, env)
+        checkpoint = load_checkpoint(folder.checkpoint, model) if resumed else Checkpoint()
+        if start is not None:
+            load_weights(TrainingFolder.open(start).folder.checkpoint, model)
+        if resumed:  # other episodes than those that the training has had already
+            rng.bit_generator.state = np.random.default_rng([config.seed, checkpoint.steps]).bit_generator.state
+        model.set_logger(configure(str(folder.path), ["tensorboard"]))
+        callback = TrainingCallback(config, folder, checkpoint, report, should_stop)
+        env.batch.stagger(rng)
+        model.learn(max(config.steps - checkpoint.steps, 0), callback=callback, reset_num_timesteps=False)
+        callback.finish()
+        return TrainingSummary(model.num_timesteps, callback.seconds, callback.stopped, callback.best_success)
+    finally:
+        env.close()
+
+
+def _environment(config: TrainConfig, rng: np.random.Generator) -> TaskVecEnv:
+    """The robots that a training steps together, in episodes that `rng` draws."""
+    robot, task, n = load_robot(config.robot), task_of(config.task), config.learner.robots
+    sets = [task.parse_training_pipes([name]) for name in config.pipes]
+    segments = max(len(pipe.segments) for pipes in sets for pipe in pipes)
     simulator = open_simulator(config.backend, robot, n, config.options, segments)
     backend = disturbed(simulator, robot, n, config.randomise, config.seed)
     starting = task_of(config.randomise.starts(config.task))
-    batch = task.batch(robot, backend, n, random_episodes(starting, robot, sets, rng, EPISODE_STOCK))
-    env = TaskVecEnv(batch)
-    try:
-        model = new_model(config, env)
-        state = checkpoint.load_state(folder.resume, model) if resumed else checkpoint.State(0, 0.0, -1.0)
-        if start is not None:
-            checkpoint.load_weights(TrainingFolder.open(start)[0].resume, model)
-        if resumed:  # other episodes than those that the run has had already
-            rng.bit_generator.state = np.random.default_rng([config.seed, state.steps]).bit_generator.state
-        model.set_logger(configure(str(folder.path), ["tensorboard"]))
-        watch = TrainingCallback(config, folder, state, report, should_stop)
-        batch.stagger(rng)
-        model.learn(max(config.steps - state.steps, 0), callback=watch, reset_num_timesteps=False)
-        watch.finish()
-        return TrainingSummary(model.num_timesteps, watch.seconds, watch.stopped, watch.best_success)
-    finally:
-        env.close()
+    return TaskVecEnv(task.batch(robot, backend, n, random_episodes(starting, robot, sets, rng, EPISODE_STOCK)))
 
 
 def new_model(config: TrainConfig, env: TaskVecEnv) -> PPO:

@@ -1,4 +1,4 @@
-"""The folder of a training run: every file appears whole or not at all."""
+"""The folder of a training: every file appears whole or not at all."""
 
 from __future__ import annotations
 
@@ -6,68 +6,63 @@ import csv
 import io
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from pipenav.errors import PipenavError
 from pipenav.learning.config import TrainConfig, validate_config
+from pipenav.learning.progress import PROGRESS_COLUMNS, progress_rows
 from pipenav.storage.atomic_files import atomic_write, prepare_folder
-
-PROGRESS_COLUMNS = (
-    "steps",
-    "seconds",
-    "steps_per_s",
-    "success",
-    "clearance_m",
-    "reward",
-    "episode_steps",
-    "std",
-    "check_success",
-)
 
 
 class TrainingFolder:
-    """Names and writing of a run's files."""
+    """Names and writing of a training's files."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self.best, self.last = path / "best.zip", path / "last.zip"
         self.config, self.command = path / "config.json", path / "command.txt"
         self.progress, self.plot = path / "progress.csv", path / "training.png"
-        self.resume, self.diverged = path / "resume.safetensors", path / "diverged.json"
+        self.checkpoint, self.diverged = path / "resume.safetensors", path / "diverged.json"
         self._rows: list[dict[str, Any]] = []
 
     @classmethod
     def create(cls, path: Path, config: TrainConfig, command: str) -> TrainingFolder:
-        """A new run; refuses a folder that already holds one, but not what a run left that never came to save."""
+        """The folder of a new training.
+
+        A folder that already holds one is refused, but not what a training left that never came to save.
+        """
         folder = cls(path)
-        if folder.resume.exists():
+        if folder.checkpoint.exists():
             raise PipenavError(
-                f"{path} already holds a run: go on with it by --resume {path}, or choose another --out."
+                f"{path} already holds a training: go on with it by --resume {path}, or choose another --out."
             )
         if any(file.exists() for file in (folder.best, folder.last, folder.diverged)):
-            raise PipenavError(f"{path} already holds a run: choose another --out.")
+            raise PipenavError(f"{path} already holds a training: choose another --out.")
         prepare_folder(path)
         folder.write_config(config)
         atomic_write(folder.command, command + "\n")
         return folder
 
     @classmethod
-    def open(cls, path: Path) -> tuple[TrainingFolder, TrainConfig]:
-        """A run to resume, with its configuration."""
+    def open(cls, path: Path) -> OpenedTraining:
+        """A training that has been saved, with its configuration.
+
+        Raises:
+            PipenavError: the folder holds no training, or files of it are damaged.
+        """
         folder = cls(path)
-        if not folder.config.is_file() or not folder.resume.is_file():
-            raise PipenavError(f"{path} holds no run: it needs config.json and resume.safetensors.")
+        if not folder.config.is_file() or not folder.checkpoint.is_file():
+            raise PipenavError(f"{path} holds no training: it needs config.json and resume.safetensors.")
         try:
             table = json.loads(folder.config.read_text(encoding="utf-8"))
         except (OSError, ValueError) as error:
             raise PipenavError(f"{folder.config} cannot be read: {error}.") from error
         if folder.progress.is_file():
             try:
-                with folder.progress.open(encoding="utf-8", newline="") as file:
-                    folder._rows = list(csv.DictReader(file))
+                folder._rows = list(progress_rows(folder.progress.read_text(encoding="utf-8")))
             except (OSError, ValueError, csv.Error) as error:
                 raise PipenavError(f"{folder.progress} cannot be read: {error}.") from error
-        return folder, validate_config(table, str(folder.config))
+        return OpenedTraining(folder, validate_config(table, str(folder.config)))
 
     def write_config(self, config: TrainConfig) -> None:
         atomic_write(self.config, json.dumps(config.model_dump(mode="json"), indent=2) + "\n")
@@ -84,8 +79,15 @@ class TrainingFolder:
         atomic_write(self.progress, text.getvalue())
 
 
+class OpenedTraining(NamedTuple):
+    """A training that has been saved: its folder and its configuration."""
+
+    folder: TrainingFolder
+    config: TrainConfig
+
+
 def default_training_path(preset: str, root: Path = Path("runs")) -> Path:
-    """`runs/<preset>`, or with a number behind it where that is taken."""
+    """`runs/<preset>`, or the same with a number behind it where that is taken."""
     path, number = root / preset, 1
     while path.exists():
         number += 1

@@ -1,1 +1,1 @@
-"""One episode of one robot, recorded and shown: picture, film, live window."""
+"""Episodes of a single robot, recorded and shown: picture, film, live window."""

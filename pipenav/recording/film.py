@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-import contextlib
-import errno
 import io
-import itertools
-import shutil
-import subprocess
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.drawing.dimensions import INK
 from pipenav.drawing.scene import Scene, draw_force_key, draw_scene, legend_handles
 from pipenav.errors import PipenavError
 from pipenav.motions.trajectory import Trajectory
+from pipenav.recording.film_files import Frames, check_suffix, write_frames
 from pipenav.robots import kinematics, laser
 from pipenav.robots.outline import link_outlines
 from pipenav.storage.atomic_files import atomic_write
@@ -30,8 +24,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Progress = Callable[[int, int], None]
-
-SUFFIXES = (".png", ".gif", ".mp4")
 
 PANELS = 8
 """Most frames of one motion in a strip: two rows of four still show the robot's links clearly."""
@@ -51,14 +43,11 @@ FRAME_IN = 8.0
 
 DPI = 100
 
-HOLD = 12
-"""How many control periods the last frame of each motion stays, to be read."""
-
 MARGIN = 0.06
 """Room around all that moves, as a share of its width."""
 
 KEY_ROOM = 0.06
-"""Room below it for the force's scale, as a share of the picture's width."""
+"""Room below all that moves for the force's scale, as a share of the picture's width."""
 
 SUCCEEDED, FAILED = "#007a5a", "#b04a00"
 """Colours behind an outcome's word."""
@@ -79,11 +68,11 @@ class Box(NamedTuple):
 
 
 def write_film(path: Path, trajectories: Sequence[Trajectory], progress: Progress | None = None) -> None:
-    """Draw motions one after another into a file whose suffix says what it shall be: .png, .gif or .mp4.
+    """Draw motions one after another into a file of the kind that its suffix names: .png, .gif or .mp4.
 
     Args:
         path: the file.
-        trajectories: at least one.
+        trajectories: the motions, at least one.
         progress: called with (frames drawn, frames in all).
 
     Raises:
@@ -91,42 +80,16 @@ def write_film(path: Path, trajectories: Sequence[Trajectory], progress: Progres
         FileProblem: the file cannot be written.
     """
     check_suffix(path)
-    told = progress or (lambda _done, _total: None)
+    report_progress = progress or (lambda _done, _total: None)
     if path.suffix.lower() == ".png":
-        atomic_write(path, _strip(trajectories, told))
+        atomic_write(path, _strip(trajectories, report_progress))
     else:
-        write_frames(path, _frames(trajectories, told), set(np.cumsum([len(one.q) for one in trajectories]) - 1))
-
-
-def write_frames(path: Path, frames: Iterator[NDArray[np.uint8]], ends: set[int]) -> None:
-    """Write a film, a frame in a control period.
-
-    Args:
-        path: the file, .gif or .mp4.
-        frames: (height, width, 3) each, all of one size with even sides.
-        ends: the frames that stay for a while.
-
-    Raises:
-        PipenavError: MP4 without ffmpeg.
-        FileProblem: the file cannot be written.
-    """
-    if path.suffix.lower() == ".gif":
-        atomic_write(path, _gif(frames, ends))
-    else:
-        encoder = _ffmpeg()
-        atomic_write(path, lambda draft: _mp4(draft, encoder, frames, ends))
-
-
-def check_suffix(path: Path, known: Sequence[str] = SUFFIXES) -> None:
-    """Refuse a name whose suffix is none of the known ones, and MP4 where ffmpeg is missing."""
-    if path.suffix.lower() not in known:
-        raise PipenavError(f"{path}: its suffix must say what it shall be: {', '.join(known)}.")
-    if path.suffix.lower() == ".mp4":
-        _ffmpeg()
+        ends = set(np.cumsum([len(motion.q) for motion in trajectories]) - 1)
+        write_frames(path, _frames(trajectories, report_progress), ends)
 
 
 def box_of(trajectory: Trajectory) -> Box:
-    """What a picture of the motion must show: the robot in every pose, the target, and the pipe's walls around them."""
+    """Box that a picture of the motion must show: the robot in every pose, the target, the pipe's walls around them."""
     header, pipe = trajectory.header, trajectory.header.pipe
     polygons = [polygon for link in link_outlines(trajectory.robot, trajectory.q) for polygon in link]
     points = np.concatenate([polygon.reshape(-1, 2) for polygon in polygons]) + np.array([header.base_m, 0.0])
@@ -140,68 +103,68 @@ def box_of(trajectory: Trajectory) -> Box:
     return Box(float(low[0]), float(high[0]), float(low[1] - KEY_ROOM * (high[0] - low[0])), float(high[1]))
 
 
-def _strip(trajectories: Sequence[Trajectory], told: Progress) -> bytes:
-    """A few frames of each motion, evenly in time, as one PNG picture."""
+def _strip(trajectories: Sequence[Trajectory], report_progress: Progress) -> bytes:
+    """PNG picture of a few frames of each motion, evenly in time."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    rows = [np.unique(np.linspace(0, len(one.q) - 1, PANELS).round().astype(int)) for one in trajectories]
+    rows = [np.unique(np.linspace(0, len(motion.q) - 1, PANELS).round().astype(int)) for motion in trajectories]
     lines = [-(-len(chosen) // COLUMNS) for chosen in rows]
     if sum(lines) > MAX_ROWS:
         raise PipenavError(
             f"{len(trajectories)} motions are too many for one strip: name fewer pipes, or give --out a name ending in "
             ".gif or .mp4."
         )
-    boxes = [box_of(one) for one in trajectories]
+    boxes = [box_of(motion) for motion in trajectories]
     heads, foot = 0.45, 0.45  # inches above each motion, and below all
     heights = [count * (PANEL_IN * box.aspect + TEXT_IN) + heads for count, box in zip(lines, boxes, strict=True)]
     figure = Figure(figsize=(COLUMNS * PANEL_IN, sum(heights) + foot), dpi=DPI, facecolor="white")
     FigureCanvasAgg(figure)
     grids: Any = figure.subfigures(len(trajectories) + 1, 1, height_ratios=[*heights, foot], squeeze=False)[:, 0]
     drawn, total = 0, sum(map(len, rows))
-    for one, chosen, box, height, grid in zip(trajectories, rows, boxes, heights, grids[:-1], strict=True):
-        _title(grid, one, 1 - 0.24 / height)
+    for motion, chosen, box, height, grid in zip(trajectories, rows, boxes, heights, grids[:-1], strict=True):
+        _title(grid, motion, 1 - 0.24 / height)
         panels = grid.subplots(-(-len(chosen) // COLUMNS), COLUMNS, squeeze=False)
         grid.subplots_adjust(left=0.005, right=0.995, bottom=0.0, top=1 - (heads + TEXT_IN) / height, wspace=0.03)
         grid.subplots_adjust(hspace=TEXT_IN / (PANEL_IN * box.aspect))
         for axes in panels.flat[len(chosen) :]:
             axes.set_axis_off()
         for axes, row in zip(panels.flat, chosen, strict=False):
-            _frame(axes, one, int(row), box, size=8.5)
-            told(drawn := drawn + 1, total)
+            _frame(axes, motion, int(row), box, size=8.5)
+            report_progress(drawn := drawn + 1, total)
     _legend(grids[-1])
     picture = io.BytesIO()
     figure.savefig(picture, format="png", dpi=DPI)
     return picture.getvalue()
 
 
-def _frames(trajectories: Sequence[Trajectory], told: Progress) -> Iterator[NDArray[np.uint8]]:
-    """Every control step of every motion, all of one size with even sides, as films need it: (height, width, 3)."""
+def _frames(trajectories: Sequence[Trajectory], report_progress: Progress) -> Frames:
+    """Frames of every control step of every motion."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    boxes = [box_of(one) for one in trajectories]
+    boxes = [box_of(motion) for motion in trajectories]
     head, foot = 0.5, 0.45
     height = max(FRAME_IN * box.aspect for box in boxes) + head + TEXT_IN + foot
     height = 2 * round(height * DPI / 2) / DPI
-    total, drawn = sum(len(one.q) for one in trajectories), 0
-    for one, box in zip(trajectories, boxes, strict=True):
-        for row in range(len(one.q)):
+    total, drawn = sum(len(motion.q) for motion in trajectories), 0
+    for motion, box in zip(trajectories, boxes, strict=True):
+        for row in range(len(motion.q)):
             figure = Figure(figsize=(FRAME_IN, height), dpi=DPI, facecolor="white")
             canvas = FigureCanvasAgg(figure)
             bands: Any = figure.subfigures(3, 1, height_ratios=[head, height - head - foot, foot])
             top, middle, bottom = bands
-            _title(top, one, 0.5)
+            _title(top, motion, 0.5)
             axes = middle.add_axes((0.01, 0.0, 0.98, 1 - TEXT_IN / (height - head - foot)))
-            _frame(axes, one, row, box, size=11)
+            _frame(axes, motion, row, box, size=11)
             _legend(bottom)
             canvas.draw()
             yield np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
-            told(drawn := drawn + 1, total)
+            report_progress(drawn := drawn + 1, total)
 
 
 def _frame(axes: Axes, trajectory: Trajectory, row: int, box: Box, size: float) -> None:
-    """One panel: the scene, above it time, largest contact force and, at the end, the outcome."""
+    """Draw a panel: the scene, above it time, largest contact force and, at the end, the outcome."""
     draw_scene(axes, scene_of(trajectory, row))
     if trajectory.link_forces is not None:
         width = box.right - box.left
@@ -230,64 +193,19 @@ STAGE_WORDS = {
 
 def _title(figure: Any, trajectory: Trajectory, y: float) -> None:
     header = trajectory.header
-    what = STAGE_WORDS[header.stage]
+    stage = STAGE_WORDS[header.stage]
     by = " · ".join(part for part in (header.controller, header.robot, header.backend) if part)
-    figure.text(0.012, y, f"{header.pipe.label}: {what}", fontsize=12, fontweight="bold", color=INK, va="center")
+    figure.text(0.012, y, f"{header.pipe.label}: {stage}", fontsize=12, fontweight="bold", color=INK, va="center")
     figure.text(0.988, y, by, fontsize=9.5, color=INK, ha="right", va="center")
 
 
 def _legend(figure: Any) -> None:
-    """The marks' meaning, in one line."""
+    """Draw the meaning of the marks, in one line."""
     figure.legend(handles=legend_handles(), loc="center", ncols=4, frameon=False, fontsize=9.5, labelcolor=INK)
 
 
-def _gif(frames: Iterator[NDArray[np.uint8]], ends: set[int]) -> bytes:
-    from PIL import Image
-
-    pictures, durations = [], []
-    period = round(1000 * CONTROL_PERIOD)  # milliseconds
-    for number, pixels in enumerate(frames):
-        pictures.append(Image.fromarray(pixels).quantize(128, dither=Image.Dither.NONE))
-        durations.append(period * HOLD if number in ends else period)
-    film = io.BytesIO()
-    pictures[0].save(film, format="GIF", save_all=True, append_images=pictures[1:], duration=durations, loop=0)
-    return film.getvalue()
-
-
-def _ffmpeg() -> str:
-    """The program that encodes MP4: the one that imageio-ffmpeg brings, or the system's."""
-    try:
-        import imageio_ffmpeg
-
-        return str(imageio_ffmpeg.get_ffmpeg_exe())
-    except (ImportError, RuntimeError):  # RuntimeError: the package has no program for this platform
-        program = shutil.which("ffmpeg")
-    if program is None:
-        raise PipenavError(
-            "MP4 needs ffmpeg, which is not here: pip install imageio-ffmpeg, or give --out a name ending in .gif."
-        )
-    return program
-
-
-def _mp4(draft: Path, encoder: str, frames: Iterator[NDArray[np.uint8]], ends: set[int]) -> None:
-    first = next(frames)
-    size, rate = f"{first.shape[1]}x{first.shape[0]}", f"{1 / CONTROL_PERIOD:g}"
-    raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", size, "-r", rate, "-i", "-"]
-    # This colour format is the one that every player shows.
-    command = [encoder, "-y", "-v", "error", *raw, "-pix_fmt", "yuv420p", "-movflags", "+faststart", str(draft)]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
-        assert process.stdin is not None and process.stderr is not None
-        with contextlib.suppress(BrokenPipeError):  # the encoder says why it left
-            for number, pixels in enumerate(itertools.chain([first], frames)):
-                process.stdin.write(pixels.tobytes() * (HOLD if number in ends else 1))
-            process.stdin.close()
-        said = process.stderr.read().decode(errors="replace").strip()
-    if process.returncode:
-        raise OSError(errno.EIO, f"ffmpeg says: {' '.join(said.split())}")
-
-
 def scene_of(trajectory: Trajectory, row: int) -> Scene:
-    """The scene of one row. Beams are what a laser without noise reads there: a trajectory does not hold them."""
+    """The scene of a row. Its beams are those of a laser without noise: a trajectory does not hold them."""
     header, robot, q = trajectory.header, trajectory.robot, trajectory.q[row]
     pose = kinematics.forward(robot, q[None])
     tip, beams = pose.tip + np.array([header.base_m, 0.0]), pose.headings[:, -1:] + robot.laser.angles

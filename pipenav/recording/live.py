@@ -18,10 +18,11 @@ Sleep = Callable[[float], None]
 
 
 class Window:
-    """Shows one episode after another; a `Onlooker` of `pipenav.recording.record`. Where a window is closed, the episode goes on.
+    """Shows one episode after another: an `Onlooker`. Where a window is closed, the episode goes on.
 
     Args:
-        clock, sleep: of real time.
+        clock: gives the time [s].
+        sleep: waits for a time [s].
     """
 
     def __init__(self, clock: Clock = time.monotonic, sleep: Sleep = time.sleep) -> None:
@@ -41,7 +42,7 @@ class Window:
             self._sleep(max(0.0, self._due - self._clock()))
 
     def wait(self) -> None:
-        """Stay until the person closes the window."""
+        """Stay until the window is closed."""
         while self._viewer is not None and self._viewer.show():
             self._sleep(CONTROL_PERIOD)
 
@@ -63,7 +64,7 @@ def live_window() -> Iterator[Window]:
 
 
 def play(trajectories: Sequence[Trajectory], simulator: RecordingSettings) -> None:
-    """Show recorded poses one after another, without physics, to who looks on."""
+    """Show recorded poses one after another, without physics."""
     for one in trajectories:
         header = one.header
         opened = open_simulator(simulator.backend, one.robot, 1, simulator.options, len(header.pipe.segments))

@@ -1,4 +1,4 @@
-"""What the laser saw of a corner until a target was found, as a picture from above."""
+"""The laser's view of a corner until a target was found, as a picture from above."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from pipenav.recording.record import Located
 from pipenav.robots import kinematics
 from pipenav.units import m_to_mm
 
-SEEN = "#7f8c99"
-"""Colour of what earlier scans met."""
+MET = "#7f8c99"
+"""Colour of the points that earlier scans met."""
 
 WIDTH_IN = 9.0
 """Width of the picture [in]."""
 
 
 def locate_figure(located: Located) -> Figure:
-    """The robot and its beams when the target was found, or at the end; ends of all beams so far; the target."""
+    """The robot and its beams when the target was found, or at the end; the ends of all beams before; the target."""
     from matplotlib.lines import Line2D
 
     trajectory = located.trajectory
@@ -32,23 +32,23 @@ def locate_figure(located: Located) -> Figure:
     figure = Figure(figsize=(WIDTH_IN, WIDTH_IN * box.aspect), dpi=100, facecolor="white")
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     draw_scene(axes, Scene(header.pipe, robot, header.base_m, trajectory.q[row], located.ranges[row], target))
-    axes.plot(*m_to_mm(1.0) * _met(located, row).T, ".", color=SEEN, markersize=4, zorder=3)
+    axes.plot(*m_to_mm(1.0) * _met(located, row).T, ".", color=MET, markersize=4, zorder=3)
     axes.set(xlim=(box.left, box.right), ylim=(box.bottom, box.top), aspect="equal", xticks=[], yticks=[])
     said = "no target found" if located.found is None else f"target found after {trajectory.time[row]:.1f} s"
     axes.set_title(f"{header.pipe.label}: {said}", loc="left", fontsize=12, fontweight="bold", color=INK)
     axes.set_title(f"{header.controller} · {header.robot} · {header.backend}", loc="right", fontsize=9.5, color=INK)
-    seen = Line2D([], [], linestyle="", color=SEEN, marker=".", markersize=7, label="met by earlier scans")
-    handles = [*legend_handles()[:3], seen]
+    met = Line2D([], [], linestyle="", color=MET, marker=".", markersize=7, label="met by earlier scans")
+    handles = [*legend_handles()[:3], met]
     axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=4, frameon=False, labelcolor=INK)
     return figure
 
 
 def _met(located: Located, row: int) -> Floats:
-    """Where the beams of the scans before a row have met a wall, in the pipe's frame, (points, 2) [m]."""
+    """Points where the beams of the scans before a row met a wall, in the pipe's frame, (points, 2) [m]."""
     trajectory, ranges = located.trajectory, located.ranges[:row]
     lidar = trajectory.robot.laser
     pose = kinematics.forward(trajectory.robot, trajectory.q[:row])
     beams = pose.headings[:, -1:] + lidar.angles
-    ways = ranges[..., None] * np.stack([np.cos(beams), np.sin(beams)], axis=-1)
-    ends = pose.tip[:, None] + ways + [trajectory.header.base_m, 0.0]
+    rays = ranges[..., None] * np.stack([np.cos(beams), np.sin(beams)], axis=-1)
+    ends = pose.tip[:, None] + rays + [trajectory.header.base_m, 0.0]
     return np.asarray(ends[(ranges > lidar.range_min) & (ranges < lidar.range_max)])

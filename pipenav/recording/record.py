@@ -1,4 +1,4 @@
-"""One episode of one robot, recorded as a trajectory."""
+"""An episode of a single robot, recorded as a trajectory."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ from pipenav.tasks.reach.episode import ReachEpisodes
 from pipenav.tasks.registry import task_of
 
 Onlooker = Callable[[Simulator], None]
-"""Called with the backend at the start and after every control step, for whoever looks on."""
+"""Called with the simulator at the start and after every control step, to show it."""
 
 
 class RecordingSettings(NamedTuple):
-    """On what an episode runs: a backend's name, its own settings, and who looks on."""
+    """The simulator that an episode runs on: name of the backend, its own settings, and who looks on."""
 
     backend: str = "mujoco"
     options: Mapping[str, Any] = {}
@@ -45,10 +45,10 @@ class Located(NamedTuple):
     """A recorded search for a target (approach I).
 
     Attributes:
-        trajectory: of stage `locate`; its goal is the target that was found.
-        ranges: the laser's scan of each of its rows, (rows, beams) [m].
-        found: the row whose scan gave the target, which is also the control steps before it; None where none did.
-        beam: on or nearest to which the target lies, from right to left from 0; None likewise.
+        trajectory: trajectory of the stage `locate`; its goal is the target that was found.
+        ranges: the laser's scan of each row of the trajectory, (rows, beams) [m].
+        found: row whose scan gave the target, which is also the control steps before it; None where none did.
+        beam: beam on which the target lies, or the nearest one, from right to left from 0; None where none was found.
     """
 
     trajectory: Trajectory
@@ -58,12 +58,12 @@ class Located(NamedTuple):
 
 
 class Tracking(NamedTuple):
-    """How far a motion was from the one that was commanded, the largest of all control steps.
+    """Largest differences, over all control steps, of a motion from the one that was commanded.
 
     Attributes:
         tip: distance of the tips [m].
-        joint: difference of a hinge [rad].
-        slide: difference of a slide [m].
+        joint: difference in a hinge [rad].
+        slide: difference in a slide [m].
     """
 
     tip: float
@@ -77,10 +77,10 @@ def record(
     """Run one episode of a stage that was made for one robot.
 
     Args:
-        stage: its next episode is run, and it is closed afterwards.
-        backend: what the stage runs on.
-        header: what is known of the episode; its outcome is filled in.
-        start: the configuration that the episode starts in, (coordinates,).
+        stage: the stage, whose next episode is run; it is closed afterwards.
+        backend: the simulator that the stage runs on.
+        header: header of the trajectory; its outcome is filled in.
+        start: configuration in which the episode starts, (coordinates,).
         watch: see `Onlooker`.
     """
     look = watch or (lambda _: None)
@@ -103,18 +103,17 @@ def record(
 def record_task(
     controller: AnyController, name: str, pipe: Pipe, seed: int, episode: int, simulator: RecordingSettings
 ) -> Trajectory:
-    """A controller's task: the episode that an evaluation with this seed runs as its number `episode` in this pipe.
+    """Record a controller's task: the episode that an evaluation with this seed runs as number `episode` in this pipe.
 
     Args:
-        controller: what acts.
-        name: of the controller, for the header.
-        pipe: where.
-        seed: of starts and targets.
-        episode: counted from 0.
-        simulator: on what.
+        controller: the controller.
+        name: name of the controller, for the header.
+        pipe: the pipe.
+        seed: seed of starts and targets.
+        episode: number of the episode, from 0.
+        simulator: the simulator.
     """
     robot, task = controller.robot, controller.task
-    kind = task_of(task)
     one = random_start(robot, task, [pipe], episode + 1, seed)(episode)
     base = float(one.base[0])
     target = None
@@ -126,29 +125,29 @@ def record_task(
         pipe=one.pipes[0],
         base_m=base,
         goal_m=target,
-        stage=kind.stage,
+        stage=task_of(task).stage,
         backend=simulator.backend,
         controller=name,
         options=dict(simulator.options),
         seed=seed,
     )
     backend = open_simulator(simulator.backend, robot, 1, simulator.options, len(pipe.segments))
-    stage = TaskStage(kind.batch(robot, backend, 1, lambda _: one), controller)
+    stage = TaskStage(task_of(task).batch(robot, backend, 1, lambda _: one), controller)
     return record(stage, backend, header, one.q[0], simulator.watch)
 
 
 def record_locate(
     robot: RobotSpec, variant: Variant, pipe: PipeCorner, seed: int, episode: int, simulator: RecordingSettings
 ) -> Located:
-    """Approach I: the same episode that an evaluation with this seed runs as its number `episode` in this pipe.
+    """Record approach I: the episode that an evaluation with this seed runs as number `episode` in this pipe.
 
     Args:
         robot: a slide followed by hinges.
         variant: how the target is located.
-        pipe: where.
-        seed: of starts.
-        episode: counted from 0.
-        simulator: on what.
+        pipe: the pipe.
+        seed: seed of starts.
+        episode: number of the episode, from 0.
+        simulator: the simulator.
 
     Raises:
         PipenavError: a pipe that is too narrow, or a robot of other joints.
@@ -185,7 +184,7 @@ def record_locate(
 
 
 def record_rear(plan: Trajectory, simulator: RecordingSettings) -> Trajectory:
-    """A rear passage: the plan's motion under the position controllers of a backend."""
+    """Record a rear passage: the plan's motion under the position controllers of a simulator."""
     changes = {"backend": simulator.backend, "options": dict(simulator.options)}
     backend = open_simulator(simulator.backend, plan.robot, 1, simulator.options, len(plan.header.pipe.segments))
     stage = RearStage(plan.robot, backend, 1, lambda _: [plan.motion])
@@ -193,7 +192,7 @@ def record_rear(plan: Trajectory, simulator: RecordingSettings) -> Trajectory:
 
 
 def tracking(plan: Trajectory, recorded: Trajectory) -> Tracking:
-    """How well a recording follows its plan; beyond the plan's last row, that row counts."""
+    """Largest differences of a recording from its plan; beyond the plan's last row, that row counts."""
     target = plan.q[np.minimum(np.arange(len(recorded.q)), len(plan.q) - 1)]
     difference = np.abs(recorded.q - target).max(axis=0)
     hinges = plan.robot.hinges

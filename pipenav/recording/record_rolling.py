@@ -1,4 +1,4 @@
-"""One episode of one robot in space, recorded for pictures."""
+"""An episode of a single robot in space, recorded for pictures."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ class SpaceRecording:
     """A motion in space, one row per control step, the start first. Its arrays must not be written to.
 
     Attributes:
-        route: where, its ends long enough for the robot.
-        robot: what moved.
-        controller: name of what acted.
-        backend: on what.
-        outcome: label of its `Outcome`.
+        route: the route, its ends long enough for the robot.
+        robot: the robot.
+        controller: name of the controller.
+        backend: name of the simulator backend.
+        outcome: label of the episode's `Outcome`.
         points: rear end, joints and tip, (rows, links + 1, 3) [m].
-        normals: of the halves' planes, (rows, halves, 3).
+        normals: normals of the halves' planes, (rows, halves, 3).
         contact_force: largest net force of the pipe on any one link, (rows,) [N].
-        doing: who drives, a `Mode` each, as words.
+        doing: what drives the robot in each row, a `Mode` in words.
     """
 
     route: PipeRoute
@@ -51,7 +51,7 @@ class SpaceRecording:
 
     @property
     def time(self) -> Floats:
-        """Of each row [s], (rows,)."""
+        """Time of each row, (rows,) [s]."""
         return np.round(np.arange(len(self.points)) * CONTROL_PERIOD, 6)
 
     @property
@@ -62,16 +62,18 @@ class SpaceRecording:
 def record_in_space(
     controller: AnyController, name: str, route: PipeRoute, seed: int, episode: int, simulator: RecordingSettings
 ) -> SpaceRecording:
-    """The episode that an evaluation with this seed runs as its number `episode` in this run: as `record_task`.
+    """Record the episode that an evaluation with this seed runs as number `episode` in this route.
+
+    The arguments are those of `record_task`.
 
     Raises:
-        PipenavError: a robot or a backend that cannot roll, or somebody wants to look on.
+        PipenavError: a robot or a backend that cannot roll, or a live window, which there is not.
     """
     robot, task = controller.robot, controller.task
     check_in_space(robot, simulator.backend)
     if simulator.watch is not None:
         raise PipenavError("--live shows robots in a plane: give --out a name ending in .gif or .mp4 for a film.")
-    assert isinstance(task, TraverseConfig)  # no other task takes such runs
+    assert isinstance(task, TraverseConfig)  # no other task takes such routes
     one = random_start(robot, task, [route], episode + 1, seed)(episode)
     world = open_space(simulator.backend, robot, 1, simulator.options, gravity_of(task))
     batch = RollingBatch(robot, task, world, 1, lambda _: one)

@@ -1,23 +1,23 @@
-"""Pictures of a motion in space: the run cut open towards the viewer, the robot's halves in two colours.
+"""Pictures of a motion in space: the route cut open towards the viewer, the robot's halves in two colours.
 
-Above the whole run with the robot's way, below the robot itself.
+Above the whole route with the path of the robot's middle, below the robot itself.
 """
 
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipenav.arrays import Floats
 from pipenav.drawing.dimensions import INK
 from pipenav.drawing.projection import View, wall_quads
 from pipenav.drawing.scene import FORCE
-from pipenav.recording.film import DPI, FAILED, SUCCEEDED, write_frames
+from pipenav.recording.film import DPI, FAILED, SUCCEEDED
+from pipenav.recording.film_files import Frames, write_frames
 from pipenav.recording.record_rolling import SpaceRecording
 from pipenav.robots.robot import RobotSpec
 from pipenav.storage.atomic_files import atomic_write
@@ -28,18 +28,16 @@ if TYPE_CHECKING:
 
 Progress = Callable[[int, int], None]
 
-SUFFIXES = (".png", ".gif", ".mp4")
-
 HALF_COLOURS = np.array([[0.00, 0.45, 0.70], [0.84, 0.37, 0.00]])
-"""Of the rear and the front half: Okabe and Ito's blue and vermilion, as elsewhere."""
+"""Colours of the rear and the front half: Okabe and Ito's blue and vermilion, as elsewhere."""
 
 BORE = np.array([0.86, 0.88, 0.90])
 PANELS, COLUMNS, PANEL_IN = 8, 4, 2.9
 REACH = 0.36
-"""How far a panel reaches from the robot's middle [m]."""
+"""Distance from the robot's middle to the edge of a panel [m]."""
 
 SKIP = 5
-"""Control steps between two frames of a film, which so runs five times as fast as the robot."""
+"""Control steps between two frames of a film, which therefore runs five times as fast as the robot."""
 
 SIDES = 12
 """Sides of the polygon that a wheel is drawn as."""
@@ -66,46 +64,56 @@ def draw_in_space(path: Path, recording: SpaceRecording, progress: Progress) -> 
     write_frames(path, frames, {len(rows) - 1})
 
 
-def faces(robot: RobotSpec, points: Floats, normals: Floats) -> tuple[Floats, list[Floats], Floats]:
-    """What is seen of a robot: faces of links, wheels, and the colour of each face.
+class Faces(NamedTuple):
+    """Faces of a robot that are drawn.
+
+    Attributes:
+        links: faces of the links, 6 for each piece, (6 pieces, 4, 3) [m].
+        wheels: discs of the wheels, (SIDES, 3) each [m].
+        half: number of the half that each piece and then each wheel belongs to, (pieces + wheels,).
+    """
+
+    links: Floats
+    wheels: list[Floats]
+    half: Floats
+
+
+def faces(robot: RobotSpec, points: Floats, normals: Floats) -> Faces:
+    """The faces of links and wheels of a robot in a pose.
 
     Args:
         robot: the robot, with a roll joint.
         points: rear end, joints and tip, (links + 1, 3) [m].
-        normals: of the halves' planes, (halves, 3).
-
-    Returns:
-        The links' faces (6 per piece, 4, 3), the wheels' discs (SIDES, 3) each, and the half of each piece and then of
-        each wheel.
+        normals: normals of the halves' planes, (halves, 3).
     """
     assert robot.roll is not None
     boxes, halves, discs, of_wheels, half = [], [], [], [], 0
     for link, start, end in zip(robot.links, points[:-1], points[1:], strict=True):
-        along = (end - start) / link.length
+        forward = (end - start) / link.length
         if link.wheel is not None:
-            across = np.cross(normals[half], along)
-            turn = np.arange(SIDES) * 2 * np.pi / SIDES
-            rim = np.cos(turn)[:, None] * along + np.sin(turn)[:, None] * across
-            discs.append(start + link.wheel.x * along + link.wheel.radius * rim)
+            across = np.cross(normals[half], forward)
+            angle = np.arange(SIDES) * 2 * np.pi / SIDES
+            rim = np.cos(angle)[:, None] * forward + np.sin(angle)[:, None] * across
+            discs.append(start + link.wheel.x * forward + link.wheel.radius * rim)
             of_wheels.append(half)
         divided = link.name == robot.roll.link
         for low, high in [(0.0, robot.roll.x), (robot.roll.x, link.length)] if divided else [(0.0, link.length)]:
             if divided and low > 0:
                 half = 1
-            up, left = normals[half], np.cross(normals[half], along)
+            up, left = normals[half], np.cross(normals[half], forward)
             corners = [
-                start + x * along + y * left + z * up
+                start + x * forward + y * left + z * up
                 for x in (low, high)
                 for y in (-link.width / 2, link.width / 2)
                 for z in (-link.height / 2, link.height / 2)
             ]
             boxes.append(np.array(corners)[BOX_FACES])
             halves.append(half)
-    return np.concatenate(boxes), discs, np.array([*halves, *of_wheels])
+    return Faces(np.concatenate(boxes), discs, np.array([*halves, *of_wheels]))
 
 
-def _strip(recording: SpaceRecording, view: View, told: Progress) -> Any:
-    """The whole run above a few moments, evenly in time, as a figure."""
+def _strip(recording: SpaceRecording, view: View, report_progress: Progress) -> Any:
+    """Figure of the whole route above a few moments, evenly in time."""
     from matplotlib.figure import Figure
 
     rows = np.unique(np.linspace(0, len(recording.points) - 1, PANELS).round().astype(int))
@@ -117,11 +125,11 @@ def _strip(recording: SpaceRecording, view: View, told: Progress) -> Any:
     for number, row in enumerate(rows):
         axes = figure.add_subplot(grid[1 + number // COLUMNS, number % COLUMNS])
         _close_up(axes, recording, view, int(row))
-        told(number + 1, len(rows))
+        report_progress(number + 1, len(rows))
     return figure
 
 
-def _frames(recording: SpaceRecording, view: View, rows: Floats, told: Progress) -> Iterator[NDArray[np.uint8]]:
+def _frames(recording: SpaceRecording, view: View, rows: Floats, report_progress: Progress) -> Frames:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -132,20 +140,20 @@ def _frames(recording: SpaceRecording, view: View, rows: Floats, told: Progress)
         _close_up(figure.add_axes((0.48, 0.02, 0.51, 0.86)), recording, view, int(row))
         canvas.draw()
         yield np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
-        told(number + 1, len(rows))
+        report_progress(number + 1, len(rows))
 
 
 def _overview(axes: Axes, recording: SpaceRecording, view: View, row: int, marked: Floats) -> None:
-    """The whole run and the way of the robot's middle so far, with the moments of the close-ups."""
+    """Draw the whole route and the path of the robot's middle so far, with the moments of the close-ups."""
     _pipe(axes, recording, view)
     middle = recording.points.mean(axis=1)
-    way = m_to_mm(1.0) * view.flat(middle[: row + 1])
-    axes.plot(*way.T, color=INK, linewidth=1.0, zorder=6)
+    path = m_to_mm(1.0) * view.flat(middle[: row + 1])
+    axes.plot(*path.T, color=INK, linewidth=1.0, zorder=6)
     for number, at in enumerate(marked, 1):
         x, y = m_to_mm(1.0) * view.flat(middle[at])
         axes.text(x, y, f"{number}", fontsize=8, ha="center", va="center", zorder=8, bbox=_badge())
     if not len(marked):
-        axes.plot(*way[-1], "o", color=FORCE, markersize=7, zorder=8)
+        axes.plot(*path[-1], "o", color=FORCE, markersize=7, zorder=8)
     axes.set(aspect="equal")
     axes.set_axis_off()
     outcome = f"{recording.outcome} after {recording.time[-1]:.1f} s"
@@ -161,7 +169,7 @@ def _badge() -> dict[str, Any]:
 
 
 def _close_up(axes: Axes, recording: SpaceRecording, view: View, row: int) -> None:
-    """The robot in the pipe that is cut open towards the viewer."""
+    """Draw the robot in the pipe that is cut open towards the viewer."""
     from matplotlib.collections import PolyCollection
 
     points = recording.points[row]
@@ -181,7 +189,7 @@ def _close_up(axes: Axes, recording: SpaceRecording, view: View, row: int) -> No
 
 
 def _pipe(axes: Axes, recording: SpaceRecording, view: View, around: Floats | None = None) -> None:
-    """The far half of the wall, seen from inside, near a point or all of it."""
+    """Draw the far half of the wall, seen from inside, near a point or all of it."""
     from matplotlib.collections import PolyCollection
 
     pieces = wall_quads(recording.route)

@@ -178,7 +178,7 @@ def test_an_import_that_the_constructor_makes_is_named_when_it_is_opened(install
         ("from pipenav.errors import nothing_there", "cannot import name 'nothing_there'"),
         (
             "from pipenav.backends import Backend\nclass GoodBackend(Backend):\n    def truth(self): pass",
-            "GoodBackend defines truth but does not derive from pipenav.backends.Simulator; update it, see docs/",
+            "defines truth, as only a simulator does, but does not derive from pipenav.backends.Simulator; ",
         ),
     ],
 )

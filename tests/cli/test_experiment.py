@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from helpers.command import run
 
-from pipenav.experiments.runner import Settings, open_plan
+from pipenav.experiments.plan import ExperimentSettings, open_plan
 
 
 def test_an_unknown_experiment_is_answered_with_the_known(capsys: pytest.CaptureFixture[str]) -> None:
@@ -17,13 +17,13 @@ def test_an_unknown_experiment_is_answered_with_the_known(capsys: pytest.Capture
 
 
 def test_results_of_other_settings_are_not_mixed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    open_plan(["e"], 1, Settings(steps=1000, episodes=2), tmp_path)
+    open_plan(["e"], 1, ExperimentSettings(steps=1000, episodes=2), tmp_path)
     assert run("experiment", "e", "--steps", "2000", "--episodes", "2", "--out", str(tmp_path)) == 1
     assert "holds results of 1,000 steps, 2 episodes per pipe" in capsys.readouterr().err
 
 
 def test_a_damaged_folder_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    open_plan(["e"], 1, Settings(steps=1000, episodes=1), tmp_path)
+    open_plan(["e"], 1, ExperimentSettings(steps=1000, episodes=1), tmp_path)
     (tmp_path / "elapsed.json").write_text('{"hours": 1}', encoding="utf-8")
     assert run("experiment", "e", "--seeds", "1", "--steps", "1000", "--episodes", "1", "--out", str(tmp_path)) == 1
     assert "elapsed.json is damaged, it has no number 'seconds'" in capsys.readouterr().err

@@ -125,7 +125,7 @@ def test_makes_a_route_of_a_shipped_set(tmp_path: Path) -> None:
     [
         (("--run", "runs-level:1", "--d", 100, "--bend-radius", 0), "leave out --d, --bend-radius."),
         (("--run", "runs-level:1", "--wall", 3), "leave out --wall."),
-        (("--d", 100), "--angle missing: give --d and --angle for one corner, or --run FILE for a run."),
+        (("--d", 100), "--angle missing: give --d and --angle for one corner, or --route FILE for several."),
         ((), "--d and --angle missing"),
     ],
 )
@@ -153,7 +153,7 @@ def test_help_names_units_ranges_and_examples() -> None:
         "0.5 to 50",
         "pipenav gen-pipe --d 100 --angle 75",
         "left or right",
-        "pipenav gen-pipe --run my-run.toml",
+        "pipenav gen-pipe --route my-route.toml",
         "runs-level:3",
     ):
         assert text in output

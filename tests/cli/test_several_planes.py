@@ -56,8 +56,8 @@ def test_a_picture_of_a_route_in_several_planes(tmp_path: Path) -> None:
             "backend 'pybullet' moves robots in a plane alone: choose --backend mujoco",
         ),
         (("eval", "--disturb", "real-world"), "--disturb disturbs robots in a plane"),
-        (("view", "--out", "way.csv"), "its suffix must say what it shall be: .png, .gif, .mp4"),
-        (("view", "--pipes", "d=90,angle=90"), "a picture in space shows one run"),
+        (("view", "--out", "way.csv"), "its suffix must be one of: .png, .gif, .mp4"),
+        (("view", "--pipes", "d=90,angle=90"), "a picture in space shows one route"),
     ],
 )
 def test_what_cannot_be_done_in_several_planes_is_said(

@@ -81,7 +81,7 @@ def test_the_same_seed_and_episode_are_the_same_recording(front: Path) -> None:
         (("--policy", "arm", "--trajectory", "front.csv"), "give one of --policy, --behaviour and --trajectory"),
         (("--policy", "arm", "--behaviour", "locate:map"), "give one of --policy, --behaviour and --trajectory"),
         (("--trajectory", "none.csv"), "cannot read none.csv: No such file"),
-        (("--policy", "arm", "--out", "film.avi"), r"film.avi: its suffix must say what it shall be"),
+        (("--policy", "arm", "--out", "film.avi"), r"film.avi: its suffix must be one of"),
         (("--policy", "arm", "--out", "nowhere/film.gif"), "there is no folder nowhere for film.gif"),
         (("--policy", "arm", "--pipes", "working-range"), "180 pipes are too many to look at"),
         (("--policy", "arm", "--pipes", "d=90,angle=60", "--pipes", "d=90,angle=70", "--out", "a.csv"), "one motion"),

@@ -30,7 +30,7 @@ def test_routes_stand_apart_from_corners_by_their_number() -> None:
     assert [text.get_text() for text in success_figure(RUNS).axes[0].get_xticklabels()] == ["1", "2", "3"]
     assert [text.get_text() for text in success_figure(MIXED).axes[0].get_xticklabels()] == ["60"]
     panels = [axes for axes in map_figure(MIXED).axes if axes.texts and axes.images]
-    assert [axes.get_ylabel().split()[0] for axes in panels] == ["left", "runs"]
+    assert [axes.get_ylabel().split()[0] for axes in panels] == ["left", "routes"]
     assert sorted(text.get_text() for text in panels[1].texts) == ["25", "50", "75"]
     assert "R65-L70-R100-R55-L110" in shown(RUNS)
     assert RUNS.diameters[1].reach_success == pytest.approx(3 / 8)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from pipenav.experiments.definition import load_agents, load_experiment
-from pipenav.experiments.runner import ExperimentPlan, evaluation_jobs, resolved_agent, training_jobs
+from pipenav.experiments.jobs import evaluation_jobs, training_jobs
+from pipenav.experiments.plan import ExperimentPlan, resolved_agent
 
 
 def test_the_best_agent_is_taken_over(thesis_plan: ExperimentPlan) -> None:

@@ -7,7 +7,7 @@ import pytest
 from pipenav.experiments.definition import experiment_names, load_experiment
 from pipenav.experiments.figures import success_figure
 from pipenav.experiments.findings import paragraph
-from pipenav.experiments.runner import ExperimentPlan
+from pipenav.experiments.plan import ExperimentPlan
 from pipenav.experiments.tables import results
 
 
@@ -29,7 +29,7 @@ def test_the_thesiss_own_figures_bear_out_its_findings(name: str, thesis_plan: E
 
 def test_tables_hold_the_figures_of_every_phase(thesis_plan: ExperimentPlan) -> None:
     given, located = results(thesis_plan, "f")
-    assert {line.phase for line in given.lines} == {"reach", "rear", "whole"}
+    assert {line.stage for line in given.lines} == {"reach", "rear", "whole"}
     for line in (*given.lines, *located.lines):
         for diameter, percent in line.thesis.items():
             assert line.ours[diameter].mean == pytest.approx(percent, abs=3.0)  # whole episodes of few fronts

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ from pipenav.cli import main
 from pipenav.errors import PipenavError
 from pipenav.learning.config import DEFAULT_PRESET, load_config, preset_names, validate_config
 from pipenav.robots.robot import load_robot
+from pipenav.storage.shipped import presets_dir
 from pipenav.tasks.registry import task_of
 
 THESIS = [name for name in preset_names() if name.startswith("thesis")]
@@ -118,6 +120,56 @@ def test_a_wrong_file_is_named(tmp_path: Path) -> None:
         load_config(file=file)
     file.write_text("sed = 1", encoding="utf-8")
     with pytest.raises(PipenavError, match=r"mine\.toml: unknown key 'sed': did you mean 'seed'"):
+        load_config(file=file)
+
+
+def preset_folder(path: Path, monkeypatch: pytest.MonkeyPatch, **presets: str) -> None:
+    """A folder with the shipped presets and some more, for which `load_config` looks there."""
+    shutil.copytree(presets_dir(), path / "presets")
+    for name, text in presets.items():
+        (path / "presets" / f"{name}.toml").write_text(text, encoding="utf-8")
+    monkeypatch.setattr("pipenav.storage.shipped.presets_dir", lambda: path / "presets")
+
+
+def test_a_preset_says_only_what_differs_from_the_one_it_extends(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    preset_folder(tmp_path, monkeypatch, mine='extends = "pirate"\nseed = 7\noptions = {}\n[learner]\nepochs = 2\n')
+    mine, below = load_config("mine"), load_config("pirate")
+    assert (mine.seed, mine.learner.epochs, mine.options) == (7, 2, {})
+    assert below.options
+    changed = {"seed": below.seed, "options": below.options, "learner": below.learner}
+    assert mine.model_copy(update=changed) == below
+    assert mine.learner.model_copy(update={"epochs": below.learner.epochs}) == below.learner
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('extends = "pirat"', "preset mine: extends: unknown preset 'pirat': did you mean 'pirate'"),
+        ('extends = "pirate-gravity"', "preset 'pirate-gravity' extends 'pirate' itself: extend that one."),
+        ("extends = 3", "preset mine: extends: input should be the name of a preset, given 3."),
+    ],
+)
+def test_a_preset_that_extends_wrongly_is_one_sentence(
+    text: str, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    preset_folder(tmp_path, monkeypatch, mine=text)
+    with pytest.raises(PipenavError) as caught:
+        load_config("mine")
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_file_that_extends_a_preset_is_laid_over_it(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text('extends = "pirate-gravity"\nseed = 4\n', encoding="utf-8")
+    below = load_config("pirate-gravity")
+    assert load_config(file=file) == load_config("pirate-gravity", file) == below.model_copy(update={"seed": 4})
+    with pytest.raises(PipenavError, match=r"mine\.toml extends preset 'pirate-gravity', given 'arm'"):
+        load_config("arm", file)
+    file.write_text('extends = "amr"', encoding="utf-8")
+    with pytest.raises(PipenavError, match=r"mine\.toml: extends: unknown preset 'amr': did you mean 'arm'"):
         load_config(file=file)
 
 

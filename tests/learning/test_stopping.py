@@ -15,8 +15,9 @@ from pathlib import Path
 import pytest
 from helpers.waiting import GENEROUS, wait_until
 
+from pipenav.learning.progress import PROGRESS_COLUMNS
 from pipenav.learning.train import train
-from pipenav.learning.training_folder import PROGRESS_COLUMNS, TrainingFolder
+from pipenav.learning.training_folder import TrainingFolder
 from pipenav.policies.policy import load_policy
 
 SETTINGS = (
@@ -106,7 +107,7 @@ def test_kill_leaves_whole_files(tmp_path: Path) -> None:
         for folder in folders:
             child = int(parent.stdout.readline())
             try:
-                wait_until(folder.resume.exists, f"{folder.path.name} is saved")
+                wait_until(folder.checkpoint.exists, f"{folder.path.name} is saved")
                 time.sleep(moments.uniform(0.0, 1.0))
             finally:
                 os.kill(child, signal.SIGKILL)

@@ -17,10 +17,11 @@ import torch
 
 from pipenav.cli import main
 from pipenav.errors import PipenavError
-from pipenav.learning.callback import TrainingDiverged
 from pipenav.learning.config import TrainConfig, load_config
+from pipenav.learning.divergence import TrainingDiverged
+from pipenav.learning.progress import PROGRESS_COLUMNS
 from pipenav.learning.train import TrainingSummary, train
-from pipenav.learning.training_folder import PROGRESS_COLUMNS, TrainingFolder, default_training_path
+from pipenav.learning.training_folder import TrainingFolder, default_training_path
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.policy import load_policy
 
@@ -145,7 +146,7 @@ def test_a_training_that_starts_from_another_has_its_weights_and_its_own_count(
     assert weights(folder.last) == weights(run.last)
     (tmp_path / "half").mkdir()
     shutil.copy(run.config, tmp_path / "half")
-    (tmp_path / "half" / run.resume.name).write_bytes(b"half")
+    (tmp_path / "half" / run.checkpoint.name).write_bytes(b"half")
     with pytest.raises(PipenavError, match="cannot be started from"):
         trained(tmp_path / "newer", tiny(), start=tmp_path / "half")
 
@@ -157,7 +158,7 @@ def test_a_training_that_starts_from_another_has_its_weights_and_its_own_count(
         ("config.json", b"{", "config.json cannot be read"),
         ("config.json", b"{}", "description: field required"),
         ("progress.csv", b"\xff\xfe", "progress.csv cannot be read"),
-        ("resume.safetensors", None, "holds no run"),
+        ("resume.safetensors", None, "holds no training"),
     ],
 )
 def test_a_spoilt_training_folder_is_refused(
@@ -242,7 +243,7 @@ def test_an_existing_training_is_not_overwritten(run: TrainingFolder, capsys: py
 def test_what_a_killed_start_left_is_no_training(tmp_path: Path) -> None:
     for _ in range(2):
         TrainingFolder.create(tmp_path / "run", tiny(), "pipenav train")
-    with pytest.raises(PipenavError, match="holds no run"):
+    with pytest.raises(PipenavError, match="holds no training"):
         TrainingFolder.open(tmp_path / "run")
 
 
@@ -258,7 +259,7 @@ def test_a_folder_that_cannot_be_is_one_line(tmp_path: Path, capsys: pytest.Capt
     file.touch()
     assert "it is a file" in refused(capsys, "--out", str(file))
     assert "Not a directory" in refused(capsys, "--out", str(file / "run"))
-    assert "holds no run" in refused(capsys, "--resume", str(tmp_path))
+    assert "holds no training" in refused(capsys, "--resume", str(tmp_path))
     assert "only --steps" in refused(capsys, "--resume", str(tmp_path), "--seed", "1")
 
 
@@ -269,7 +270,7 @@ def test_a_start_that_does_not_fit_is_refused_before_anything_is_written(
     assert "another network" in refused(capsys, *begin, "--set", "network.policy=[8]", "--out", str(new))
     assert "robot 'basic'" in refused(capsys, *begin, "--preset", "pirate", "--out", str(new))
     assert "control" in refused(capsys, *begin, "--control", "torque", "--out", str(new))
-    assert "holds no run" in refused(capsys, "--from", str(tmp_path), "--out", str(new))
+    assert "holds no training" in refused(capsys, "--from", str(tmp_path), "--out", str(new))
     assert "only --steps" in refused(capsys, *begin, "--resume", str(run.path))
     assert not new.exists()
 

@@ -16,8 +16,9 @@ from PIL import Image
 from pipenav.errors import FileProblem, PipenavError
 from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
 from pipenav.pipes.corner import PipeCorner
-from pipenav.recording import film
-from pipenav.recording.film import box_of, check_suffix, write_film
+from pipenav.recording import film, film_files
+from pipenav.recording.film import box_of, write_film
+from pipenav.recording.film_files import check_suffix
 from pipenav.robots.outline import link_outlines
 from pipenav.robots.robot import load_robot
 
@@ -100,7 +101,7 @@ def test_an_mp4_is_in_real_time_for_every_player(tmp_path: Path) -> None:
     assert about["fps"] == 10
     assert about["pix_fmt"].startswith("yuv420p")
     assert all(turn_sign % 2 == 0 for turn_sign in about["size"])
-    assert len(list(frames)) == 7 + 2 * (film.HOLD - 1)
+    assert len(list(frames)) == 7 + 2 * (film_files.HOLD - 1)
 
 
 def test_frames_of_one_film_differ_and_are_of_one_size() -> None:
@@ -110,7 +111,7 @@ def test_frames_of_one_film_differ_and_are_of_one_size() -> None:
 
 
 def test_other_suffixes_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(PipenavError, match=r"picture\.jpg: its suffix must say what it shall be: \.png, \.gif, \.mp4"):
+    with pytest.raises(PipenavError, match=r"picture\.jpg: its suffix must be one of: \.png, \.gif, \.mp4"):
         write_film(tmp_path / "picture.jpg", TWO)
     write_film(tmp_path / "LOUD.PNG", TWO[:1])
 
@@ -136,7 +137,7 @@ def test_an_encoder_that_fails_leaves_the_old_file_and_its_words(
     encoder = tmp_path / "encoder"
     encoder.write_text("#!/bin/sh\necho no such codec >&2\nexit 3\n")
     encoder.chmod(0o755)
-    monkeypatch.setattr(film, "_ffmpeg", lambda: str(encoder))
+    monkeypatch.setattr(film_files, "_ffmpeg", lambda: str(encoder))
     (tmp_path / "film.mp4").write_bytes(b"old")
     with pytest.raises(FileProblem, match="ffmpeg says: no such codec"):
         write_film(tmp_path / "film.mp4", TWO[:1])

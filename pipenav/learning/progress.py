@@ -1,0 +1,70 @@
+"""The progress of a training: its report after each update, and the rows and columns of progress.csv."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from typing import NamedTuple
+
+PROGRESS_COLUMNS = (
+    "steps",
+    "seconds",
+    "steps_per_s",
+    "success",
+    "min_range_m",
+    "reward",
+    "episode_steps",
+    "std",
+    "check_success",
+)
+
+EARLIER_COLUMNS = {"clearance_m": "min_range_m", "eval_success": "check_success"}
+"""Names that columns of progress.csv had earlier, and the ones that they have today."""
+
+
+class TrainingProgress(NamedTuple):
+    """Progress of a training, reported after each update.
+
+    Attributes:
+        steps: control steps so far.
+        steps_per_s: control steps per second since the last report.
+        success: share of the episodes since the last report that reached their target; NaN without any.
+        min_range: mean over steps of the smallest laser reading [m].
+        check_success: success of the last noise-free check; NaN before the first.
+    """
+
+    steps: int
+    steps_per_s: float
+    success: float
+    min_range: float
+    check_success: float
+
+
+def progress_rows(text: str) -> list[dict[str, str | None]]:
+    """The rows of a progress.csv, cells by the names that columns have today; None where a row breaks off."""
+    return [
+        {EARLIER_COLUMNS.get(name, name): cell for name, cell in row.items() if name is not None}
+        for row in csv.DictReader(io.StringIO(text, newline=""))
+    ]
+
+
+def progress_columns(text: str) -> dict[str, list[float]]:
+    """The columns of a progress.csv; NaN where a cell is empty or no number. Broken rows are left out."""
+    rows = [
+        row for row in progress_rows(text) if None not in row.values() and not math.isnan(_number(row.get("steps")))
+    ]
+    return {name: [_number(row.get(name)) for row in rows] for name in _names(text)}
+
+
+def _names(text: str) -> list[str]:
+    """The names that the file's columns have today."""
+    return [EARLIER_COLUMNS.get(name, name) for name in next(csv.reader(io.StringIO(text, newline="")), [])]
+
+
+def _number(cell: str | None) -> float:
+    try:
+        value = float(cell or "nan")
+    except ValueError:
+        return math.nan
+    return value if math.isfinite(value) else math.nan
