@@ -49,6 +49,7 @@ def test_a_policy_is_evaluated(here: Path) -> None:
     assert read_evaluation(here / "evaluation").success == 1.0
 
 
+@pytest.mark.slow
 def test_stable_baselines_opens_a_policy() -> None:
     model = PPO.load(EARLIER / "mission" / "policy.zip", device="cpu")
     assert model.lr_schedule(0.0) < model.lr_schedule(1.0)
@@ -80,6 +81,7 @@ def test_a_training_goes_on(here: Path) -> None:
     assert load_policy(training / "last.zip").header.training["steps"] == int(rows[-1]["steps"])
 
 
+@pytest.mark.slow
 def test_a_training_is_drawn_and_its_weights_are_a_start(here: Path) -> None:
     folder = TrainingFolder(EARLIER / "training")
     columns = progress_columns(folder.progress.read_text(encoding="utf-8"))

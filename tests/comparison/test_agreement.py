@@ -28,6 +28,7 @@ def agreement_of(robot: str) -> Agreement:
     return compare(load_robot(robot), *map(SimulatorSettings, BOTH))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", ARMS)
 def test_every_difference_is_within_its_tolerance(robot: str) -> None:
     assert [check for check in checks(load_robot(robot), agreement_of(robot)) if not check.holds] == []
@@ -80,6 +81,7 @@ def command(agreement: Agreement, folder: Path, monkeypatch: pytest.MonkeyPatch)
     return int(left.value.code or 0)
 
 
+@pytest.mark.slow
 def test_the_command_draws_and_tells(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -89,6 +91,7 @@ def test_the_command_draws_and_tells(
     assert capsys.readouterr().out.count("holds") == len(checks(load_robot("basic"), agreement_of("basic")))
 
 
+@pytest.mark.slow
 def test_the_command_fails_where_they_disagree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert command(spoilt(agreement_of("basic"), ranges=0.01), tmp_path, monkeypatch) == 1
 

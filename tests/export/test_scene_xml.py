@@ -32,6 +32,7 @@ def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     return request.param, write_pipe_folder(request.param, tmp_path_factory.mktemp("pipes"))
 
 
+@pytest.mark.slow
 def test_stl_files_are_watertight_and_in_millimetres(made: tuple[PipeCorner, Path]) -> None:
     pipe, folder = made
     for name in ("boards.stl", "tube.stl"):

@@ -8,8 +8,9 @@ from typing import Any
 from rich.console import Console
 
 from pipenav.evaluation.config import EvaluationConfig
+from pipenav.evaluation.pipe_results import PipeRecord
 from pipenav.evaluation.report import evaluation_table
-from pipenav.evaluation.results import Evaluation, PipeRecord
+from pipenav.evaluation.results import Evaluation
 from pipenav.evaluation.thesis import ANGLES_DEG, thesis_best
 
 

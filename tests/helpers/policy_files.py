@@ -10,7 +10,9 @@ import gymnasium
 import numpy as np
 import pytest
 
-from pipenav.policies.policy import PolicyFileError, header_for, load_policy
+from pipenav.policies.file import PolicyFileError
+from pipenav.policies.header import header_for
+from pipenav.policies.policy import load_policy
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.registry import task_of

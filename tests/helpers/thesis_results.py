@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from pipenav.evaluation.config import EvaluationConfig
-from pipenav.evaluation.results import Evaluation, PipeRecord
+from pipenav.evaluation.pipe_results import PipeRecord
+from pipenav.evaluation.results import Evaluation
 from pipenav.evaluation.thesis import ANGLES_DEG, thesis_rows
 from pipenav.experiments.definition import experiment_names, load_experiment
 from pipenav.experiments.plan import ExperimentPlan, ExperimentSettings, open_plan, resolved_agent

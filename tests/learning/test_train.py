@@ -78,6 +78,7 @@ def copied(run: TrainingFolder, tmp_path: Path) -> TrainingFolder:
     return TrainingFolder(Path(shutil.copytree(run.path, tmp_path / "run")))
 
 
+@pytest.mark.slow
 def test_a_training_learns_to_pass_one_corner(tmp_path: Path) -> None:
     config = load_config(
         options={"pipes": ["d=110,angle=110"], "steps": 18_432, "check.every": 18_432, "check.episodes": 32}
@@ -105,6 +106,7 @@ def test_a_training_folder_is_complete(run: TrainingFolder) -> None:
     assert TrainingFolder.open(run.path)[1] == tiny()
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_weights(run: TrainingFolder, tmp_path: Path) -> None:
     again, _ = trained(tmp_path / "again", tiny())
     assert weights(again.last) == weights(run.last)
@@ -112,6 +114,7 @@ def test_the_same_seed_gives_the_same_weights(run: TrainingFolder, tmp_path: Pat
     assert weights(other.last) != weights(run.last)
 
 
+@pytest.mark.slow
 def test_a_resumed_training_goes_on_where_it_was(copied: TrainingFolder) -> None:
     before = progress(copied)
     folder, config = TrainingFolder.open(copied.path)
@@ -190,6 +193,7 @@ class Poisoned:
         return reading
 
 
+@pytest.mark.slow
 def test_a_value_that_is_not_finite_stops_the_training(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     import pipenav.learning.train as module
 

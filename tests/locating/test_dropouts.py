@@ -66,6 +66,7 @@ def test_a_wall_that_was_last_seen_farther_away_stops_the_advance_when_it_must_b
     assert covered < first
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["basic", "high-fidelity", "real-setup"])
 @pytest.mark.parametrize("disturbance", ["real-world", "half"])
 def test_targets_are_located_without_a_touch(name: str, disturbance: str) -> None:

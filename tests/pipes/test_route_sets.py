@@ -56,6 +56,7 @@ def test_a_shipped_set_covers_the_working_range_in_routes_of_five_corners(name: 
     assert 0.4 < sum(corner.turn == "left" for corner in corners) / len(corners) < 0.6
 
 
+@pytest.mark.slow
 def test_the_routes_for_training_are_planar_and_shorter_than_those_of_the_evaluations() -> None:
     sizes = {"runs-narrow-train": 200, "runs-train": 400, "runs-wide-train": 200}
     assert route_set_names() == sorted(["runs-level", "runs-rolled", *sizes])

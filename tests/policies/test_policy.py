@@ -23,15 +23,9 @@ from helpers.policy_files import (
 )
 
 from pipenav.errors import UnknownName
-from pipenav.policies.policy import (
-    Policy,
-    PolicyFileError,
-    header_for,
-    load_policy,
-    policy_names,
-    resolve_policy,
-    save_policy,
-)
+from pipenav.policies.file import PolicyFileError
+from pipenav.policies.header import header_for
+from pipenav.policies.policy import Policy, load_policy, policy_names, resolve_policy, save_policy
 from pipenav.tasks.registry import task_of
 
 

@@ -145,6 +145,7 @@ def test_an_encoder_that_fails_leaves_the_old_file_and_its_words(
     assert {path.name for path in tmp_path.iterdir()} == {"encoder", "film.mp4"}
 
 
+@pytest.mark.slow
 def test_drawing_needs_no_display(tmp_path: Path) -> None:
     program = (
         "import os, sys\n"

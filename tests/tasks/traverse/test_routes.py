@@ -153,6 +153,7 @@ def test_a_route_and_its_mirror_image_are_seen_and_driven_alike_through_all_corn
         assert right == pytest.approx(left * ROBOT.mirror_drives)
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None)
 @given(st.sampled_from(LEVEL))
 def test_the_side_is_that_of_the_first_corner_that_the_middle_has_not_passed(route: Pipe) -> None:
