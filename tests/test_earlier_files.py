@@ -68,6 +68,7 @@ def test_a_route_folder_is_read_and_made_again_by_the_older_option(here: Path) -
     assert read_route_folder(here / "my-run") == route
 
 
+@pytest.mark.slow
 def test_a_training_goes_on(here: Path) -> None:
     training = here / "training"
     shutil.copytree(EARLIER / "training", training)
@@ -118,6 +119,7 @@ def test_an_evaluation_in_routes_is_read_as_today(here: Path) -> None:
     assert '"schema": 2' in evaluation.to_json()
 
 
+@pytest.mark.slow
 def test_trajectories_are_drawn_and_mirrored(here: Path) -> None:
     run("mirror-rear", "--trajectory", EARLIER / "front.csv", "--out", "rear.csv")
     now, before = read_trajectory(here / "rear.csv"), read_trajectory(EARLIER / "rear.csv")

@@ -15,6 +15,8 @@ from pipenav.cli import main
 from pipenav.comparison.agreement import Agreement, Check, Sides, checks, compare
 from pipenav.robots.robot import load_robot, robot_names
 
+pytestmark = pytest.mark.slow
+
 ARMS = [name for name in robot_names() if not load_robot(name).free]
 BOTH = ("mujoco", "pybullet")
 
@@ -28,7 +30,6 @@ def agreement_of(robot: str) -> Agreement:
     return compare(load_robot(robot), *map(SimulatorSettings, BOTH))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("robot", ARMS)
 def test_every_difference_is_within_its_tolerance(robot: str) -> None:
     assert [check for check in checks(load_robot(robot), agreement_of(robot)) if not check.holds] == []
@@ -81,7 +82,6 @@ def command(agreement: Agreement, folder: Path, monkeypatch: pytest.MonkeyPatch)
     return int(left.value.code or 0)
 
 
-@pytest.mark.slow
 def test_the_command_draws_and_tells(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -91,7 +91,6 @@ def test_the_command_draws_and_tells(
     assert capsys.readouterr().out.count("holds") == len(checks(load_robot("basic"), agreement_of("basic")))
 
 
-@pytest.mark.slow
 def test_the_command_fails_where_they_disagree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert command(spoilt(agreement_of("basic"), ranges=0.01), tmp_path, monkeypatch) == 1
 

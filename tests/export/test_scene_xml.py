@@ -42,6 +42,7 @@ def test_stl_files_are_watertight_and_in_millimetres(made: tuple[PipeCorner, Pat
     assert np.ptp(trimesh.load(folder / "boards.stl").bounds[:, 2]) == pytest.approx(1000 * pipe.diameter, abs=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["boards.stl", "tube.stl"])
 def test_stl_cut_in_the_pipes_plane_shows_its_walls(made: tuple[PipeCorner, Path], name: str) -> None:
     pipe, folder = made

@@ -141,6 +141,7 @@ def test_resume_restores_weights_and_keeps_the_best(copied: TrainingFolder) -> N
     assert copied.best.read_bytes() == best
 
 
+@pytest.mark.slow
 def test_a_training_that_starts_from_another_has_its_weights_and_its_own_count(
     run: TrainingFolder, tmp_path: Path
 ) -> None:

@@ -67,6 +67,7 @@ def test_the_routes_for_training_are_planar_and_shorter_than_those_of_the_evalua
         assert not set(routes) & set(parse_routes(["runs-level"]))
 
 
+@pytest.mark.slow
 def test_the_rolled_routes_leave_room_for_the_whole_robot_between_two_corners() -> None:
     straights = {
         name: {x for route in parse_routes([name]) for x in route.straights[1:-1]} for name in route_set_names()

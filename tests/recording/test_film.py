@@ -66,6 +66,7 @@ def test_everything_that_moves_is_in_the_picture(pipe: PipeCorner) -> None:
     assert (points < [box.right, box.top]).all()
 
 
+@pytest.mark.slow
 def test_a_strip_is_one_picture_with_a_row_for_each_motion(tmp_path: Path) -> None:
     reports: list[tuple[int, int]] = []
     write_film(tmp_path / "one.png", TWO[:1])
@@ -84,6 +85,7 @@ def test_a_strip_of_a_long_motion_has_its_first_and_last_frame(monkeypatch: pyte
     assert np.ptp(np.diff(rows)) <= 1
 
 
+@pytest.mark.slow
 def test_a_gif_is_in_real_time_and_rests_on_last_frames(tmp_path: Path) -> None:
     write_film(tmp_path / "two.gif", TWO)
     picture = Image.open(tmp_path / "two.gif")
@@ -94,6 +96,7 @@ def test_a_gif_is_in_real_time_and_rests_on_last_frames(tmp_path: Path) -> None:
     assert durations == [100, 100, 100, 1200, 100, 100, 1200]
 
 
+@pytest.mark.slow
 def test_an_mp4_is_in_real_time_for_every_player(tmp_path: Path) -> None:
     write_film(tmp_path / "two.mp4", TWO)
     frames = imageio_ffmpeg.read_frames(str(tmp_path / "two.mp4"))

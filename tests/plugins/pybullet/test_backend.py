@@ -23,6 +23,8 @@ from pipenav.robots.robot import RobotSpec, load_robot
 from pipenav.tasks.reach import episode
 from pipenav.tasks.reach.config import ReachConfig
 
+pytestmark = pytest.mark.slow
+
 ROBOT = load_robot("basic")
 
 
@@ -79,7 +81,6 @@ def test_a_slide_presses_with_its_stall_effort() -> None:
     backend.close()
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("duty", [-1.0, 0.3])
 def test_a_hinge_presses_by_the_law_of_the_lever(duty: float) -> None:
     robot, pipe = single(1), PipeCorner.of(100, 180)
@@ -94,7 +95,6 @@ def test_a_hinge_presses_by_the_law_of_the_lever(duty: float) -> None:
     backend.close()
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("angle", [55, 65, 90, 125])
 def test_a_link_that_slides_slowly_along_the_inner_wall_is_not_stopped_at_its_edge(angle: float) -> None:
     robot, pipe = ROBOT.model_copy(update={"links": ROBOT.links[:2]}), PipeCorner.of(70, angle)
@@ -138,7 +138,6 @@ def test_the_position_controller_goes_to_its_set_points_and_stays() -> None:
     backend.close()
 
 
-@pytest.mark.slow
 def test_walls_hold_the_arm_and_penetration_is_the_overlap_of_the_shapes() -> None:
     rng = np.random.default_rng(5)
     n = 16
@@ -160,7 +159,6 @@ def test_walls_hold_the_arm_and_penetration_is_the_overlap_of_the_shapes() -> No
     backend.close()
 
 
-@pytest.mark.slow
 def test_beams_end_at_the_walls() -> None:
     rng = np.random.default_rng(6)
     n = 16
@@ -184,7 +182,6 @@ def run(backend: PybulletBackend, n: int, steps: int) -> Reading:
     return reading
 
 
-@pytest.mark.slow
 def test_any_number_of_processes_gives_the_same_bits() -> None:
     n = 36  # three worlds
     one, many = run(crowd(n)[0], n, 10), run(crowd(n, processes=3)[0], n, 10)

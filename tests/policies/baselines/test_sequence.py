@@ -91,6 +91,7 @@ def test_the_same_start_gives_the_same_motion(name: str) -> None:
     assert np.array_equal(*motions)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("diameter", [70.0, 90.0, 110.0])
 def test_a_clamp_presses_as_its_joint_says_and_carries_the_robot(
     diameter: float, monkeypatch: pytest.MonkeyPatch
