@@ -17,9 +17,7 @@ from pipenav.robots import RobotSpec, frames, kinematics, laser
 class LagOptions(BackendOptions):
     """Settings of this backend, which `pipenav backends lag` lists."""
 
-    time_constant: float = Field(
-        0.05, gt=0, le=10, description="time in which two thirds of a change of speed are made [s]"
-    )
+    time_constant: float = Field(0.05, gt=0, le=10, description="time constant of a change of speed [s]")
 
 
 class LagBackend(Simulator):

@@ -11,8 +11,7 @@ from pathlib import Path
 
 import pytest
 from doc_pages import PAGES, ROOT, blocks
-
-from pipenav.cli import main
+from tiny import pipenav, tiny
 
 FIRST_TRAININGS = {"runs/arm": "arm", "runs/pirate-gravity": "pirate-gravity"}
 """Training folders that a command goes on with, and the preset of each."""
@@ -32,14 +31,6 @@ roll_deg = 90
 straight_mm = 1000
 """
 """The shortest route that leaves the plane."""
-
-
-def pipenav(*words: str) -> int:
-    """Exit code of `pipenav WORDS`, in this process."""
-    with pytest.raises(SystemExit) as left:
-        main(words)
-    assert left.value.code is None or isinstance(left.value.code, int)
-    return left.value.code or 0
 
 
 def named_files() -> dict[str, str]:
@@ -70,8 +61,6 @@ def lag_plugin(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 @pytest.fixture(scope="session")
 def workshop(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with all that documented commands read, except what only a mission leaves behind."""
-    from tiny import tiny
-
     folder = tmp_path_factory.mktemp("workshop")
     for name, text in named_files().items():
         (folder / name).write_text(text, encoding="utf-8")

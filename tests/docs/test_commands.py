@@ -16,9 +16,8 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from conftest import pipenav
 from doc_pages import PAGES, ROOT, Command, fenced_commands, inline_commands
-from tiny import Options, Words, expected, tiny
+from tiny import Options, Words, expected, pipenav, tiny
 
 from pipenav.cli import COMMANDS
 from pipenav.pipes import parse_any
@@ -36,7 +35,7 @@ FRAGMENTS = {
     ("train", "--config"),
     ("view", "--live"),
 }
-"""Parts of commands that the text speaks of: their options must exist. A command alone, as `pipenav eval`, is another."""
+"""Parts of commands that the text speaks of: their options must exist. A command alone, `pipenav eval`, is another."""
 
 SLOW = {"compare-backends", "experiment"}
 

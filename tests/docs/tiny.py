@@ -8,6 +8,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
+import pytest
+
+from pipenav.cli import main
+
 Words = tuple[str, ...]
 
 DROPPED = {"--out", "--episodes", "--seed", "--steps", "--seeds"}
@@ -19,11 +23,15 @@ CORNERS = {"working-range": "d=100,angle=90", "thesis": "d=100,angle=90", "thesi
 ROUTES = {"runs-level": "my-route.toml", "runs-rolled": "my-rolled-route.toml"}
 """A short route in place of a set."""
 
-TRAINING = {
-    "steps": "64",
-    "set": ["learner.robots=4", "learner.rollout_steps=8", "learner.batch_size=8", "learner.epochs=1"]
-    + ["check.episodes=2", "check.every=64"],
-}
+TRAINING = (
+    "learner.robots=4",
+    "learner.rollout_steps=8",
+    "learner.batch_size=8",
+    "learner.epochs=1",
+    "check.episodes=2",
+    "check.every=64",
+)
+"""Settings of a training that takes a second."""
 
 
 class Expected(NamedTuple):
@@ -91,6 +99,14 @@ class Options(NamedTuple):
 FLAGS = {"--dry-run", "--emulate", "--help", "--live", "--replay", "--write-servos", "--yes"}
 
 
+def pipenav(*words: str) -> int:
+    """Exit code of `pipenav WORDS`, in this process."""
+    with pytest.raises(SystemExit) as left:
+        main(words)
+    assert left.value.code is None or isinstance(left.value.code, int)
+    return left.value.code or 0
+
+
 def tiny(argv: Words) -> Words:
     """What a test runs in place of `pipenav ...`.
 
@@ -117,8 +133,8 @@ def _as_it_stands(options: Options) -> Options:
 def _train(options: Options) -> Options:
     if options.has("--resume"):
         return options.plus(("--steps", "128"))
-    settings = [("--set", setting) for setting in TRAINING["set"]]
-    return options.without(DROPPED).plus(("--steps", str(TRAINING["steps"])), *settings, ("--out", "trained"))
+    settings = [("--set", setting) for setting in TRAINING]
+    return options.without(DROPPED).plus(("--steps", "64"), *settings, ("--out", "trained"))
 
 
 def _eval(options: Options) -> Options:
@@ -149,7 +165,9 @@ def _experiment(options: Options) -> Options:
 
 
 def _run_real(options: Options) -> Options:
-    return options.plus(("--yes", None), ("--ticks", "5"), ("--patience", "10")) if options.has("--emulate") else options
+    if not options.has("--emulate"):
+        return options
+    return options.plus(("--yes", None), ("--ticks", "5"), ("--patience", "10"))
 
 
 RULES: dict[str, Callable[[Options], Options]] = {
