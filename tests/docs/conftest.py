@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from doc_pages import PAGES, ROOT, blocks
-from tiny import pipenav, tiny
+from helpers.doc_pages import PAGES, ROOT, blocks
+from helpers.documented import pipenav, tiny
 
 FIRST_TRAININGS = {"runs/arm": "arm", "runs/pirate-gravity": "pirate-gravity"}
 """Training folders that a command goes on with, and the preset of each."""

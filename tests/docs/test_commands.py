@@ -1,4 +1,4 @@
-"""Every command in README and docs is run, with sizes that take a second; `tiny.py` says how.
+"""Every command in README and docs is run, with sizes that take a second; `helpers/documented.py` says how.
 
 Commands whose tiny forms are equal are run once. Of trainings of one task on one backend one is run; the others are
 prepared and checked, up to where the learner would begin. What is no command of pipenav (make, pip, python) is checked
@@ -16,8 +16,8 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from doc_pages import PAGES, ROOT, Command, fenced_commands, inline_commands
-from tiny import Options, Words, expected, pipenav, tiny
+from helpers.doc_pages import PAGES, ROOT, Command, fenced_commands, inline_commands
+from helpers.documented import Options, Words, expected, pipenav, tiny
 
 from pipenav.cli import COMMANDS
 from pipenav.pipes import parse_any

@@ -9,8 +9,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from doc_pages import ROOT
-from tiny import pipenav
+from helpers.doc_pages import ROOT
+from helpers.documented import pipenav
 
 EXAMPLES = ROOT / "examples"
 

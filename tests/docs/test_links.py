@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from doc_pages import PAGES, ROOT, anchors, blocks, links
+from helpers.doc_pages import PAGES, ROOT, anchors, blocks, links
 
 LANGUAGES = {"sh", "python", "toml", "json", "text"}
 

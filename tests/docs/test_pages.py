@@ -7,7 +7,7 @@ import re
 import sys
 
 import pytest
-from doc_pages import ROOT
+from helpers.doc_pages import ROOT
 from PIL import Image
 
 sys.path.append(str(ROOT / "docs"))

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from doc_pages import PAGES, ROOT, Block, blocks
-from tiny import pipenav
+from helpers.doc_pages import PAGES, ROOT, Block, blocks
+from helpers.documented import pipenav
 
 from pipenav.pipes import parse_routes
 

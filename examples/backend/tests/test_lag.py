@@ -7,13 +7,13 @@ import pytest
 from pipenav.backends import load_backend
 from pipenav.errors import PipenavError
 from pipenav.robots import load_robot
-from pipenav.testing import CONTRACT, VARIATION_LAWS, Bench
+from pipenav.testing import ALL_LAWS, Bench
 
 
 @pytest.mark.parametrize("robot", ["basic", "real-setup"])
-@pytest.mark.parametrize("check", [*CONTRACT, *VARIATION_LAWS], ids=lambda check: check.__name__)
-def test_contract(check: Callable[[Bench], None], robot: str) -> None:
-    check(Bench("lag", load_robot(robot)))
+@pytest.mark.parametrize("law", ALL_LAWS, ids=lambda law: law.__name__)
+def test_contract(law: Callable[[Bench], None], robot: str) -> None:
+    law(Bench("lag", load_robot(robot)))
 
 
 def test_a_robot_on_wheels_is_refused() -> None:
