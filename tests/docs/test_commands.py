@@ -20,7 +20,7 @@ from helpers.doc_pages import PAGES, ROOT, Command, fenced_commands, inline_comm
 from helpers.documented import Options, Words, expected, pipenav, tiny
 
 from pipenav.cli import COMMANDS
-from pipenav.pipes import parse_any
+from pipenav.pipes import parse_pipes
 
 FENCED = [command for page in PAGES for command in fenced_commands(page)]
 INLINE = [command for page in PAGES for command in inline_commands(page)]
@@ -108,7 +108,7 @@ def test_pipes_that_a_command_names_exist(command: Command, here: Path) -> None:
     """Tiny commands take one corner in place of a set."""
     del here
     pipes = [str(value) for option, value in Options.of(command.argv).given if option == "--pipes"]
-    assert len(parse_any(pipes)) >= len(pipes)
+    assert len(parse_pipes(pipes)) >= len(pipes)
 
 
 @pytest.mark.parametrize("command", [c for c in INLINE if is_fragment(c)], ids=lambda command: command.where)
