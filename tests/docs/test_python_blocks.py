@@ -9,6 +9,7 @@ from helpers.doc_pages import PAGES, ROOT, Block, blocks
 from helpers.documented import pipenav
 
 from pipenav.pipes import parse_routes
+from pipenav.robots import load_robot
 
 BLOCKS = [block for page in PAGES for block in blocks(page) if block.language == "python"]
 
@@ -29,6 +30,11 @@ FILES_OF = {
     ],
 }
 """Commands that make what the Python of a page reads."""
+
+
+def test_shown_robot_can_be_read(here: Path) -> None:
+    del here
+    assert [joint.name for joint in load_robot("finger.toml").joints] == ["slide", "shoulder", "elbow"]
 
 
 def test_shown_set_of_routes_can_be_read(here: Path) -> None:
