@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from pipenav.arrays import Floats, Ints
-from pipenav.backends import CONTROL_PERIOD, BackendOptions, Command, Reading, Simulator, Truth
+from pipenav.backends import CONTROL_PERIOD, BackendOptions, Command, Reading, Simulator, TooManyWalls, Truth
 from pipenav.errors import PipenavError
 from pipenav.pipes import Pipe
 from pipenav.robots import RobotSpec, frames, kinematics, laser
@@ -40,7 +40,7 @@ class LagBackend(Simulator):
         for i, pipe in zip(indices, pipes, strict=True):
             count = len(pipe.segments)
             if count > self._slots:
-                raise PipenavError(f"{pipe.name} has {count} wall segments, this backend was opened for {self._slots}.")
+                raise TooManyWalls(pipe, self._slots)
             self._segments[i] = pipe.segments[-1]  # also in the slots that are left over
             self._segments[i, :count] = pipe.segments
         self._q[indices], self._qd[indices], self._time[indices], self._base[indices] = q, 0.0, 0.0, base

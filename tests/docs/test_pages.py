@@ -10,6 +10,8 @@ import pytest
 from helpers.doc_pages import ROOT
 from PIL import Image
 
+from pipenav.backends.moved import MOVED
+
 sys.path.append(str(ROOT / "docs"))
 
 import draw_architecture
@@ -40,6 +42,16 @@ def test_public_names_are_listed(module: str) -> None:
 def test_public_names_exist(module: str) -> None:
     loaded = importlib.import_module(module)
     assert [name for name in loaded.__all__ if not hasattr(loaded, name)] == []
+
+
+def test_moved_names_are_those_that_plugins_are_told() -> None:
+    guide = (ROOT / "docs/guides/write-a-backend.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (`pipenav\..+?) \| (`pipenav\..+?) \|$", guide, re.MULTILINE)
+    assert len(rows) > 5
+    for row in rows:
+        old, new = (re.findall(r"`([\w.]+)`", cell) for cell in row)
+        for i, name in enumerate(old):
+            assert MOVED.get(name, name) == new[min(i, len(new) - 1)]
 
 
 def test_every_package_has_a_row() -> None:
