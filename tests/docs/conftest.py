@@ -59,9 +59,9 @@ def lag_plugin(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 
 
 @pytest.fixture(scope="session")
-def workshop(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with all that documented commands read, except what only a mission leaves behind."""
-    folder = tmp_path_factory.mktemp("workshop")
+def shown_files(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the files that pages show, a robot and some policies."""
+    folder = tmp_path_factory.mktemp("shown")
     for name, text in named_files().items():
         (folder / name).write_text(text, encoding="utf-8")
     (folder / "my-rolled-route.toml").write_text(ROLLED_ROUTE, encoding="utf-8")
@@ -70,6 +70,13 @@ def workshop(tmp_path_factory: pytest.TempPathFactory) -> Path:
         file = folder / place if place.endswith(".zip") else folder / place / "best.zip"
         file.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / "models/policies" / policy / "best.zip", file)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def workshop(shown_files: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with all that documented commands read, except what only a mission leaves behind."""
+    folder = shutil.copytree(shown_files, tmp_path_factory.mktemp("workshop") / "workshop")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         for place, preset in FIRST_TRAININGS.items():
@@ -95,5 +102,14 @@ def here(workshop: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Pat
     """A copy of the workshop, in which the test is."""
     folder = tmp_path / "here"
     shutil.copytree(workshop, folder)
+    monkeypatch.chdir(folder)
+    return folder
+
+
+@pytest.fixture
+def among_shown_files(shown_files: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A copy of the files that pages show, in which the test is."""
+    folder = tmp_path / "shown"
+    shutil.copytree(shown_files, folder)
     monkeypatch.chdir(folder)
     return folder

@@ -37,8 +37,6 @@ FRAGMENTS = {
 }
 """Parts of commands that the text speaks of: their options must exist. A command alone, `pipenav eval`, is another."""
 
-SLOW = {"compare-backends", "experiment"}
-
 
 def is_fragment(command: Command) -> bool:
     words = command.argv[1:]
@@ -58,8 +56,7 @@ def cases() -> list[object]:
     found, trained = [], set[tuple[str | None, bool, bool, bool]]()
     for words, command in first.items():
         on_an_arm = "--emulate" in words or "runs/real-1" in " ".join(words)
-        marks = [pytest.mark.slow] if words[0] in SLOW or on_an_arm else []
-        marks += [pytest.mark.realtime] if on_an_arm else []
+        marks = [pytest.mark.realtime] if on_an_arm else []
         marks += [pytest.mark.skipif(needs_pybullet(words), reason="pybullet is not installed")]
         options = Options.of(("pipenav", *words))
         kind = (options.value("--backend"), "pirate" in str(words), options.has("--from"), options.has("--resume"))
@@ -74,6 +71,7 @@ def needs_pybullet(words: Words) -> bool:
     return (other or "pybullet" in words) and importlib.util.find_spec("pybullet") is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("words", "alike"), cases())
 def test_command(
     words: Words,
@@ -104,9 +102,9 @@ def skip_training(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("command", OURS, ids=lambda command: command.where)
-def test_pipes_that_a_command_names_exist(command: Command, here: Path) -> None:
+def test_pipes_that_a_command_names_exist(command: Command, among_shown_files: Path) -> None:
     """Tiny commands take one corner in place of a set."""
-    del here
+    del among_shown_files
     pipes = [str(value) for option, value in Options.of(command.argv).given if option == "--pipes"]
     assert len(parse_pipes(pipes)) >= len(pipes)
 

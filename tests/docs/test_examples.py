@@ -26,6 +26,7 @@ def test_every_program_is_tested() -> None:
     assert {path.name for path in EXAMPLES.glob("*.py")} == set(PROGRAMS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_program(name: str, tmp_path: Path) -> None:
     arguments, printed, written = PROGRAMS[name]
@@ -36,6 +37,7 @@ def test_program(name: str, tmp_path: Path) -> None:
     assert written is None or (tmp_path / written).is_file()
 
 
+@pytest.mark.slow
 def test_plugin_is_listed(lag_plugin: Path, capfd: pytest.CaptureFixture[str]) -> None:
     del lag_plugin
     assert pipenav("backends") == 0
@@ -43,12 +45,14 @@ def test_plugin_is_listed(lag_plugin: Path, capfd: pytest.CaptureFixture[str]) -
     assert line.split() == ["lag", "yes", "pipenav-lag", "0.1.0"]
 
 
+@pytest.mark.slow
 def test_plugin_settings_are_listed(lag_plugin: Path, capfd: pytest.CaptureFixture[str]) -> None:
     del lag_plugin
     assert pipenav("backends", "lag") == 0
     assert "time constant" in capfd.readouterr().out
 
 
+@pytest.mark.slow
 def test_plugin_passes_its_own_tests(lag_plugin: Path, tmp_path: Path) -> None:
     """Installed as a stranger installs it, and run outside our checkout."""
     tests = shutil.copytree(EXAMPLES / "backend/tests", tmp_path / "tests")

@@ -15,10 +15,10 @@ BLOCKS = [block for page in PAGES for block in blocks(page) if block.language ==
 
 
 @pytest.mark.parametrize("block", BLOCKS, ids=lambda block: f"{block.page.relative_to(ROOT)}:{block.line}")
-def test_python_block_runs(block: Block, here: Path) -> None:
+def test_python_block_runs(block: Block, among_shown_files: Path) -> None:
+    del among_shown_files
     for words in FILES_OF.get(block.page.name, ()):
         assert pipenav(*words) == 0
-    del here
     exec(compile(block.code, f"{block.page.name}:{block.line}", "exec"), {"__name__": "documented"})
 
 
@@ -32,11 +32,11 @@ FILES_OF = {
 """Commands that make what the Python of a page reads."""
 
 
-def test_shown_robot_can_be_read(here: Path) -> None:
-    del here
+def test_shown_robot_can_be_read(among_shown_files: Path) -> None:
+    del among_shown_files
     assert [joint.name for joint in load_robot("finger.toml").joints] == ["slide", "shoulder", "elbow"]
 
 
-def test_shown_set_of_routes_can_be_read(here: Path) -> None:
-    del here
+def test_shown_set_of_routes_can_be_read(among_shown_files: Path) -> None:
+    del among_shown_files
     assert len(parse_routes(["my-routes.toml"])) == 24
