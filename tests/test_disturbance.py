@@ -14,7 +14,7 @@ from pipenav.errors import PipenavError
 from pipenav.learning.config import load_config, preset_names, validate_config
 from pipenav.tasks.reach.config import ReachConfig
 
-DOCUMENT = Path(__file__).resolve().parents[1] / "docs" / "disturbances.md"
+DOCUMENT = Path(__file__).resolve().parents[1] / "docs/guides/disturbances.md"
 
 
 @pytest.mark.parametrize("name", disturbance_names())
