@@ -15,7 +15,7 @@ from pipenav.errors import PipenavError
 from pipenav.learning.config import load_config, preset_names, validate_config
 from pipenav.tasks.reach.config import ReachConfig
 
-DOCUMENT = ROOT / "docs" / "disturbances.md"
+DOCUMENT = ROOT / "docs/guides/disturbances.md"
 
 
 @pytest.mark.parametrize("name", disturbance_names())
