@@ -40,6 +40,7 @@ def test_folder_holds_exactly_its_files(made: tuple[PipeRoute, Path]) -> None:
     assert list(folder.parent.iterdir()) == [folder]
 
 
+@pytest.mark.slow
 def test_folder_and_file_are_read_alike(made: tuple[PipeRoute, Path]) -> None:
     route, folder = made
     assert read_route_folder(folder) == read_route_folder(folder / "run.json") == route

@@ -54,6 +54,7 @@ def test_stl_cut_in_the_pipes_plane_shows_its_walls(made: tuple[PipeCorner, Path
         assert distance_to_point(hit, pipe.segments) < TENTH_OF_A_MM
 
 
+@pytest.mark.slow
 def test_tube_has_its_diameters_all_around(made: tuple[PipeCorner, Path]) -> None:
     pipe, folder = made
     body = trimesh.load(folder / "tube.stl")

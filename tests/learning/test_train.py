@@ -25,6 +25,8 @@ from pipenav.learning.training_folder import TrainingFolder, default_training_pa
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.policy import load_policy
 
+pytestmark = pytest.mark.slow
+
 TINY = {
     "pipes": ["d=100,angle=90"],
     "learner.robots": 16,
@@ -78,7 +80,6 @@ def copied(run: TrainingFolder, tmp_path: Path) -> TrainingFolder:
     return TrainingFolder(Path(shutil.copytree(run.path, tmp_path / "run")))
 
 
-@pytest.mark.slow
 def test_a_training_learns_to_pass_one_corner(tmp_path: Path) -> None:
     config = load_config(
         options={"pipes": ["d=110,angle=110"], "steps": 18_432, "check.every": 18_432, "check.episodes": 32}
@@ -106,7 +107,6 @@ def test_a_training_folder_is_complete(run: TrainingFolder) -> None:
     assert TrainingFolder.open(run.path)[1] == tiny()
 
 
-@pytest.mark.slow
 def test_the_same_seed_gives_the_same_weights(run: TrainingFolder, tmp_path: Path) -> None:
     again, _ = trained(tmp_path / "again", tiny())
     assert weights(again.last) == weights(run.last)
@@ -114,7 +114,6 @@ def test_the_same_seed_gives_the_same_weights(run: TrainingFolder, tmp_path: Pat
     assert weights(other.last) != weights(run.last)
 
 
-@pytest.mark.slow
 def test_a_resumed_training_goes_on_where_it_was(copied: TrainingFolder) -> None:
     before = progress(copied)
     folder, config = TrainingFolder.open(copied.path)
@@ -141,7 +140,6 @@ def test_resume_restores_weights_and_keeps_the_best(copied: TrainingFolder) -> N
     assert copied.best.read_bytes() == best
 
 
-@pytest.mark.slow
 def test_a_training_that_starts_from_another_has_its_weights_and_its_own_count(
     run: TrainingFolder, tmp_path: Path
 ) -> None:
@@ -194,7 +192,6 @@ class Poisoned:
         return reading
 
 
-@pytest.mark.slow
 def test_a_value_that_is_not_finite_stops_the_training(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     import pipenav.learning.train as module
 
