@@ -12,6 +12,7 @@ ROBOT = load_robot("basic")
 
 
 def motion(rows: int, pipe: PipeCorner, outcome: str | None = "reached") -> Trajectory:
+    """A motion of some rows that bends the arm to the pipe's side, and touches the wall in the end."""
     target = 0.15 * pipe.second_leg
     header = TrajectoryHeader(
         robot="basic",

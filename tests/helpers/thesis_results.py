@@ -37,6 +37,7 @@ def thesis_evaluation(stage: str, percent: dict[str, dict[float, float]], policy
 
 
 def thesis_figures(table: str | None, label: str) -> dict[str, dict[float, float]]:
+    """Success [percent] by diameter [mm], for each stage of a row of the thesis."""
     return {row.stage: row.percent for row in thesis_rows() if (row.table, row.agent) == (table, label)}
 
 
