@@ -1,4 +1,4 @@
-"""What documented commands find in the folder in which they are run."""
+"""Fixtures of the tests of documentation: the folder in which documented commands find all that they read."""
 
 from __future__ import annotations
 
