@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+
 from helpers.doc_pages import PAGES, ROOT, blocks
 from helpers.documented import pipenav, tiny
 
