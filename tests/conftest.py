@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 sys.path.append(str(Path(__file__).parent))
 pytest.register_assert_rewrite("helpers")
 settings.register_profile("quick", max_examples=20)
+pytest_plugins = ["helpers.workshop"]
 
 
 @pytest.fixture(scope="session")

@@ -1,4 +1,4 @@
-"""What documented commands find in the folder in which they are run."""
+"""Fixtures of the tests of documentation: the folder in which documented commands find all that they read."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+
 from helpers.doc_pages import PAGES, ROOT, blocks
 from helpers.documented import pipenav, tiny
 
