@@ -6,6 +6,7 @@ import ast
 import subprocess
 import sys
 from collections.abc import Iterator
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -52,6 +53,7 @@ ALL = modules(CORE)
 IN_PLUGINS = {name: path for plugin in PLUGINS for name, path in modules(ROOT / "plugins" / plugin).items()}
 
 
+@cache
 def imported(path: Path, everywhere: bool = True) -> set[str]:
     """Modules that a file imports: anywhere but under TYPE_CHECKING, or only at module level."""
 
