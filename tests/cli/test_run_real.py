@@ -187,6 +187,26 @@ def test_a_killed_mission_leaves_its_ticks_and_no_torque(tmp_path: Path) -> None
     )
 
 
+JOINTS = "l, theta1, theta2, theta3"
+SUPPLY = "switch the supply off before touching the arm"
+
+
+@pytest.mark.parametrize(
+    ("fault", "cause", "joints"),
+    [({"fault": "unplug"}, "bus-lost", JOINTS), ({"fault": "dead", "servo": 3}, "comms", "theta2")],
+    ids=["the adapter is pulled", "a servo is silent"],
+)
+def test_a_stop_names_the_joints_that_could_not_be_confirmed_off(
+    tmp_path: Path, fault: dict[str, Any], cause: str, joints: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    faults = tmp_path / "faults.json"
+    faults.write_text(json.dumps([{**fault, "tick": 4}]))
+    assert run(*EMULATED, "--faults", str(faults), "--out", str(tmp_path / "run")) == 1
+    said = capfd.readouterr().err
+    assert f"stopped ({cause})" in said
+    assert said.count(f"Torque may still be on at {joints}: {SUPPLY}.") == 2, "the program and its supervisor say so"
+
+
 @pytest.fixture
 def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Work in a folder where nothing lies."""
