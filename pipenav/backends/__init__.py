@@ -30,7 +30,7 @@ from pipenav.backends.real_robot import (
 from pipenav.backends.refusals import CannotIncline, CannotVary, NoViewer, PlaneOnly, TooManyWalls, UnevenTimestep
 from pipenav.backends.registry import check_options, load_backend, open_backend
 from pipenav.backends.requirements import availability
-from pipenav.backends.safety import Bounds, Deadlines, Limited, Repeats, Stopped
+from pipenav.backends.safety import Bounds, Deadlines, Limited, Repeats, Stopped, TorqueUnconfirmed
 from pipenav.backends.simulators import DEFAULT_SIMULATOR, SimulatorSettings, load_simulator, open_simulator, open_space
 from pipenav.backends.spatial import HALVES, SpaceBackend, SpaceReading, SpaceTruth
 from pipenav.backends.wall_boxes import OUTER_THICKNESS, PARKED, WALL_HALF_HEIGHT, Edge, WallBoxes, wall_boxes
@@ -70,6 +70,7 @@ __all__ = [
     "SpaceTruth",
     "Stopped",
     "TooManyWalls",
+    "TorqueUnconfirmed",
     "Truth",
     "UnevenTimestep",
     "Variation",

@@ -130,10 +130,19 @@ class Calibrator(ABC):
 
     @abstractmethod
     def off(self) -> list[str]:
-        """Switch torque off and ask back; never raises."""
+        """Switch torque off and ask back; never raises.
+
+        Returns:
+            The joints whose servo did not confirm.
+        """
 
     @abstractmethod
-    def close(self) -> None: ...
+    def close(self) -> None:
+        """Switch torque off and end.
+
+        Raises:
+            TorqueUnconfirmed: a joint did not confirm, and `off` has not named it before.
+        """
 
 
 class RealRobot(Backend):
@@ -169,6 +178,14 @@ class RealRobot(Backend):
 
         Returns:
             The joints whose servo did not confirm.
+        """
+
+    @abstractmethod
+    def close(self) -> None:
+        """Switch torque off and end.
+
+        Raises:
+            TorqueUnconfirmed: a joint did not confirm, and `off` has not named it before.
         """
 
     @abstractmethod

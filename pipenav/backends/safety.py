@@ -6,6 +6,7 @@ which is final: its handler switches torque off, and only a person starts again.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -28,11 +29,27 @@ class Stopped(PipenavError):
         cause: word for tables and logs, as `docs/guides/the-arm.md` explains it.
         what: what happened.
         remedy: what to do about it.
+        unconfirmed: joints whose torque may still be on.
     """
 
-    def __init__(self, cause: str, what: str, remedy: str) -> None:
-        self.cause, self.what, self.remedy = cause, what, remedy
+    def __init__(self, cause: str, what: str, remedy: str, unconfirmed: Sequence[str] = ()) -> None:
+        self.cause, self.what, self.remedy, self.unconfirmed = cause, what, remedy, list(unconfirmed)
         super().__init__(f"stopped ({cause}): {what}; {remedy}.")
+
+    def __str__(self) -> str:
+        return " ".join([*self.args, *([torque_warning(self.unconfirmed)] if self.unconfirmed else [])])
+
+
+class TorqueUnconfirmed(Stopped):
+    """Torque could not be confirmed off, after an ending that was no stop."""
+
+    def __init__(self, joints: Sequence[str], what: str = "the arm was switched off without an answer") -> None:
+        super().__init__("torque", what, "check supply and cables, then run pipenav hw-check", joints)
+
+
+def torque_warning(joints: Sequence[str]) -> str:
+    """Sentence about joints whose torque could not be confirmed off."""
+    return f"Torque may still be on at {', '.join(joints)}: switch the supply off before touching the arm."
 
 
 class Bounds(NamedTuple):

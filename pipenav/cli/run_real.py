@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import IO, TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 from rich.console import Console
@@ -26,6 +27,9 @@ if TYPE_CHECKING:
 
 DRY_RUN_TICKS = 100
 """Length of a dry run where no other is given [ticks]: ten seconds."""
+
+LAST_WORDS = 1.0
+"""Longest wait for the terminal to take what was shown [s]; torque is off then."""
 
 
 @takes_option_groups
@@ -49,7 +53,7 @@ def run_real(
 
     Look before you move: pipenav run-real --policy best.zip --dry-run
     """
-    from pipenav.cli.run_real_summary import require_success, show_summary
+    from pipenav.cli.run_real_summary import conclude
     from pipenav.deployment.arm_policy import policy_for
     from pipenav.deployment.plan import MissionPlan, free_folder
 
@@ -69,8 +73,7 @@ def run_real(
         if not (arm_options.yes or arm_options.dry_run or emulation) and not typer.confirm("Move the arm?"):
             raise PipenavError("not started: nothing has moved.")
         ending = _carry_out(console, arm, plan, stopping.hold_on_stop)
-    show_summary(console, plan, ending, pipe, emulation)
-    require_success(plan, ending)
+    conclude(console, plan, ending, pipe, emulation)
 
 
 def _drop_if_empty(folder: Path) -> None:
@@ -169,8 +172,14 @@ def _announce(console: Console, arm: RealRobot, plan: MissionPlan, dry_run: bool
 
 
 def _carry_out(console: Console, arm: RealRobot, plan: MissionPlan, hold_on_stop: bool) -> Ending:
+    from pipenav.cli.outlet import Outlet
     from pipenav.cli.run_real_view import MissionView
     from pipenav.deployment.session import execute
 
-    with MissionView(console, plan.policy.header.robot) as view:
-        return execute(arm, plan, view, view.released if hold_on_stop else None)
+    outlet = Outlet(sys.stdout)
+    shown = Console(file=cast(IO[str], outlet), width=console.width)
+    try:
+        with MissionView(shown, plan.policy.header.robot) as view:
+            return execute(arm, plan, view, view.released if hold_on_stop else None)
+    finally:
+        outlet.finish(LAST_WORDS)

@@ -19,6 +19,26 @@ from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
 
 
+def conclude(
+    console: Console, plan: MissionPlan, ending: Ending, pipe: PipeCorner | None, emulation: Emulation | None
+) -> None:
+    """Show the summary of a mission, see `show_summary`, and end the command by the right exit code.
+
+    Where the summary cannot be shown or written, what stopped the arm is said all the same.
+
+    Raises:
+        typer.Exit, Stopped, PipenavError: see `require_success`.
+    """
+    problem: BaseException | None = None
+    try:
+        show_summary(console, plan, ending, pipe, emulation)
+    except (PipenavError, OSError, SystemExit) as raised:  # rich leaves by SystemExit where nobody reads its output
+        problem = raised
+    require_success(plan, ending)
+    if problem is not None:
+        raise problem
+
+
 def show_summary(
     console: Console, plan: MissionPlan, ending: Ending, pipe: PipeCorner | None, emulation: Emulation | None
 ) -> None:
@@ -33,11 +53,13 @@ def show_summary(
     """
     if not ending.last_ticks:
         return
+    if ending.stopped is not None:
+        _show_last(console, ending.last_ticks)
+        if ending.stopped.cause == "telemetry":
+            return  # the disk takes nothing
     ticks = read_telemetry(plan.folder / TELEMETRY).ticks
     kept = pace(ticks)
     parts = ", ".join(f"{name} {seconds * 1e3:.1f}" for name, seconds in kept.parts.items())
-    if ending.stopped is not None:
-        _show_last(console, ending.last_ticks)
     console.print(
         f"{ending.outcome}: {kept.ticks} ticks at {kept.rate:.2f} Hz of 10, worst tick {kept.worst * 1e3:.1f} ms, "
         f"{kept.late} late, {kept.clamped} limited; mean ms: {parts}",

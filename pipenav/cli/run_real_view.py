@@ -49,7 +49,8 @@ class MissionView:
         if self._live is not None:
             self._live.stop()
         if self._terminal is not None:
-            termios.tcsetattr(sys.stdin, termios.TCSADRAIN, self._terminal)
+            with contextlib.suppress(OSError, ValueError, termios.error):  # the terminal may be gone
+                termios.tcsetattr(sys.stdin, termios.TCSANOW, self._terminal)
 
     def __call__(self, record: dict[str, Any]) -> None:
         """Show the record of a tick.

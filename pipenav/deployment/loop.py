@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import itertools
 import time
@@ -17,6 +18,7 @@ from pipenav.backends.safety import Stopped
 from pipenav.deployment.mission import Mission
 from pipenav.deployment.stages import Decision
 from pipenav.deployment.telemetry import Telemetry
+from pipenav.errors import FileProblem
 
 HOLD_PERIOD = 0.05
 """How often the supervisor of a held arm hears that the driver is alive [s]."""
@@ -82,7 +84,8 @@ def _recorded_tick(
     try:
         decision = _tick(arm, mission, record)
     except Stopped as stopped:
-        telemetry.tick({**record, "raw": arm.raw(), "stopped": stopped.cause})
+        with contextlib.suppress(FileProblem):  # it must not hide what stopped the arm
+            telemetry.tick({**record, "raw": arm.raw(), "stopped": stopped.cause})
         if stopped.cause not in RETREATABLE or not mission.back_out(stopped.cause):
             raise
         arm.hold()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 from collections.abc import Callable
 from datetime import UTC, datetime
@@ -17,6 +18,7 @@ from pipenav.deployment.loop import control_loop, hold_until
 from pipenav.deployment.mission import mission_of, mission_settings
 from pipenav.deployment.plan import POLICY_COPY, TELEMETRY, MissionPlan
 from pipenav.deployment.telemetry import Telemetry
+from pipenav.errors import FileProblem
 from pipenav.policies.header import installed_versions
 from pipenav.policies.policy import Policy
 from pipenav.robots import kinematics
@@ -58,18 +60,27 @@ def execute(
         try:
             with guarded(arm):
                 switch_on(arm, plan.policy, settings)
-                telemetry.begin(_header(arm, plan.policy, policy_bytes, settings))
                 try:
+                    telemetry.begin(_header(arm, plan.policy, policy_bytes, settings))
                     outcome = control_loop(arm, mission, telemetry, show, plan.stop_file, plan.most_ticks)
+                except FileProblem as problem:
+                    raise Stopped("telemetry", str(problem).rstrip("."), "make room, then start again") from problem
                 except Stopped as stopped:
-                    telemetry.end("stopped", stopped.cause, stopped.what)
                     if released is not None and not isinstance(stopped, Interrupted):
+                        _end(telemetry, stopped)
                         hold_until(arm, released)
                     raise
         except Stopped as stopped:
+            _end(telemetry, stopped)  # not before torque is off: a disk may take its time
             return Ending(stopped.cause, stopped, list(telemetry.last))
         telemetry.end(outcome, None, "")
         return Ending(outcome, None, list(telemetry.last))
+
+
+def _end(telemetry: Telemetry, stopped: Stopped) -> None:
+    """Write what stopped the arm, as far as it can be written: a full disk must not hide it."""
+    with contextlib.suppress(FileProblem):
+        telemetry.end("stopped", stopped.cause, stopped.what)
 
 
 def switch_on(arm: RealRobot, policy: Policy, settings: dict[str, Any]) -> None:

@@ -5,12 +5,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from collections import deque
 from collections.abc import Mapping
+from io import FileIO
 from pathlib import Path
 from types import TracebackType
-from typing import Any, NamedTuple, Self, TextIO
+from typing import Any, NamedTuple, Self
 
 from pipenav.errors import FileProblem, PipenavError
 
@@ -40,7 +42,9 @@ class Telemetry:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.last: deque[dict[str, Any]] = deque(maxlen=REMEMBERED)
-        self._file: TextIO | None = None
+        self._file: FileIO | None = None
+        self._problem: FileProblem | None = None
+        self._ended = False
 
     def begin(self, header: Mapping[str, Any]) -> None:
         """Make the file and write its header.
@@ -49,18 +53,29 @@ class Telemetry:
             FileProblem: the file exists already, or cannot be written.
         """
         try:
-            self._file = self.path.open("x", buffering=1, encoding="utf-8")
+            self._file = FileIO(self.path, "x")  # without a buffer, which would be full and raise once more at the end
         except OSError as error:
             raise FileProblem(self.path, "write", error) from error
         self._write({"pipenav_telemetry": SCHEMA, **header})
 
     def tick(self, record: dict[str, Any]) -> None:
-        """Write the record of a tick."""
+        """Write the record of a tick.
+
+        Raises:
+            FileProblem: it cannot be written; then nothing is written any more.
+        """
         self.last.append(record)
         self._write(record)
 
     def end(self, outcome: str, cause: str | None, message: str) -> None:
-        """Write how the mission ended."""
+        """Write how the mission ended, as far as the log was begun and can be written; the first end counts.
+
+        Raises:
+            FileProblem: the end, and nothing before it, cannot be written.
+        """
+        if self._file is None or self._problem is not None or self._ended:
+            return
+        self._ended = True
         self._write({"end": outcome, "cause": cause, "message": message})
 
     def __enter__(self) -> Self:
@@ -70,14 +85,20 @@ class Telemetry:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         if self._file is not None:
-            self._file.close()
+            with contextlib.suppress(OSError):
+                self._file.close()
 
     def _write(self, record: Mapping[str, Any]) -> None:
         assert self._file is not None, "a log begins with its header"
+        if self._problem is not None:
+            raise self._problem
+        left = json.dumps(record).encode("ascii") + b"\n"
         try:
-            self._file.write(json.dumps(record) + "\n")
+            while left:
+                left = left[self._file.write(left) :]
         except OSError as error:
-            raise FileProblem(self.path, "write", error) from error
+            self._problem = FileProblem(self.path, "write", error)
+            raise self._problem from error
 
 
 class Recording(NamedTuple):

@@ -62,6 +62,11 @@ class ArmConfig(Table):
         return tuple(servo.id for servo in self.servos)
 
     @property
+    def joints(self) -> dict[int, str]:
+        """Joint of each servo, by the servo's id, in joint order."""
+        return {servo.id: servo.joint for servo in self.servos}
+
+    @property
     def count_limits(self) -> Floats:
         """Smallest and largest goal of every servo, (servos, 2) [counts]."""
         return np.array([servo.count_limits for servo in self.servos], float)

@@ -26,6 +26,7 @@ from pipenav.backends import (
     RealRobot,
     Recoder,
     Sent,
+    TorqueUnconfirmed,
 )
 from pipenav.errors import PipenavError
 from pipenav.pipes import Pipe, PipeCorner
@@ -77,6 +78,7 @@ class HardwareBackend(RealRobot):
         self.arm.require(robot)
         self.complete, self.warnings = False, list[str]()
         self._enabled, self._due = False, math.nan
+        self._unconfirmed: list[str] = []
         self._reading: Reading | None = None
         self._alarms: tuple[table.Alarm, ...] = ()
         self._seconds: dict[str, float] = {}
@@ -87,7 +89,9 @@ class HardwareBackend(RealRobot):
             self._servos = Servos(self.arm, self._bus, options.allow_slow_bus)
             self._sensors = Sensors(self.arm, robot)
             opened.callback(self._sensors.close)
-            self._watchdog = None if options.listen_only else Watchdog(self._bus.descriptor, options.patience)
+            self._watchdog = (
+                None if options.listen_only else Watchdog(self._bus.descriptor, options.patience, self.arm.joints)
+            )
             self._opened = opened.pop_all()
         self._begin()
 
@@ -186,7 +190,8 @@ class HardwareBackend(RealRobot):
         self._enabled = bool(silent)
         if self._watchdog is not None and not silent:
             self._watchdog.disarmed()
-        return [servo.joint for servo in self.arm.servos if servo.id in silent]
+        self._unconfirmed = [servo.joint for servo in self.arm.servos if servo.id in silent]
+        return self._unconfirmed
 
     def raw(self) -> dict[str, Any]:
         return {
@@ -232,10 +237,12 @@ class HardwareBackend(RealRobot):
             yield Emulated(HardwareOptions(arm=str(emulator.arm_path)), emulator.log_path)
 
     def close(self) -> None:
-        self.off()
+        named, unconfirmed = self._unconfirmed, self.off()
         self._opened.close()
         if self._watchdog is not None:
             self._watchdog.close()
+        if unconfirmed and not named:
+            raise TorqueUnconfirmed(unconfirmed)
 
     def _begin(self) -> None:
         """Start anew, as after a pause."""

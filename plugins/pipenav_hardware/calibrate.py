@@ -7,7 +7,7 @@ import math
 import time
 from collections.abc import Mapping
 
-from pipenav.backends import Calibrator, Stopped
+from pipenav.backends import Calibrator, Stopped, TorqueUnconfirmed
 from pipenav.errors import PipenavError
 from pipenav.robots import RobotSpec
 from pipenav.units import m_to_mm, mm_to_m, rad_to_deg
@@ -55,10 +55,11 @@ class Calibration(Calibrator):
         self.joints = [servo.joint for servo in self._arm.servos]
         self._bus = Bus(self._arm.port, self._arm.baud)
         self._torque, self._turned = False, NUDGE * table.COUNT
+        self._unconfirmed: list[str] = []
         try:
             for servo in self._arm.servos:
                 self._refuse_unfit(servo.id, servo.joint)
-            self._watchdog = Watchdog(self._bus.descriptor)
+            self._watchdog = Watchdog(self._bus.descriptor, servos=self._arm.joints)
         except BaseException:
             self._bus.close()
             raise
@@ -89,7 +90,9 @@ class Calibration(Calibrator):
                 self._watchdog.beat()
                 time.sleep(0.05)
         finally:
-            self.off()
+            unconfirmed = self.off()
+        if unconfirmed:
+            raise TorqueUnconfirmed(unconfirmed)
         self._turned = (self._position(index) - start) * table.COUNT
         return self._turned
 
@@ -128,13 +131,16 @@ class Calibration(Calibrator):
         self._torque = bool(silent)
         if not silent:
             self._watchdog.disarmed()
-        return [servo.joint for servo in self._arm.servos if servo.id in silent]
+        self._unconfirmed = [servo.joint for servo in self._arm.servos if servo.id in silent]
+        return self._unconfirmed
 
     def close(self) -> None:
-        self.off()
+        named, unconfirmed = self._unconfirmed, self.off()
         with contextlib.suppress(OSError):
             self._bus.close()
         self._watchdog.close()
+        if unconfirmed and not named:
+            raise TorqueUnconfirmed(unconfirmed)
 
     def _refuse_unfit(self, servo: int, joint: str) -> None:
         """Refuse a servo that does not answer, or that could not be stopped by its angle limits."""

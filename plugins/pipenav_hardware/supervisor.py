@@ -3,9 +3,9 @@
 Started by path, with nothing but the standard library, so that it is there within milliseconds and shares no fate with
 the driver: it inherits the servo bus's port and the reading end of a pipe. Orders are single bytes: `A` torque is on,
 `.` the driver is alive, `D` torque is off. The pipe's end while torque is on means that the driver is dead, silence
-means that it hangs; both end in torque off.
+means that it hangs; both end in torque off. Then every servo is asked, and the joints that do not confirm are named.
 
-    python supervisor.py PORT_DESCRIPTOR PIPE_DESCRIPTOR PACKET_HEX PATIENCE_SECONDS
+    python supervisor.py PORT_DESCRIPTOR PIPE_DESCRIPTOR PACKET_HEX PATIENCE_SECONDS [QUESTION_HEX:ANSWER_HEX:JOINT ...]
 """
 
 from __future__ import annotations
@@ -16,11 +16,37 @@ import select
 import signal
 import sys
 import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
 
 BURSTS = (0.0, 0.02, 0.04, 0.1)
 """Times at which to send [s]: a packet that the driver left unfinished may swallow the first burst."""
 
 PACKETS_PER_BURST = 3
+CONFIRMATION, TRIES = 0.06, 2
+"""Longest wait for a servo's answer [s], and how often it is asked."""
+
+OUTPUT = 2
+"""Descriptor of the standard error output."""
+
+CONTROL_GROUPS = Path("/sys/fs/cgroup")
+OWN_GROUP = Path("/proc/self/cgroup")
+GROUP_PREFIX = "pipenav-supervisor-"
+
+
+class Question(NamedTuple):
+    """What a servo is asked after torque was switched off.
+
+    Attributes:
+        request: the packet that asks whether its torque is on.
+        off: its answer where torque is off; the error byte, the fifth, is not compared, nor the checksum after it.
+        joint: name of its joint.
+    """
+
+    request: bytes
+    off: bytes
+    joint: str
 
 
 def cut(port: int, packet: bytes) -> None:
@@ -33,7 +59,50 @@ def cut(port: int, packet: bytes) -> None:
                 os.write(port, packet)
 
 
-def watch(port: int, pipe: int, packet: bytes, patience: float) -> None:
+def unconfirmed(port: int, questions: Sequence[Question]) -> list[str]:
+    """Joints whose servo does not say that its torque is off."""
+    return [question.joint for question in questions if not any(_is_off(port, question) for _ in range(TRIES))]
+
+
+def _is_off(port: int, question: Question) -> bool:
+    """Whether a servo answers that its torque is off."""
+    with contextlib.suppress(OSError):
+        while select.select([port], [], [], 0)[0]:
+            if not os.read(port, 4096):
+                return False
+        os.write(port, question.request)
+        heard, deadline = b"", time.monotonic() + CONFIRMATION
+        while (left := deadline - time.monotonic()) > 0 and select.select([port], [], [], left)[0]:
+            arrived = os.read(port, 4096)
+            if not arrived:
+                return False
+            heard += arrived
+            at = heard.find(question.off[:4])
+            answer = heard[at : at + len(question.off)] if at >= 0 else b""
+            if len(answer) == len(question.off):
+                return answer[5:-1] == question.off[5:-1] and ~sum(answer[2:-1]) & 0xFF == answer[-1]
+    return False
+
+
+def say(text: str) -> None:
+    """Print a line, unless that would have to wait: the output may be full, and closed."""
+    with contextlib.suppress(OSError, ValueError):
+        if select.select([], [OUTPUT], [], 0.1)[1]:
+            os.write(OUTPUT, f"{text}\n".encode(errors="replace"))
+
+
+def switch_off(port: int, packet: bytes, questions: Sequence[Question], why: str) -> None:
+    """Switch torque off, ask every servo, and name the joints that do not confirm."""
+    cut(port, packet)
+    joints = unconfirmed(port, questions)
+    if joints:
+        say(
+            f"pipenav: {why}. Torque may still be on at {', '.join(joints)}: "
+            "switch the supply off before touching the arm."
+        )
+
+
+def watch(port: int, pipe: int, packet: bytes, patience: float, questions: Sequence[Question]) -> None:
     """Switch torque off whenever the driver is dead or silent, until the pipe ends.
 
     Args:
@@ -41,13 +110,15 @@ def watch(port: int, pipe: int, packet: bytes, patience: float) -> None:
         pipe: descriptor of the pipe's reading end.
         packet: the packet that switches torque off.
         patience: longest silence while torque is on [s].
+        questions: what every servo is asked afterwards.
     """
     armed = False
     while True:
         heard = select.select([pipe], [], [], patience if armed else None)[0]
         orders = os.read(pipe, 4096) if heard else b""
         if armed and not (heard and orders):
-            cut(port, packet)
+            why = "the program ended with torque on" if heard else "the program hangs with torque on"
+            switch_off(port, packet, questions, why)
         if heard and not orders:
             return
         switched = [order for order in orders if order in b"AD"]
@@ -57,11 +128,51 @@ def watch(port: int, pipe: int, packet: bytes, patience: float) -> None:
             armed = False  # torque is off: the driver must say so when it switches it on again
 
 
-def main() -> None:
+def leave_control_group(groups: Path = CONTROL_GROUPS, own: Path = OWN_GROUP) -> bool:
+    """Move this process out of the driver's control group, as far as that is allowed.
+
+    What stops a service or a container kills its whole control group; a group beside it is spared.
+
+    Args:
+        groups: where the control groups (version 2) are mounted.
+        own: file that names this process's own group.
+
+    Returns:
+        Whether it has a group of its own now.
+    """
+    with contextlib.suppress(OSError):
+        lines = own.read_text(encoding="utf-8").splitlines()
+        path = next((line[3:] for line in lines if line.startswith("0::")), "/").strip("/")
+        if not path or ".." in path.split("/"):
+            return False
+        beside = (groups / path).parent
+        for left in beside.glob(f"{GROUP_PREFIX}*"):  # of supervisors that have ended
+            with contextlib.suppress(OSError):
+                left.rmdir()
+        made = beside / f"{GROUP_PREFIX}{os.getpid()}"
+        made.mkdir()
+        try:
+            (made / "cgroup.procs").write_text(str(os.getpid()), encoding="ascii")
+        except OSError:
+            made.rmdir()
+            return False
+        return True
+    return False
+
+
+def ignore_signals() -> None:
+    """Survive every signal that is meant for the driver."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1, signal.SIGQUIT):
         signal.signal(number, signal.SIG_IGN)
-    port, pipe, packet, patience = sys.argv[1:]
-    watch(int(port), int(pipe), bytes.fromhex(packet), float(patience))
+
+
+def main() -> None:
+    ignore_signals()
+    leave_control_group()
+    port, pipe, packet, patience, *asked = sys.argv[1:]
+    parts = [text.split(":", 2) for text in asked]
+    questions = [Question(bytes.fromhex(request), bytes.fromhex(off), joint) for request, off, joint in parts]
+    watch(int(port), int(pipe), bytes.fromhex(packet), float(patience), questions)
 
 
 if __name__ == "__main__":

@@ -6,29 +6,37 @@ import contextlib
 import os
 import subprocess
 import sys
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 from pipenav.backends import Stopped
 from pipenav_hardware import supervisor
-from pipenav_hardware.packets import TORQUE_OFF_ALL
+from pipenav_hardware.packets import READ, TORQUE_OFF_ALL, Packet
+from pipenav_hardware.table import TORQUE_ENABLE
 
 SILENCE = 0.25
 """Longest silence of the driver while torque is on [s]: it speaks at least twice a control period, and stops by itself
 when a tick takes 0.15 s. Longer silence means that it hangs."""
 
+NO_SERVOS: Mapping[int, str] = MappingProxyType({})
+"""No servo that the supervisor could ask."""
+
 
 class Watchdog:
     """Starts the supervisor, and lets it know whether torque is on and that the driver lives."""
 
-    def __init__(self, port: int, patience: float = 1.0) -> None:
+    def __init__(self, port: int, patience: float = 1.0, servos: Mapping[int, str] = NO_SERVOS) -> None:
         """
         Args:
             port: descriptor of the servo bus.
             patience: factor on `SILENCE`.
+            servos: joint of each servo that the supervisor asks, by the servo's id.
         """
         reading, self._pipe = os.pipe()
         command = [sys.executable, "-I", str(Path(supervisor.__file__)), str(port), str(reading)]
         command += [TORQUE_OFF_ALL.hex(), str(SILENCE * patience)]
+        command += [_question(servo, joint) for servo, joint in servos.items()]
         # A session of its own: neither Ctrl-C nor the terminal's end must reach it.
         self._process = subprocess.Popen(command, pass_fds=(port, reading), start_new_session=True)
         os.close(reading)
@@ -71,3 +79,10 @@ class Watchdog:
                 f"the supervisor process, which switches torque off if this one dies, is gone ({error})",
                 "find out what ended it, then start again",
             ) from error
+
+
+def _question(servo: int, joint: str) -> str:
+    """How the supervisor asks a servo whether its torque is off, as an argument of its command line."""
+    request = Packet(servo, READ, bytes([TORQUE_ENABLE.address, TORQUE_ENABLE.size])).encode()
+    off = Packet(servo, 0, bytes(TORQUE_ENABLE.size)).encode()
+    return f"{request.hex()}:{off.hex()}:{joint}"

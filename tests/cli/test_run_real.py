@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator
+from io import FileIO
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,7 @@ from pipenav_hardware.emulator.config import EmulatorSettings
 from pipenav.deployment import arm_policy
 from pipenav.deployment.arm_policy import policy_for
 from pipenav.deployment.summary import located_placement, write_motions
-from pipenav.deployment.telemetry import Recording, read_telemetry
+from pipenav.deployment.telemetry import Recording, Telemetry, read_telemetry
 from pipenav.deployment.trajectories import ArmPlacement, placement_of
 from pipenav.errors import PipenavError
 from pipenav.motions.trajectory_file import read_trajectory
@@ -185,6 +186,57 @@ def test_a_killed_mission_leaves_its_ticks_and_no_torque(tmp_path: Path) -> None
     assert len(goals) - len([tick for tick in ticks if tick.get("packet")]) in (0, 1), (
         "all but a running tick are there"
     )
+
+
+JOINTS = "l, theta1, theta2, theta3"
+SUPPLY = "switch the supply off before touching the arm"
+
+
+@pytest.mark.parametrize(
+    ("fault", "cause", "joints"),
+    [({"fault": "unplug"}, "bus-lost", JOINTS), ({"fault": "dead", "servo": 3}, "comms", "theta2")],
+    ids=["the adapter is pulled", "a servo is silent"],
+)
+def test_a_stop_names_the_joints_that_could_not_be_confirmed_off(
+    tmp_path: Path, fault: dict[str, Any], cause: str, joints: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    faults = tmp_path / "faults.json"
+    faults.write_text(json.dumps([{**fault, "tick": 4}]))
+    assert run(*EMULATED, "--faults", str(faults), "--out", str(tmp_path / "run")) == 1
+    said = capfd.readouterr().err
+    assert f"stopped ({cause})" in said
+    assert said.count(f"Torque may still be on at {joints}: {SUPPLY}.") == 2, "the program and its supervisor say so"
+
+
+def test_a_full_disk_ends_a_mission_in_one_sentence_with_torque_off(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    whole = Telemetry.tick
+
+    def fill(telemetry: Telemetry, record: dict[str, Any]) -> None:
+        if record["tick"] == 5:
+            telemetry._file = FileIO("/dev/full", "w")
+        whole(telemetry, record)
+
+    monkeypatch.setattr(Telemetry, "tick", fill)
+    assert run(*EMULATED, "--out", str(tmp_path / "run")) == 1
+    said = capfd.readouterr().err
+    assert said.count("\n") == 1
+    assert "stopped (telemetry): cannot write" in said and "No space left on device; make room" in said
+    assert not any(on for on, _ in judge.torque(tmp_path / "run" / "bus.jsonl", (1, 2, 3, 4)).values())
+
+
+def test_a_mission_whose_output_nobody_reads_goes_on(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "pipenav", *EMULATED, "--ticks", "12", "--out", str(tmp_path / "run")]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as mission:
+        assert mission.stdout is not None and mission.stderr is not None
+        while "is going to move" not in mission.stdout.readline():
+            pass
+        mission.stdout.close()
+        said = mission.stderr.read()
+    assert "Traceback" not in said
+    assert len(read_telemetry(tmp_path / "run" / "telemetry.jsonl").ticks) == 12
+    assert not any(on for on, _ in judge.torque(tmp_path / "run" / "bus.jsonl", (1, 2, 3, 4)).values())
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ import termios
 import time
 import tty
 from collections.abc import Callable
+from io import FileIO
 from pathlib import Path
 from typing import Any
 
@@ -24,18 +25,27 @@ class ByteLog:
     """A log of JSON objects, one a line: `t` on the system's monotonic clock [s], and bytes in or out, or an event."""
 
     def __init__(self, path: Path) -> None:
-        self._file = path.open("w", buffering=1, encoding="ascii")
+        self._file, self._full = FileIO(path, "w"), False
 
     def bytes(self, port: str, direction: str, data: bytes) -> None:
         """Log bytes that came `in` from the host, or went `out` to it."""
-        self._file.write(json.dumps({"t": time.monotonic(), "port": port, "dir": direction, "hex": data.hex()}) + "\n")
+        self._write({"t": time.monotonic(), "port": port, "dir": direction, "hex": data.hex()})
 
     def event(self, what: str, **more: Any) -> None:
         """Log something that happened."""
-        self._file.write(json.dumps({"t": time.monotonic(), "event": what, **more}) + "\n")
+        self._write({"t": time.monotonic(), "event": what, **more})
 
     def close(self) -> None:
-        self._file.close()
+        with contextlib.suppress(OSError):
+            self._file.close()
+
+    def _write(self, record: dict[str, Any]) -> None:
+        """Write a record; on a full disk nothing more is written, and the devices go on."""
+        try:
+            if not self._full:
+                self._file.write((json.dumps(record) + "\n").encode("ascii"))
+        except OSError:
+            self._full = True
 
 
 class Line:

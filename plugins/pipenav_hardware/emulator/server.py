@@ -35,8 +35,10 @@ from pipenav_hardware.emulator.sensors import FrontDevice, Scip2Device
 from pipenav_hardware.emulator.servo import EmulatedServo
 
 AFTERLIFE = 1.0
-"""How long the devices outlive their orders while a servo's torque is on [s]: the process that gave the orders may have
-been killed, and real servos would still hear the supervisor switch them off."""
+"""How long the devices outlive their orders where a servo's torque is on then [s].
+
+The process that gave the orders may have been killed; real servos would still hear the supervisor, and answer it.
+"""
 
 TURNAROUND = 0.002
 """How soon an answer must come for its servo to have the line [s]."""
@@ -117,8 +119,8 @@ class Server:
             for order in orders:
                 self._obey(json.loads(order))
             if not data:
-                self._ends = self._now + AFTERLIFE
-        return self._ends == math.inf or (self._holds() and self._now < self._ends)
+                self._ends = self._now + (AFTERLIFE if self._holds() else 0.0)
+        return self._now < self._ends
 
     def _holds(self) -> bool:
         """Whether a servo's torque is on."""

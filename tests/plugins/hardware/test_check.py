@@ -8,13 +8,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.emulated import ROBOT, driver, strike
+from helpers.emulated import ROBOT, driver, strike, switch_on
 from pipenav_hardware import check
 from pipenav_hardware.backend import HardwareBackend
+from pipenav_hardware.calibrate import Calibration
 from pipenav_hardware.check import findings
 from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
 from pipenav_hardware.emulator.config import EmulatorSettings
+
+from pipenav.backends.safety import TorqueUnconfirmed
+from pipenav.deployment.guard import guarded
+from pipenav.errors import PipenavError
 
 pytestmark = pytest.mark.realtime
 
@@ -83,3 +88,22 @@ def test_a_calibration_finds_how_the_arm_is_mounted(tmp_path: Path) -> None:
             assert arm.arm.servos[0].unit == pytest.approx(0.075, rel=0.05)
             assert arm.read().q == pytest.approx(np.zeros((1, 4)), abs=0.01)
         assert not any(on for on, _ in judge.torque(emulator.log_path, (1, 2, 3, 4)).values())
+
+
+def test_a_calibration_names_the_joint_that_does_not_confirm(
+    emulator: Emulator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A servo that falls silent while it moves a little."""
+    ports = {"servos": emulator.arm.port, "scanner": emulator.arm.scanner.port}
+    made = HardwareBackend.calibrator(ROBOT, ports)
+    assert isinstance(made, Calibration)
+    monkeypatch.setattr(made._watchdog, "beat", lambda: emulator.order(fault="dead", servo=2))
+    with pytest.raises(PipenavError, match=r"Torque may still be on at theta1: switch the supply off"), guarded(made):
+        made.nudge("theta1")
+    made.close()
+
+
+def test_an_arm_that_is_closed_without_an_answer_names_its_joints(emulator: Emulator) -> None:
+    with pytest.raises(TorqueUnconfirmed, match="still be on at theta2: switch"), driver(emulator) as arm:
+        switch_on(arm)
+        emulator.order(fault="dead", servo=3)
