@@ -2,12 +2,13 @@
 
 from typing import TYPE_CHECKING, Any
 
-from pipenav.envs.gymnasium_env import CornerEnv, CornerVectorEnv
+from pipenav.envs.gymnasium_env import CornerEnv, TraverseEnv
+from pipenav.envs.vector_env import CornerVectorEnv, TraverseVectorEnv
 
 if TYPE_CHECKING:
     from pipenav.envs.sb3_env import TaskVecEnv
 
-__all__ = ["CornerEnv", "CornerVectorEnv", "TaskVecEnv"]
+__all__ = ["CornerEnv", "CornerVectorEnv", "TaskVecEnv", "TraverseEnv", "TraverseVectorEnv"]
 
 
 def __getattr__(name: str) -> Any:

@@ -1,4 +1,4 @@
-"""Episodes of the reach task for environments: each robot draws its own from a seeded generator."""
+"""Episodes of a task for environments: each robot draws its own from a seeded generator."""
 
 from __future__ import annotations
 
@@ -6,26 +6,30 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from pydantic import ValidationError
+from numpy.typing import NDArray
 
 from pipenav.arrays import Ints
-from pipenav.errors import ConfigError, PipenavError
-from pipenav.pipes.corner_sets import parse_corners
+from pipenav.drawing.scene import scene_pixels
+from pipenav.envs.kinds import Kind
+from pipenav.errors import PipenavError
 from pipenav.robots.robot import load_robot
-from pipenav.tasks.reach.batch import ReachBatch
-from pipenav.tasks.reach.config import ReachConfig, RewardConfig
-from pipenav.tasks.reach.episode import ReachEpisodes
-from pipenav.tasks.reach.task import ReachTask
+from pipenav.tasks.layout import ObservationField
+from pipenav.tasks.reach.config import ReachConfig
+from pipenav.tasks.registry import task_of
 from pipenav.tasks.sampling import random_episodes
+from pipenav.tasks.traverse.config import TraverseConfig
+
+TaskSettings = ReachConfig | TraverseConfig | Mapping[str, Any] | None
+"""Settings of a task, or a table of some of them; None for the defaults."""
 
 
-class CornerSettings(NamedTuple):
+class EnvSettings(NamedTuple):
     """Arguments of an environment, as `CornerEnv` documents them."""
 
     robot: str
     pipes: Sequence[str]
     backend: str
-    task: ReachConfig | Mapping[str, Any] | None
+    task: TaskSettings
     options: Mapping[str, Any] | None
 
 
@@ -35,45 +39,54 @@ class SeededEpisodes:
     So robot i of many lives through the same episodes as a single robot with the same seed.
 
     Args:
+        kind: the task.
         n: number of robots.
         settings: the environment's arguments.
 
     Attributes:
         batch: the robots.
         generators: generator of each robot, n of them; they must be set before the batch is reset.
-        episodes: running episode of each robot, as `ReachEpisodes` of k = 1.
+        episodes: running episode of each robot, k = 1 each.
 
     Raises:
         PipenavError: an argument is unknown or impossible.
     """
 
-    def __init__(self, n: int, settings: CornerSettings) -> None:
+    def __init__(self, kind: Kind, n: int, settings: EnvSettings) -> None:
         from pipenav.backends.simulators import open_simulator
 
         self.generators: list[np.random.Generator] = []
-        self.episodes: dict[int, ReachEpisodes] = {}
-        self._robot, self._config = load_robot(settings.robot), _task_config(settings.task)
+        self.episodes: dict[int, Any] = {}
+        self._kind, self._robot = kind, load_robot(settings.robot)
+        self._task = task_of(kind.settings(settings.task))
+        kind.check_robot(self._robot)
         texts = [settings.pipes] if isinstance(settings.pipes, str) else settings.pipes
-        self._sets = [parse_corners([text]) for text in texts]
+        self._sets = [self._task.parse_training_pipes([text]) for text in texts]
         if not self._sets:
             raise PipenavError("no pipes given: name a pipe set, a TOML file, or a pipe such as d=90,angle=60.")
         slots = max(len(pipe.segments) for pipes in self._sets for pipe in pipes)
         simulator = open_simulator(settings.backend, self._robot, n, dict(settings.options or {}), slots)
-        self.batch = ReachBatch(self._robot, self._config, simulator, n, self._draw)
+        self.batch: Any = self._task.batch(self._robot, simulator, n, self._draw)
 
-    def _draw(self, indices: Ints) -> ReachEpisodes:
+    @property
+    def layout(self) -> list[ObservationField]:
+        """Parts of the observation, in order."""
+        return self._task.layout(self._robot)
+
+    def _draw(self, indices: Ints) -> Any:
         for i in indices:
-            draw = random_episodes(ReachTask(self._config), self._robot, self._sets, self.generators[i])
+            draw = random_episodes(self._task, self._robot, self._sets, self.generators[i])
             self.episodes[int(i)] = draw(np.array([i]))
-        pipes, *arrays = zip(*(self.episodes[int(i)] for i in indices), strict=True)
-        return ReachEpisodes(tuple(pipe for (pipe,) in pipes), *map(np.concatenate, arrays))
+        drawn = [self.episodes[int(i)] for i in indices]
+        pipes, *arrays = zip(*drawn, strict=True)
+        return type(drawn[0])(tuple(pipe for (pipe,) in pipes), *map(np.concatenate, arrays))
 
+    def picture(self, i: int, pixels: int = 480) -> NDArray[np.uint8]:
+        """Picture of robot i from above, (pixels, pixels, 3): walls, links, beams, and the target if it has one.
 
-def _task_config(task: ReachConfig | Mapping[str, Any] | None) -> ReachConfig:
-    if isinstance(task, ReachConfig):
-        return task
-    try:
-        return ReachConfig.model_validate(dict(task or {}))
-    except ValidationError as error:
-        known = [*ReachConfig.model_fields, *(f"reward.{key}" for key in RewardConfig.model_fields)]
-        raise ConfigError.from_validation("task", error, known) from error
+        Raises:
+            PipenavError: there is nothing to see before the first reset.
+        """
+        if i not in self.episodes:
+            raise PipenavError("there is nothing to draw before the first reset: call reset first.")
+        return scene_pixels(self._kind.scene(self.batch, self.episodes[i], i), pixels, self._kind.around)

@@ -1,29 +1,63 @@
-"""The reach task as a Gymnasium environment and a vector environment: thin adapters over its batch."""
+"""Tasks as Gymnasium environments of one robot: thin adapters over a batch."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, ClassVar, cast
 
 import gymnasium
 import numpy as np
-from gymnasium.utils import seeding
-from gymnasium.vector import AutoresetMode, VectorEnv
-from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from pipenav.drawing.scene import Scene, scene_pixels
-from pipenav.envs.episodes import CornerSettings, SeededEpisodes
-from pipenav.envs.spaces import Float32s, action_space, observation_space, one_info, step_info
-from pipenav.errors import PipenavError
-from pipenav.robots import frames
+from pipenav.envs.episodes import EnvSettings, SeededEpisodes, TaskSettings
+from pipenav.envs.kinds import CORNER, TRAVERSE, Kind
+from pipenav.envs.spaces import Float32s, action_space, bounded_space, checked_action, one_info, step_info, within
+from pipenav.envs.threads import bound_torch_threads
 from pipenav.tasks.outcome import Outcome
-from pipenav.tasks.reach.batch import ReachBatch
-from pipenav.tasks.reach.config import ReachConfig
-from pipenav.tasks.reach.episode import ReachEpisodes
 
 
-class CornerEnv(gymnasium.Env[Float32s, Float32s]):
+class TaskEnv(gymnasium.Env[Float32s, Float32s]):
+    """Environment of one robot; the subclasses say which task it is and which arguments it takes."""
+
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012
+    kind: ClassVar[Kind]
+
+    def __init__(self, settings: EnvSettings, render_mode: str | None) -> None:
+        self.render_mode = render_mode
+        self._episodes = SeededEpisodes(self.kind, 1, settings)
+        self.batch = self._episodes.batch
+        self._space = bounded_space(self._episodes.layout)
+        self.observation_space = cast("gymnasium.spaces.Space[Float32s]", self._space)
+        self._action_space = action_space(self.batch)
+        self.action_space = self._action_space
+
+    def reset(
+        self,
+        *,
+        seed: int | None = None,
+        options: dict[str, Any] | None = None,  # noqa: ARG002
+    ) -> tuple[Float32s, dict[str, Any]]:
+        super().reset(seed=seed)
+        bound_torch_threads()
+        self._episodes.generators = [self.np_random]
+        return within(self._space, self.batch.reset()[0]), {}
+
+    def step(self, action: Float32s) -> tuple[Float32s, float, bool, bool, dict[str, Any]]:
+        result = self.batch.step(checked_action(self._action_space, action)[None])
+        outcome = Outcome(result.outcome[0])
+        truncated = outcome is Outcome.TIMEOUT
+        terminated = outcome is not Outcome.RUNNING and not truncated
+        observation = within(self._space, result.observation[0])
+        return observation, float(result.reward[0]), terminated, truncated, one_info(step_info(result), 0)
+
+    def render(self) -> NDArray[np.uint8] | None:
+        return None if self.render_mode is None else self._episodes.picture(0)
+
+    def close(self) -> None:
+        self.batch.close()
+
+
+class CornerEnv(TaskEnv):
     """Bring the arm's tip to a target around the corner of a pipe.
 
     Observation, float32: each value is divided by a fixed physical number (`pipenav.tasks.reach.observation.layout`),
@@ -49,6 +83,10 @@ class CornerEnv(gymnasium.Env[Float32s, Float32s]):
     | `torque` (eq 3.3) | a duty of 1: the actuator's largest effort, forwards or to the left [N, N m] |
     | `position` (eq 3.4, 3.5) | a set-point alpha x 1 rad, or alpha x slide_unit, from the measured position |
 
+    The space bounds each scaled value generously: positions of joints by 2, speeds by 1000 (an impact turns a joint
+    faster than its motor can), places by 100 (50 m), all others by 1. A value beyond, as of a simulation that fails, is
+    cut.
+
     An episode terminates when the tip reaches the target, when a joint reaches its limit, or when the robot sinks into
     the wall; it is truncated after `task.max_steps`. `info` after each step holds `outcome`, `is_success`,
     `min_range_m` (the smallest laser reading), and the step's peaks `contact_force_n` and `penetration_m`.
@@ -62,126 +100,63 @@ class CornerEnv(gymnasium.Env[Float32s, Float32s]):
         render_mode: None, or `rgb_array` for a top view.
     """
 
-    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012
+    kind = CORNER
 
     def __init__(
         self,
         robot: str = "basic",
         pipes: Sequence[str] = ("thesis-train",),
         backend: str = "mujoco",
-        task: ReachConfig | Mapping[str, Any] | None = None,
+        task: TaskSettings = None,
         options: Mapping[str, Any] | None = None,
         render_mode: str | None = None,
     ) -> None:
-        self.render_mode = render_mode
-        self._episodes = SeededEpisodes(1, CornerSettings(robot, pipes, backend, task, options))
-        self.batch = self._episodes.batch
-        self.observation_space = observation_space(self.batch)
-        self.action_space = action_space(self.batch)
-
-    def reset(
-        self,
-        *,
-        seed: int | None = None,
-        options: dict[str, Any] | None = None,  # noqa: ARG002
-    ) -> tuple[Float32s, dict[str, Any]]:
-        super().reset(seed=seed)
-        self._episodes.generators = [self.np_random]
-        return self.batch.reset()[0].astype(np.float32), {}
-
-    def step(self, action: Float32s) -> tuple[Float32s, float, bool, bool, dict[str, Any]]:
-        result = self.batch.step(np.asarray(action, float)[None])
-        outcome = Outcome(result.outcome[0])
-        truncated = outcome is Outcome.TIMEOUT
-        terminated = outcome is not Outcome.RUNNING and not truncated
-        observation = result.observation[0].astype(np.float32)
-        return observation, float(result.reward[0]), terminated, truncated, one_info(step_info(result), 0)
-
-    def render(self) -> NDArray[np.uint8] | None:
-        return None if self.render_mode is None else top_view(self.batch, self._episodes.episodes[0])
-
-    def close(self) -> None:
-        self.batch.close()
+        super().__init__(EnvSettings(robot, pipes, backend, task, options), render_mode)
 
 
-class CornerVectorEnv(VectorEnv[Float32s, Float32s, NDArray[Any]]):
-    """n episodes of the reach task in one batch. An ended episode starts anew in the next step.
+class TraverseEnv(TaskEnv):
+    """Take the whole robot on its wheels around the corners of a pipe in one plane.
 
-    Robot i of `reset(seed=s)` lives through the episodes of a `CornerEnv` with seed s + i. `info` holds the keys of
-    `CornerEnv` as arrays, with `_<key>` false for the robots that started anew, whose actions were ignored.
+    Observation, float32: each value is divided by a fixed physical number
+    (`pipenav.tasks.traverse.observation.layout`), and right turns are mirrored into left turns. For a robot with j
+    bending joints, w wheels and b beams:
+
+    | values, in order | unit before scaling | size | bound |
+    | --- | --- | --- | --- |
+    | q: joint positions | rad | j | 2 |
+    | qd: joint speeds | rad/s | j | 1000 |
+    | wheel speeds | rad/s | w | 1000 |
+    | loads: duties of the motors | 1 | j + w | 1 |
+    | laser, from right to left | m | b | 1 |
+    | last action | 1 | j + w | 1 |
+    | turns of the corners before and after, +1 for the same turn, 0 for none | 1 | 2 | 1 |
+    | down, with `task.inclination_deg` only: share of the weight forwards and to the left | 1 | 2 | 1 |
+
+    Action, float32 in [-1, 1]: for every bending joint the change of its set-point, in `task.alpha` [rad], then for
+    every wheel its speed forwards, as a share of its no-load speed.
+
+    An episode terminates when the tail is through the last corner, when the robot is stuck or slides back, or when it
+    sinks into the wall; it is truncated after `task.max_steps` for each corner. `info` holds the keys of `CornerEnv`.
 
     Args:
-        num_envs: number of robots.
-        robot, pipes, backend, task, options: as for `CornerEnv`.
+        robot: a shipped whole robot or the path of a `robot.toml`.
+        pipes: texts that name pipe sets, routes in a plane, or pipes; each episode draws one text, then one of its
+            pipes.
+        backend: name of a simulator backend.
+        task: settings of the task; None for the defaults.
+        options: options of the backend.
+        render_mode: None, or `rgb_array` for a top view.
     """
 
-    metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}  # noqa: RUF012
+    kind = TRAVERSE
 
     def __init__(
         self,
-        num_envs: int = 1,
-        robot: str = "basic",
-        pipes: Sequence[str] = ("thesis-train",),
+        robot: str = "pirate",
+        pipes: Sequence[str] = ("working-range-train",),
         backend: str = "mujoco",
-        task: ReachConfig | Mapping[str, Any] | None = None,
+        task: TaskSettings = None,
         options: Mapping[str, Any] | None = None,
+        render_mode: str | None = None,
     ) -> None:
-        self.num_envs = num_envs
-        self._episodes = SeededEpisodes(num_envs, CornerSettings(robot, pipes, backend, task, options))
-        self.batch = self._episodes.batch
-        self.single_observation_space = observation_space(self.batch)
-        self.single_action_space = action_space(self.batch)
-        self.observation_space = batch_space(self.single_observation_space, num_envs)
-        self.action_space = batch_space(self.single_action_space, num_envs)
-        self._ended = np.zeros(num_envs, bool)
-
-    def reset(
-        self,
-        *,
-        seed: int | Sequence[int | None] | None = None,
-        options: dict[str, Any] | None = None,  # noqa: ARG002
-    ) -> tuple[Float32s, dict[str, Any]]:
-        self._seed(seed)
-        self._ended = np.zeros(self.num_envs, bool)
-        return self.batch.reset().astype(np.float32), {}
-
-    def _seed(self, seed: int | Sequence[int | None] | None) -> None:
-        """Seed the robots: by an int, robot i with seed + i; a robot without a seed keeps its generator."""
-        seeds = [seed] * self.num_envs if seed is None else seed
-        seeds = [seeds + i for i in range(self.num_envs)] if isinstance(seeds, int) else list(seeds)
-        if len(seeds) != self.num_envs:
-            raise PipenavError(
-                f"{len(seeds)} seeds given for {self.num_envs} robots: give one for each, or one number."
-            )
-        old = self._episodes.generators or [seeding.np_random()[0] for _ in seeds]
-        self._episodes.generators = [
-            generator if new is None else seeding.np_random(new)[0] for new, generator in zip(seeds, old, strict=True)
-        ]
-
-    def step(self, actions: Float32s) -> tuple[Float32s, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
-        anew, result = self._ended, self.batch.step(np.asarray(actions, float))
-        outcome = np.where(anew, Outcome.RUNNING, result.outcome)
-        reward = np.where(anew, 0.0, result.reward)
-        truncated = outcome == Outcome.TIMEOUT
-        self._ended = outcome != Outcome.RUNNING
-        observation = self.batch.reset(np.flatnonzero(anew)) if anew.any() else result.observation
-        info = step_info(result)
-        valid = {f"_{key}": ~anew for key in info}
-        return observation.astype(np.float32), reward, self._ended & ~truncated, truncated, info | valid
-
-    def close_extras(self, **kwargs: Any) -> None:  # noqa: ARG002
-        self.batch.close()
-
-
-def top_view(batch: ReachBatch, episodes: ReachEpisodes, pixels: int = 480) -> NDArray[np.uint8]:
-    """Picture of the first robot from above, (pixels, pixels, 3): walls, links, beams and target.
-
-    Args:
-        batch: the robots.
-        episodes: episode of the first robot, k = 1.
-        pixels: width and height of the picture.
-    """
-    turn_sign, base = float(episodes.turn_sign[0]), float(episodes.base[0])
-    ranges = batch.snapshot.ranges[0, :: int(turn_sign)]  # the canonical frame mirrors right turns
-    target = frames.robot_to_pipe(frames.canonical_to_robot(episodes.target[0], turn_sign), base)
-    return scene_pixels(Scene(episodes.pipes[0], batch.robot, base, batch.q[0], ranges, target), pixels)
+        super().__init__(EnvSettings(robot, pipes, backend, task, options), render_mode)

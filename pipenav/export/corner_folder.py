@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from pipenav.errors import ConfigError
-from pipenav.export.scene_xml import COLOUR, Shape, add, mjcf, sdf, text, urdf, write_xml
+from pipenav.export.scene_xml import COLOUR, Shape, about_z, add, mjcf, sdf, text, urdf, write_xml
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.corner_solids import Box, Mesh, boards_mesh, tube_mesh, wall_boxes
 from pipenav.pipes.json_keys import CORNER_KEYS
@@ -113,7 +113,7 @@ def _mjcf(pipe: PipeCorner, boxes: list[Box]) -> ET.Element:
     root, body = mjcf(pipe.name, (0.0, 0.0, 2 * pipe.leg))
     for box in boxes:
         half = text(box.length / 2, box.thickness / 2, pipe.diameter / 2)
-        pose = {"pos": text(box.x, box.y, 0), "euler": text(0, 0, box.yaw)}
+        pose = {"pos": text(box.x, box.y, 0), "quat": about_z(box.yaw)}
         add(body, "geom", name=f"wall_{box.name}", type="box", size=half, rgba=COLOUR, **pose)
     return root
 

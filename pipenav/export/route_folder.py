@@ -27,9 +27,10 @@ FILES = {
     "boards.stl": "two bent boards, the route cut in its plane (mm)",
     "tube.stl": "hollow tube (mm)",
     "walls.obj": "the wall as convex prisms, one object each (m)",
+    "walls": "folder of those prisms, one OBJ file each (m)",
     "pipe.xml": "MuJoCo model, walls as those prisms",
-    "pipe.urdf": "URDF model, walls from walls.obj",
-    "pipe.sdf": "SDF model, walls from walls.obj",
+    "pipe.urdf": "URDF model, walls as the files in walls",
+    "pipe.sdf": "SDF model, walls as the files in walls",
     "pipe.png": "drawing with dimensions",
 }
 """Files of a route folder, each with one line that describes it; `boards.stl` for planar routes only."""
@@ -58,15 +59,16 @@ def _write_files(route: PipeRoute, name: str, folder: Path) -> None:
     from pipenav.drawing.route import draw_route
 
     prisms = wall_prisms(route)
-    walls = [Shape("all", "mesh", "walls.obj")]
+    pieces = [Shape(part.removeprefix("wall_"), "mesh", f"walls/{part}.obj") for part in _parts(prisms)]
+    seen = [Shape("all", "mesh", "walls.obj")]
     write_record(folder / "run.json", route_record(route, name))
     if route.planar:
         write_stl(folder / "boards.stl", route_boards_mesh(route))
     write_stl(folder / "tube.stl", route_tube_mesh(route))
-    (folder / "walls.obj").write_text(_obj(prisms), encoding="utf-8")
+    _write_walls(folder, prisms)
     write_xml(folder / "pipe.xml", _mjcf(route, name, prisms))
-    write_xml(folder / "pipe.urdf", urdf(name, walls))
-    write_xml(folder / "pipe.sdf", sdf(name, walls))
+    write_xml(folder / "pipe.urdf", urdf(name, pieces, seen))
+    write_xml(folder / "pipe.sdf", sdf(name, pieces, seen))
     draw_route(route, name, folder / "pipe.png")
 
 
@@ -122,23 +124,29 @@ def _mjcf(route: PipeRoute, name: str, prisms: Floats) -> ET.Element:
     x, y, _ = (low + high) / 2
     root, body = mjcf(name, (float(x), float(y), float(high[2] + 1.4 * max(high - low))))
     assets = add(root, "asset")
-    for leg, side in np.ndindex(*prisms.shape[:2]):
-        part = _part_name(leg, side)
-        add(assets, "mesh", name=part, vertex=text(*prisms[leg, side].ravel()))
+    for part, prism in _parts(prisms).items():
+        # The scale is said because a model that includes this one may set another by default.
+        add(assets, "mesh", name=part, scale="1 1 1", vertex=text(*prism.ravel()))
         add(body, "geom", name=part, type="mesh", mesh=part, rgba=COLOUR)
     return root
 
 
-def _obj(prisms: Floats) -> str:
-    """Content of walls.obj: every prism as an object of its own, by which loaders know that each is convex."""
-    lines = []
-    for leg, side in np.ndindex(*prisms.shape[:2]):
-        first = 1 + 8 * (leg * prisms.shape[1] + side)
-        lines.append(f"o {_part_name(leg, side)}")
-        lines += [f"v {text(*corner)}" for corner in prisms[leg, side]]
-        lines += ["f {} {} {}".format(*(first + face)) for face in PRISM_FACES]
-    return "\n".join(lines) + "\n"
+def _write_walls(folder: Path, prisms: Floats) -> None:
+    """Write walls.obj, every prism as an object of its own, and every prism as a file of its own."""
+    (folder / "walls").mkdir()
+    lines: list[str] = []
+    for number, (part, prism) in enumerate(_parts(prisms).items()):
+        (folder / "walls" / f"{part}.obj").write_text("\n".join(_object(part, prism, 1)) + "\n", encoding="utf-8")
+        lines += _object(part, prism, 1 + len(prism) * number)
+    (folder / "walls.obj").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def _part_name(leg: int, side: int) -> str:
-    return f"wall_{leg + 1}_{side}"
+def _object(part: str, prism: Floats, first: int) -> list[str]:
+    """Lines of an OBJ file for a prism, whose vertices (8, 3) are numbered from `first`."""
+    vertices = [f"v {text(*corner)}" for corner in prism]
+    return [f"o {part}", *vertices, *("f {} {} {}".format(*(first + face)) for face in PRISM_FACES)]
+
+
+def _parts(prisms: Floats) -> dict[str, Floats]:
+    """Prisms by name: `wall_`, the leg's number from 1 and the side's from 0."""
+    return {f"wall_{leg + 1}_{side}": prisms[leg, side] for leg, side in np.ndindex(*prisms.shape[:2])}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from pathlib import Path
@@ -36,23 +37,38 @@ class MujocoScene(NamedTuple):
 
 
 def mjcf(name: str, camera: tuple[float, float, float]) -> MujocoScene:
-    """A MuJoCo model without walls, with a camera `above` that looks down from a point [m]."""
+    """A MuJoCo model without walls, with a camera `above` that looks down from a point [m].
+
+    It has no `compiler` element and no angle, so that another model can include it and keep its own units.
+    """
     root = ET.Element("mujoco", model=name)
-    add(root, "compiler", angle="radian")
     body = add(add(root, "worldbody"), "body", name="pipe")
     add(body, "camera", name="above", pos=text(*camera))
     return MujocoScene(root, body)
 
 
-def urdf(name: str, shapes: Sequence[Shape]) -> ET.Element:
-    """A URDF model of one link without mass, which loaders take for a fixed one."""
+def about_z(yaw: float) -> str:
+    """Turn about z by an angle [rad] as the text of a quaternion, which no `compiler` element can reinterpret."""
+    return text(math.cos(yaw / 2), 0, 0, math.sin(yaw / 2))
+
+
+def urdf(name: str, pieces: Sequence[Shape], seen: Sequence[Shape] | None = None) -> ET.Element:
+    """A URDF model of one link without mass, which loaders take for a fixed one.
+
+    Args:
+        name: name of the model.
+        pieces: parts of the wall to collide with, each convex: engines fill a mesh up to its convex hull.
+        seen: parts of the wall to look at; by default the same.
+    """
     root = ET.Element("robot", name=name)
+    # Without it, MuJoCo looks for `walls/piece.obj` beside the model; other loaders pass over the element.
+    add(add(root, "mujoco"), "compiler", strippath="false")
     add(add(root, "material", name="wall"), "color", rgba=COLOUR)
     link = add(root, "link", name="pipe")
     inertial = add(link, "inertial")
     add(inertial, "mass", value="0")
     add(inertial, "inertia", **dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "0"))
-    for use in ("visual", "collision"):
+    for use, shapes in (("visual", pieces if seen is None else seen), ("collision", pieces)):
         for shape in shapes:
             part = add(link, use, name=f"wall_{shape.name}")
             *xyz, yaw = shape.pose
@@ -64,13 +80,19 @@ def urdf(name: str, shapes: Sequence[Shape]) -> ET.Element:
     return root
 
 
-def sdf(name: str, shapes: Sequence[Shape]) -> ET.Element:
-    """A static SDF model with one link, children in the order of SDFormat's own description files."""
+def sdf(name: str, pieces: Sequence[Shape], seen: Sequence[Shape] | None = None) -> ET.Element:
+    """A static SDF model with one link, children in the order of SDFormat's own description files.
+
+    Args:
+        name: name of the model.
+        pieces: parts of the wall to collide with, each convex.
+        seen: parts of the wall to look at; by default the same.
+    """
     root = ET.Element("sdf", version="1.7")
     model = add(root, "model", name=name)
     add(model, "static").text = "true"
     link = add(model, "link", name="pipe")
-    for use in ("collision", "visual"):
+    for use, shapes in (("collision", pieces), ("visual", pieces if seen is None else seen)):
         for shape in shapes:
             part = add(link, use, name=f"wall_{shape.name}_{use}")
             *xyz, yaw = shape.pose

@@ -125,12 +125,22 @@ def test_walls_obj_holds_the_prisms_one_by_one(made: tuple[PipeRoute, Path]) -> 
     assert sum(part.volume for part in parts) == pytest.approx(section * sum(route.straights), rel=1e-5)
 
 
-def test_urdf_and_sdf_name_the_mesh(made: tuple[PipeRoute, Path]) -> None:
-    _, folder = made
+def test_urdf_and_sdf_collide_with_one_convex_file_a_piece(made: tuple[PipeRoute, Path]) -> None:
+    """An engine that fills a mesh up to its convex hull must find nothing to fill."""
+    route, folder = made
     urdf, sdf = ET.parse(folder / "pipe.urdf").getroot(), ET.parse(folder / "pipe.sdf").getroot()
-    for part in ("collision", "visual"):
-        assert [mesh.get("filename") for mesh in urdf.iterfind(f"link/{part}/geometry/mesh")] == ["walls.obj"]
-        assert [uri.text for uri in sdf.iterfind(f"model/link/{part}/geometry/mesh/uri")] == ["walls.obj"]
+    pieces = sorted(f"walls/{path.name}" for path in (folder / "walls").iterdir())
+    assert len(pieces) == FACETS * len(route.straights)
+    for use, expected in (("visual", ["walls.obj"]), ("collision", pieces)):
+        assert sorted(mesh.get("filename") for mesh in urdf.iterfind(f"link/{use}/geometry/mesh")) == expected
+        assert sorted(uri.text for uri in sdf.iterfind(f"model/link/{use}/geometry/mesh/uri")) == expected
+    whole = trimesh.load(folder / "walls.obj", process=False)
+    parts = [trimesh.load(folder / piece) for piece in pieces]
+    assert all(part.is_watertight for part in parts)
+    for part in parts:  # convex: no vertex lies in front of any face
+        ahead = np.einsum("fvx,fx->fv", part.vertices[None] - part.triangles[:, :1], part.face_normals)
+        assert ahead.max() < 1e-6
+    assert sum(part.volume for part in parts) == pytest.approx(whole.volume, rel=1e-6)
     assert sdf.get("version") == "1.7" and sdf.findtext("model/static") == "true"
 
 

@@ -10,11 +10,14 @@ from pipenav.arrays import Floats, Ints
 from pipenav.backends.messages import Reading
 from pipenav.robots import kinematics
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.layout import ObservationField
+from pipenav.tasks.layout import BEYOND_STOP, IMPACT, ObservationField
 from pipenav.tasks.reach.config import ReachConfig
 
 POSITION_SCALE = 0.5
 """Scale of observed positions [m]: about the robot's reach, so that values stay near [-1, 1]."""
+
+FARTHEST = 100.0
+"""Bound of observed positions, in `POSITION_SCALE`: 50 m, farther than any corner is large."""
 
 NEAR = 0.03
 """Distance at which `goal_near` has half its length [m]: that value resolves the last centimetres before the target."""
@@ -71,11 +74,13 @@ def layout(robot: RobotSpec, config: ReachConfig) -> list[ObservationField]:
     joints = len(robot.joints)
     position = np.maximum(-robot.lower, robot.upper)
     ranges = np.full(robot.laser.beams, robot.laser.range_max)
-    q, qd = ObservationField("q", "rad, m", position), ObservationField("qd", "rad/s, m/s", robot.speed_limits)
+    q = ObservationField("q", "rad, m", position, BEYOND_STOP)
+    qd = ObservationField("qd", "rad/s, m/s", robot.speed_limits, IMPACT)
     scans = ObservationField("ranges", "m", ranges)
     xy = np.full(2, POSITION_SCALE)
-    tip, target = ObservationField("p_ee", "m", xy), ObservationField("p_goal", "m", xy)
-    relative = [q, qd, scans, ObservationField("goal_in_tip", "m", xy), ObservationField("goal_near", "1", np.ones(2))]
+    tip, target = (ObservationField(name, "m", xy, FARTHEST) for name in ("p_ee", "p_goal"))
+    in_tip, near = ObservationField("goal_in_tip", "m", xy, FARTHEST), ObservationField("goal_near", "1", np.ones(2))
+    relative = [q, qd, scans, in_tip, near]
     if config.observation == "relative":
         return relative
     if config.observation == "basic":

@@ -56,6 +56,12 @@ class TraverseBatch(TrainingBatch):
         self._action, self._q = np.zeros((n, len(robot.driven_actuators))), np.zeros((n, robot.coordinates))
         self._set_points = np.zeros((n, len(robot.joints)))
         self._observation = np.zeros((n, len(self._scale)))
+        self._ranges = np.zeros((n, robot.laser.beams))
+
+    @property
+    def ranges(self) -> Floats:
+        """Laser readings in the robot's own frame, from right to left, (n, beams) [m]."""
+        return self._ranges.copy()
 
     @property
     def pipes(self) -> list[Pipe | None]:
@@ -86,7 +92,7 @@ class TraverseBatch(TrainingBatch):
             self._pipes[i] = pipe
         self.steps[indices], self._ages[indices] = self._ages[indices], 0
         self._base[indices], self._q[indices], self._action[indices] = episodes.base, episodes.q, 0.0
-        self._gravity[indices] = episodes.gravity
+        self._gravity[indices], self._ranges[indices] = episodes.gravity, reading.ranges
         self._set_points[indices] = reading.q + self.config.start_press * np.sign(reading.q)
         self._lines, self._corner[indices] = self._lines.put(indices, CentreLines.of(episodes.pipes)), 0
         self._turn_signs[indices] = self._lines.turn_signs(self._corner)[indices]
@@ -108,7 +114,7 @@ class TraverseBatch(TrainingBatch):
         self.steps += 1
         self._action = np.clip(action, -1.0, 1.0)
         reading, truth = self._simulator.read(), self._simulator.truth()
-        self._q = self._configuration(reading, truth)
+        self._q, self._ranges = self._configuration(reading, truth), reading.ranges.copy()
         distances, every, last = self.distances, np.arange(self.n), self._lines.corners - 1
         limit, end = self.config.max_steps * (last + 1), self._lines.end[every, last]
         facts, outcome = self._tracker.step(self.steps, limit, distances, end, reading, truth)

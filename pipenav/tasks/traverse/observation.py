@@ -7,7 +7,7 @@ import numpy as np
 from pipenav.arrays import Floats
 from pipenav.backends.messages import Command, Reading
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.layout import ObservationField
+from pipenav.tasks.layout import BEYOND_STOP, IMPACT, ObservationField
 from pipenav.tasks.traverse.config import TraverseConfig
 
 STRAIGHT = 0.1
@@ -20,9 +20,9 @@ def layout(robot: RobotSpec, config: TraverseConfig) -> list[ObservationField]:
     actuators, lidar = len(robot.driven_actuators), robot.laser
     weighs = config.inclination_deg is not None
     return [
-        ObservationField("q", "rad", np.maximum(-robot.lower, robot.upper)),
-        ObservationField("qd", "rad/s", np.array(robot.speed_limits)),
-        ObservationField("wheel_speeds", "rad/s", wheel_limits(robot)),
+        ObservationField("q", "rad", np.maximum(-robot.lower, robot.upper), BEYOND_STOP),
+        ObservationField("qd", "rad/s", np.array(robot.speed_limits), IMPACT),
+        ObservationField("wheel_speeds", "rad/s", wheel_limits(robot), IMPACT),
         ObservationField("loads", "1", np.ones(actuators)),
         ObservationField("ranges", "m", np.full(lidar.beams, lidar.range_max)),
         ObservationField("action_before", "1", np.ones(actuators)),
