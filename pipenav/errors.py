@@ -18,9 +18,9 @@ class UnknownName(PipenavError):
 
     def __init__(self, kind: str, given: str, known: Iterable[str]) -> None:
         names = sorted(known)
-        near = get_close_matches(given, names, n=3, cutoff=0.5)
+        near = get_close_matches(given, names, n=3, cutoff=0.5) if len(given) <= LONGEST_SHOWN else []
         choose = f"choose {_either(names)}." if names else "there are none."
-        super().__init__(f"unknown {kind} {given!r}: {f'did you mean {_either(near)}?' if near else choose}")
+        super().__init__(f"unknown {kind} {shown(given)}: {f'did you mean {_either(near)}?' if near else choose}")
 
 
 class OutOfRange(PipenavError):
@@ -43,22 +43,22 @@ class ConfigError(PipenavError):
             error: error that pydantic raised.
             known: keys that exist, to suggest the nearest one for an unknown key.
         """
-        first = error.errors()[0]
+        first = error.errors(include_url=False)[0]
         key = dotted(first["loc"]) or "the value"
         if first["type"] == "extra_forbidden":
             return cls(f"{where}: {UnknownName('key', key, known)}")
         more = f" ({error.error_count() - 1} more)" if error.error_count() > 1 else ""
         given = first.get("input")
-        shown = f", given {given!r}" if isinstance(given, str | int | float | bool) else ""
-        message = str(first["msg"])
-        return cls(f"{where}: {key}: {message[0].lower()}{message[1:]}{shown}{more}.")
+        instead = f", given {shown(given)}" if isinstance(given, str | int | float | bool) else ""
+        message = shown(first["msg"].removeprefix("Value error, "), quoted=False, longest=500)
+        return cls(f"{where}: {shown(key, quoted=False)}: {message[:1].lower()}{message[1:]}{instead}{more}.")
 
 
 class FileProblem(PipenavError):
     """A file that cannot be read or written."""
 
     def __init__(self, path: Path, doing: str, error: OSError) -> None:
-        super().__init__(f"cannot {doing} {path}: {error.strerror or error}.")
+        super().__init__(f"cannot {doing} {shown(path, quoted=False, longest=300)}: {error.strerror or error}.")
 
 
 class BackendUnavailable(PipenavError):
@@ -66,6 +66,22 @@ class BackendUnavailable(PipenavError):
 
     def __init__(self, name: str, missing: str, remedy: str) -> None:
         super().__init__(f"backend {name!r} cannot run: {missing}; {remedy}.")
+
+
+LONGEST_SHOWN = 100
+"""Most characters of a given value in a message."""
+
+
+def shown(value: object, quoted: bool = True, longest: int = LONGEST_SHOWN) -> str:
+    """A value for a message: on one line, without control characters, its middle left out where it is long."""
+    try:
+        text = repr(value) if quoted else str(value)
+    except (ValueError, RecursionError):  # a whole number of thousands of digits, or a value that nests too deeply
+        return "a value that is too long to be shown"
+    text = " ".join(text.splitlines())
+    if len(text) > longest:
+        text = f"{text[: longest // 2]}...{text[-(longest // 3) :]}"
+    return "".join(letter if letter.isprintable() else "?" for letter in text)
 
 
 def dotted(location: Iterable[str | int]) -> str:

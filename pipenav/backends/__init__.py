@@ -1,7 +1,8 @@
 """The seams that a simulator or an arm implements, how plugins are found, and what they may use.
 
 A plugin imports from `pipenav.backends`, `pipenav.robots`, `pipenav.pipes` and `pipenav.errors`, and takes array types
-and unit conversions from `pipenav.arrays` and `pipenav.units`. It imports nothing else of pipenav.
+and unit conversions from `pipenav.arrays` and `pipenav.units`. `read_toml` is the reader of
+every TOML file. It imports nothing else of pipenav.
 """
 
 from pipenav.backends import safety
@@ -34,6 +35,7 @@ from pipenav.backends.safety import Bounds, Deadlines, Limited, Repeats, Stopped
 from pipenav.backends.simulators import DEFAULT_SIMULATOR, SimulatorSettings, load_simulator, open_simulator, open_space
 from pipenav.backends.spatial import HALVES, SpaceBackend, SpaceReading, SpaceTruth
 from pipenav.backends.wall_boxes import OUTER_THICKNESS, PARKED, WALL_HALF_HEIGHT, Edge, WallBoxes, wall_boxes
+from pipenav.storage.text_files import read_toml
 
 __all__ = [
     "CONTROL_PERIOD",
@@ -87,6 +89,7 @@ __all__ = [
     "open_simulator",
     "open_space",
     "physics_steps",
+    "read_toml",
     "safety",
     "strongest",
     "wall_boxes",

@@ -1,7 +1,8 @@
 """The command line: one thin file per subcommand, imported only when that command is asked for.
 
 A command is a function whose docstring's first line is its line in `pipenav --help`; it raises `PipenavError` for what
-a user can cause, which is printed as one line here. Exit codes: 0 done, 1 an error, 2 wrong usage, 130 interrupted.
+a user can cause, which is printed as one line here. Exit codes: 0 done, 1 an error, 2 wrong usage, 70 a fault of
+pipenav itself, with a report in a file, 130 interrupted.
 """
 
 from __future__ import annotations
@@ -74,6 +75,9 @@ COMMANDS = {
 REDIRECTED_WIDTH = 1000
 """Columns for a table that goes to a file or another program: one line a row."""
 
+EXIT_FAULT = 70
+"""Exit code of a fault of pipenav itself: EX_SOFTWARE of sysexits.h."""
+
 _SETTINGS = {"help_option_names": ["-h", "--help"]}
 
 
@@ -122,11 +126,23 @@ def main(args: Sequence[str] | None = None) -> None:
     except Exception as error:
         from pipenav.errors import PipenavError
 
-        if not isinstance(error, PipenavError):
-            raise
-        message = " ".join(str(error).split())
+        ours = not isinstance(error, PipenavError)
+        message = _fault(error) if ours else " ".join(str(error).split())
+        message = "".join(letter if letter.isprintable() else "?" for letter in message)
         typer.echo(f"{typer.style('pipenav: error:', fg='red', bold=True)} {message}", err=True)
-        sys.exit(1)
+        sys.exit(EXIT_FAULT if ours else 1)
+
+
+def _fault(error: Exception) -> str:
+    """A sentence about an error that no user can cause, with the file that reports it."""
+    from pipenav.cli.fault_report import write_report
+    from pipenav.errors import shown
+
+    try:
+        report = f"a report is in {write_report(error)}; please send it to those who gave you pipenav"
+    except OSError as problem:
+        report = f"no report could be written ({problem.strerror})"
+    return f"a fault of pipenav itself, not yours, {type(error).__name__}: {shown(error, quoted=False)}; {report}."
 
 
 def table_console() -> Console:

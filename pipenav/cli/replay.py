@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from pipenav.errors import PipenavError
+from pipenav.errors import PipenavError, shown
 
 
 def replay(
@@ -33,8 +33,12 @@ def replay(
     recording = result.recording
     if draw is not None:
         robot = load_policy(log.with_name(POLICY_COPY)).header.robot
-        ended = recording.end["cause"] or recording.end["end"] if recording.end else "cut short"
-        atomic_write(draw, mission_picture(robot, recording.ticks, f"{robot.name}: {ended}, {result.ticks} ticks"))
+        end = recording.end or {"end": "cut short"}
+        ended = shown(end.get("cause") or end["end"], quoted=False)
+        atomic_write(
+            draw,
+            mission_picture(robot, recording.ticks[: result.ticks], f"{robot.name}: {ended}, {result.ticks} ticks"),
+        )
     if result.difference:
         raise PipenavError(f"the replay differs: {result.difference}; was the log or the policy changed?")
     Console().print(f"{result.ticks} ticks, {result.packets} packets: all identical", highlight=False)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from pipenav.backends.real_robot import ArmStart
-from pipenav.errors import PipenavError
+from pipenav.errors import FileProblem, PipenavError
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import RobotSpec
+from pipenav.storage.text_files import MAX_SETTINGS, read_json
 from pipenav.tasks.reach import episode
 from pipenav.tasks.reach.config import ReachConfig
 
@@ -68,9 +68,9 @@ def _named_faults(name: str | None) -> list[dict[str, Any]]:
     if name == "thesis":
         return THESIS_FAULTS
     try:
-        loaded = json.loads(Path(name).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise PipenavError(f"cannot read faults {name}: {error.strerror}; choose thesis or a JSON file.") from error
+        loaded = read_json(Path(name), MAX_SETTINGS)
+    except FileProblem as problem:
+        raise PipenavError(f"{str(problem).rstrip('.')}: for --faults choose thesis or a JSON file.") from problem
     except ValueError as error:
         raise PipenavError(f"{name} is not valid JSON: {error}.") from error
     if not isinstance(loaded, list):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -47,7 +48,7 @@ def mission_picture(
     axes = figure.add_subplot()
     if pipe is not None:
         draw_walls(axes, pipe)
-    known = [tick for tick in ticks if "q" in tick]
+    known = [tick for tick in ticks if _drawable(tick, robot)]
     if known:
         offset = np.array([base, 0.0])
         pose = kinematics.forward(robot, np.array([tick["q"] for tick in known]))
@@ -68,6 +69,20 @@ def mission_picture(
         axes.spines[edge].set_visible(False)
     axes.set_title(title, loc="left", color=INK, fontsize=12)
     return png(figure)
+
+
+def _drawable(tick: dict[str, Any], robot: RobotSpec) -> bool:
+    """Whether a record has everything that is drawn of it, in numbers for this robot."""
+    numbers = {"q": robot.coordinates, "ranges": robot.laser.beams, "target": 2}
+    for key, size in numbers.items():
+        values = tick.get(key)
+        if values is None and key == "target":
+            continue
+        if not isinstance(values, list) or len(values) != size:
+            return False
+        if not all(isinstance(value, int | float) and math.isfinite(value) for value in values):
+            return False
+    return isinstance(tick.get("stage"), str)
 
 
 def _draw_scans(

@@ -11,6 +11,7 @@ from pipenav.deployment.loop import RETREATABLE, decision_record
 from pipenav.deployment.mission import Mission, mission_of
 from pipenav.deployment.plan import POLICY_COPY
 from pipenav.deployment.telemetry import Recording, TelemetryFileError, read_telemetry
+from pipenav.errors import shown
 from pipenav.policies.policy import load_policy
 
 COMPARED = ("stage", "q", "qd", "ranges", "time", "observation", "action", "command", "sent", "clamped", "packet")
@@ -45,8 +46,9 @@ def replay(path: Path) -> Replay:
         recoder = load_real_robot(header["backend"]).recoder(policy.header.robot, header["machine"])
         mission = mission_of(policy, header["run"])
         return _compare(recording, recoder, mission)
-    except (KeyError, TypeError, ValueError) as error:
-        raise TelemetryFileError(path, f"lacks what a replay needs ({type(error).__name__}: {error})") from error
+    except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:  # of any part of a tick
+        problem = f"lacks what a replay needs ({type(error).__name__}: {shown(error, quoted=False)})"
+        raise TelemetryFileError(path, problem) from error
 
 
 def _compare(recording: Recording, recoder: Recoder, mission: Mission) -> Replay:
@@ -60,7 +62,8 @@ def _compare(recording: Recording, recoder: Recoder, mission: Mission) -> Replay
             continue  # what stopped it may have been a signal, the clock or a servo: no arithmetic
         for key in COMPARED:
             if tick.get(key) != again.get(key):
-                difference = f"tick {tick['tick']}: {key} is {again.get(key)}, recorded {tick.get(key)}"
+                new, old = (shown(record.get(key), longest=300) for record in (again, tick))
+                difference = f"tick {tick['tick']}: {key} is {new}, recorded {old}"
                 return Replay(recording, tick["tick"], packets, difference)
         packets += bool(tick.get("packet"))
     return Replay(recording, len(recording.ticks), packets, "")

@@ -6,7 +6,9 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import json
+from codecs import BOM_UTF8
 from collections import deque
 from collections.abc import Mapping
 from io import FileIO
@@ -14,14 +16,18 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, NamedTuple, Self
 
-from pipenav.errors import FileProblem, PipenavError
+from pipenav.errors import ConfigError, FileProblem, PipenavError
+from pipenav.storage.text_files import as_text, parse_json, read_bytes
 
 SCHEMA = 1
 REMEMBERED = 50
 """Number of ticks kept at hand for a message about a stop."""
 
-MAX_BYTES = 1 << 30
-"""Largest log that is read [bytes]: a day of ticks."""
+MAX_BYTES = 48 << 20
+"""Largest log that is read [bytes]: half an hour of ticks, of 2.7 kB each."""
+
+MAX_LINE = 256 << 10
+"""Longest line that is read [bytes]: a hundred times a tick."""
 
 
 class TelemetryFileError(PipenavError):
@@ -117,26 +123,43 @@ def read_telemetry(path: Path) -> Recording:
         TelemetryFileError: the file is no telemetry, or a line of it is damaged.
     """
     try:
-        with path.open("rb") as file:
-            content = file.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise FileProblem(path, "read", error) from error
-    if len(content) > MAX_BYTES:
-        raise TelemetryFileError(path, "is larger than any mission's")
-    records = []
-    for number, line in enumerate(content[: content.rfind(b"\n") + 1].splitlines(), start=1):
-        try:
-            record = json.loads(line)
-        except ValueError:
-            record = None
-        if not isinstance(record, dict):
-            raise TelemetryFileError(path, f"is damaged in line {number}")
-        records.append(record)
-    if not records or records[0].get("pipenav_telemetry") != SCHEMA:
+        content = read_bytes(path, MAX_BYTES).removeprefix(BOM_UTF8)
+    except ConfigError as error:
+        problem = str(error).removeprefix(str(path)).partition(": ")[0].strip(" .")
+        raise TelemetryFileError(path, problem) from error
+    header: dict[str, Any] | None = None
+    end: dict[str, Any] | None = None
+    ticks: list[dict[str, Any]] = []
+    for number, line in enumerate(io.BytesIO(content[: content.rfind(b"\n") + 1]), start=1):
+        if not line.strip():
+            continue
+        if end is not None:
+            raise TelemetryFileError(path, f"goes on after its end, in line {number}")
+        record = _record(path, number, line)
+        if header is None:
+            header = _header(path, record)
+        elif "end" in record:
+            end = record
+        elif record.get("tick") != len(ticks) or not isinstance(record.get("raw"), dict):
+            raise TelemetryFileError(path, f"misses tick {len(ticks)}")
+        else:
+            ticks.append(record)
+    return Recording(_header(path, header or {}), ticks, end)
+
+
+def _record(path: Path, number: int, line: bytes) -> dict[str, Any]:
+    """A line of the log, a table."""
+    try:
+        record = parse_json(as_text(line, "the line") if len(line) <= MAX_LINE else "", "the line")
+    except ConfigError:
+        record = None
+    if not isinstance(record, dict):
+        raise TelemetryFileError(path, f"is damaged in line {number}")
+    return record
+
+
+def _header(path: Path, record: dict[str, Any]) -> dict[str, Any]:
+    """The first line of a log of the version that can be read."""
+    if record.get("pipenav_telemetry") != SCHEMA:
         raise TelemetryFileError(path, f"does not begin with a header of version {SCHEMA}")
-    end = records[-1] if "end" in records[-1] else None
-    ticks = records[1:] if end is None else records[1:-1]
-    for number, tick in enumerate(ticks):
-        if tick.get("tick") != number or "raw" not in tick:
-            raise TelemetryFileError(path, f"misses tick {number}")
-    return Recording(records[0], ticks, end)
+    return record

@@ -10,7 +10,7 @@ from pydantic import AfterValidator, BaseModel, Field, ValidationError
 from pipenav.arrays import Table
 from pipenav.errors import ConfigError, PipenavError, UnknownName
 from pipenav.storage import shipped
-from pipenav.storage.atomic_files import read_toml
+from pipenav.storage.text_files import read_toml
 
 Number = TypeVar("Number", int, float)
 Task = TypeVar("Task", bound=BaseModel)

@@ -8,11 +8,12 @@ from typing import Any, Literal, Self
 
 from pydantic import Field, JsonValue, ValidationError, computed_field, model_validator
 
-from pipenav.errors import ConfigError, FileProblem
+from pipenav.errors import ConfigError
 from pipenav.evaluation.config import EvaluationConfig
 from pipenav.evaluation.earlier_schema import todays_evaluation
 from pipenav.evaluation.interval import wilson
 from pipenav.evaluation.pipe_results import DiameterRecord, PipeRecord, Record, Share, by_diameter
+from pipenav.storage.text_files import MAX_RECORD, checked_json, read_text
 
 
 class Evaluation(Record):
@@ -128,8 +129,6 @@ def read_evaluation(path: Path) -> Evaluation:
     """
     file = path / "eval.json" if path.is_dir() else path
     try:
-        return Evaluation.model_validate_json(file.read_bytes())
-    except OSError as error:
-        raise FileProblem(file, "read", error) from error
+        return Evaluation.model_validate_json(checked_json(read_text(file, MAX_RECORD), str(file)))
     except ValidationError as error:
         raise ConfigError.from_validation(str(file), error, Evaluation.model_fields) from error

@@ -13,7 +13,7 @@ from pipenav.errors import ConfigError, UnknownName
 from pipenav.evaluation.config import StageName
 from pipenav.learning.config import TrainConfig, load_config
 from pipenav.locating.locator import Variant
-from pipenav.storage.atomic_files import read_toml
+from pipenav.storage.text_files import read_toml
 
 FOLDER = Path(__file__).parent
 ALL = "all"

@@ -9,12 +9,11 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.drawing.style import INK, MARKERS, heading, plain
-from pipenav.errors import FileProblem
 from pipenav.evaluation.pipe_results import PipeRecord
 from pipenav.evaluation.results import Evaluation
 from pipenav.experiments.plan import ExperimentPlan, resolved_agent
 from pipenav.experiments.tables import SHOWN_STAGES, Result, ShownStage
-from pipenav.learning.progress import progress_columns
+from pipenav.learning.progress import progress_columns, read_progress
 from pipenav.learning.training_folder import TrainingFolder
 
 if TYPE_CHECKING:
@@ -94,10 +93,7 @@ def _curves(plan: ExperimentPlan, agent: str) -> _Curves:
 
 def _columns(plan: ExperimentPlan, agent: str, seed: int) -> dict[str, list[float]]:
     file = TrainingFolder(plan.training_folder(agent, seed)).progress
-    try:
-        return progress_columns(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise FileProblem(file, "read", error) from error
+    return progress_columns(read_progress(file))
 
 
 def success_figure(results: Sequence[Result], title: str) -> Figure:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -10,11 +11,12 @@ from typing import NamedTuple
 from pydantic import Field, ValidationError
 
 from pipenav.arrays import Table
-from pipenav.errors import ConfigError, FileProblem, PipenavError
+from pipenav.errors import ConfigError, PipenavError
 from pipenav.evaluation.config import EARLIER_STAGES, StageName
 from pipenav.evaluation.results import Evaluation, read_evaluation
 from pipenav.experiments.definition import BEST_OF, Row, load_experiment
 from pipenav.storage.atomic_files import atomic_write, prepare_folder
+from pipenav.storage.text_files import checked_json, read_json, read_text
 
 SETTINGS_FILE = "experiment.json"
 """File that says which settings the results in a folder have."""
@@ -79,9 +81,7 @@ def open_plan(experiments: Sequence[str], seeds: int, settings: ExperimentSettin
     file = out / SETTINGS_FILE
     if file.exists():
         try:
-            earlier = ExperimentSettings.model_validate_json(file.read_bytes())
-        except OSError as error:
-            raise FileProblem(file, "read", error) from error
+            earlier = ExperimentSettings.model_validate_json(checked_json(read_text(file), str(file)))
         except ValidationError as error:
             raise ConfigError.from_validation(str(file), error, ExperimentSettings.model_fields) from error
         if earlier != settings:
@@ -100,20 +100,21 @@ def elapsed(plan: ExperimentPlan) -> float:
 
 
 def read_number(file: Path, key: str) -> float:
-    """A number from a small JSON file of a results folder.
+    """A number, 0 or more, from a small JSON file of a results folder.
 
     Raises:
         FileProblem: it cannot be read.
         PipenavError: it is damaged.
     """
+    damaged = PipenavError(f"{file} is damaged, it has no number {key!r}: remove it, and run the command again.")
     try:
-        return float(json.loads(file.read_text(encoding="utf-8"))[key])
-    except OSError as error:
-        raise FileProblem(file, "read", error) from error
-    except (ValueError, TypeError, KeyError):
-        raise PipenavError(
-            f"{file} is damaged, it has no number {key!r}: remove it, and run the command again."
-        ) from None
+        content = read_json(file)
+    except ConfigError:
+        raise damaged from None
+    number = content.get(key) if isinstance(content, dict) else None
+    if isinstance(number, bool) or not isinstance(number, int | float) or not 0 <= number < math.inf:
+        raise damaged
+    return float(number)
 
 
 def add_elapsed(plan: ExperimentPlan, seconds: float) -> None:

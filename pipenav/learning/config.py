@@ -17,9 +17,9 @@ from pydantic_core import PydanticCustomError
 
 from pipenav.arrays import Table
 from pipenav.disturbances.disturbance import UNDISTURBED, Disturbance
-from pipenav.errors import ConfigError, PipenavError, UnknownName
+from pipenav.errors import ConfigError, PipenavError, UnknownName, shown
 from pipenav.storage import shipped
-from pipenav.storage.atomic_files import read_toml
+from pipenav.storage.text_files import MAX_DEPTH, parse_toml, read_toml
 from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.registry import TaskConfig
 
@@ -123,9 +123,11 @@ def load_config(
     for text in settings:
         key, equals, value = text.partition("=")
         if not (equals and key.strip()):
-            raise PipenavError(f"setting {text!r} is no setting: write it as key=value, for example seed=1.")
+            raise PipenavError(f"setting {shown(text)} is no setting: write it as key=value, for example seed=1.")
+        if key.count(".") >= MAX_DEPTH:
+            raise PipenavError(f"setting {shown(text)} has a key of more than {MAX_DEPTH} parts: see pipenav presets.")
         table = _overlay(table, _nested(key.strip(), toml_value(value.strip())))
-        where = f"--set {text}"
+        where = f"--set {shown(text, quoted=False)}"
     for key, value in (options or {}).items():
         if value is not None:
             table = _overlay(table, _nested(key, value))
@@ -155,7 +157,7 @@ def _extended_name(table: Mapping[str, Any], where: str) -> str | None:
     if name is None:
         return None
     if not isinstance(name, str):
-        raise ConfigError(f"{where}: extends: input should be the name of a preset, given {name!r}.")
+        raise ConfigError(f"{where}: extends: input should be the name of a preset, given {shown(name)}.")
     if name not in preset_names():
         raise ConfigError(f"{where}: extends: {UnknownName('preset', name, preset_names())}")
     return name
@@ -218,7 +220,11 @@ def _nested(dotted: str, value: Any) -> dict[str, Any]:
 
 def toml_value(text: str) -> Any:
     """A value as TOML reads it; a bare word is a string."""
+    assignment = f"value = {text}"
     try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
-        return text
+        table = parse_toml(assignment, "a setting")
+    except ConfigError as error:
+        if isinstance(error.__cause__, tomllib.TOMLDecodeError):
+            return text
+        raise
+    return table["value"] if len(table) == 1 else text

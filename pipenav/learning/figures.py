@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipenav.drawing.style import INK, MAIN, SECOND, THIRD, heading, plain, png
-from pipenav.errors import FileProblem
-from pipenav.learning.progress import progress_columns
+from pipenav.learning.progress import progress_columns, read_progress
 from pipenav.storage.atomic_files import atomic_write
 
 if TYPE_CHECKING:
@@ -72,10 +71,7 @@ def write_training_plot(path: Path, progress_csv: Path) -> None:
 
     Raises:
         FileProblem: the one cannot be read or the other not be written.
+        ConfigError: progress.csv is no table of a training.
     """
-    try:
-        text = progress_csv.read_text(encoding="utf-8", errors="replace")
-    except OSError as error:
-        raise FileProblem(progress_csv, "read", error) from error
-    figure = training_figure(progress_columns(text), progress_csv.resolve().parent.name)
+    figure = training_figure(progress_columns(read_progress(progress_csv)), progress_csv.resolve().parent.name)
     atomic_write(path, png(figure))

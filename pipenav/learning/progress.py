@@ -5,7 +5,11 @@ from __future__ import annotations
 import csv
 import io
 import math
+from pathlib import Path
 from typing import NamedTuple
+
+from pipenav.errors import ConfigError
+from pipenav.storage.text_files import MAX_TABLE, read_text
 
 PROGRESS_COLUMNS = (
     "steps",
@@ -18,6 +22,9 @@ PROGRESS_COLUMNS = (
     "std",
     "check_success",
 )
+
+MAX_ROWS, MAX_COLUMNS = 100_000, 50
+"""Most rows and columns of a progress.csv: a row for each update, of three thousand control steps at the least."""
 
 EARLIER_COLUMNS = {"clearance_m": "min_range_m", "eval_success": "check_success"}
 """Names that columns of progress.csv had earlier, and the ones that they have today."""
@@ -39,6 +46,26 @@ class TrainingProgress(NamedTuple):
     success: float
     min_range: float
     check_success: float
+
+
+def read_progress(path: Path) -> str:
+    """Text of a progress.csv, for `progress_rows` and `progress_columns`.
+
+    Raises:
+        FileProblem: it cannot be read.
+        ConfigError: it is no table of a training: no text, or far too large.
+    """
+    text = read_text(path, MAX_TABLE)
+    rows, columns = text.count("\n"), text.partition("\n")[0].count(",") + 1
+    if rows > MAX_ROWS or columns > MAX_COLUMNS:
+        raise ConfigError(
+            f"{path} has {rows:,} rows of {columns:,} columns: a training's has at most {MAX_ROWS:,} of {MAX_COLUMNS}."
+        )
+    try:
+        list(csv.reader(io.StringIO(text, newline="")))
+    except csv.Error as error:
+        raise ConfigError(f"{path} is no table of a training: {error}.") from error
+    return text
 
 
 def progress_rows(text: str) -> list[dict[str, str | None]]:

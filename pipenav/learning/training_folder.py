@@ -10,8 +10,9 @@ from typing import Any, NamedTuple
 
 from pipenav.errors import PipenavError
 from pipenav.learning.config import TrainConfig, validate_config
-from pipenav.learning.progress import PROGRESS_COLUMNS, progress_rows
+from pipenav.learning.progress import PROGRESS_COLUMNS, progress_rows, read_progress
 from pipenav.storage.atomic_files import atomic_write, prepare_folder
+from pipenav.storage.text_files import MAX_SETTINGS, read_json
 
 
 class TrainingFolder:
@@ -53,15 +54,9 @@ class TrainingFolder:
         folder = cls(path)
         if not folder.config.is_file() or not folder.checkpoint.is_file():
             raise PipenavError(f"{path} holds no training: it needs config.json and resume.safetensors.")
-        try:
-            table = json.loads(folder.config.read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
-            raise PipenavError(f"{folder.config} cannot be read: {error}.") from error
+        table = read_json(folder.config, MAX_SETTINGS)
         if folder.progress.is_file():
-            try:
-                folder._rows = list(progress_rows(folder.progress.read_text(encoding="utf-8")))
-            except (OSError, ValueError, csv.Error) as error:
-                raise PipenavError(f"{folder.progress} cannot be read: {error}.") from error
+            folder._rows = list(progress_rows(read_progress(folder.progress)))
         return OpenedTraining(folder, validate_config(table, str(folder.config)))
 
     def write_config(self, config: TrainConfig) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from pydantic import ValidationError
 
-from pipenav.errors import FileProblem, PipenavError
+from pipenav.errors import ConfigError, PipenavError, shown
 from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
 from pipenav.motions.trajectory_table import (
     FORCE,
@@ -22,12 +22,13 @@ from pipenav.motions.trajectory_table import (
 )
 from pipenav.robots.robot import RobotSpec, load_robot
 from pipenav.storage.atomic_files import atomic_write
+from pipenav.storage.text_files import as_text, checked_json, read_bytes
 from pipenav.tasks.outcome import Outcome
 
 PREFIX = "# pipenav-trajectory "
 """Beginning of the header line."""
 
-MAX_BYTES = 32 << 20
+MAX_BYTES = 16 << 20
 """Largest size of a file. An hour of any robot fits: 36,000 rows of some forty numbers."""
 
 
@@ -84,26 +85,24 @@ def read_trajectory(path: Path, robot: RobotSpec | None = None) -> Trajectory:
 
 def _lines(path: Path) -> list[str]:
     try:
-        with path.open("rb") as file:
-            content = file.read(MAX_BYTES + 1)
-        if len(content) > MAX_BYTES:
-            raise TrajectoryFileError(path, f"is larger than {MAX_BYTES >> 20} MiB", "no trajectory is, give another")
-        return content.decode("utf-8").splitlines()
-    except OSError as error:
-        raise FileProblem(path, "read", error) from error
-    except UnicodeDecodeError as error:
-        raise TrajectoryFileError(path, "is not text", "give a file that pipenav recorded") from error
+        text = as_text(read_bytes(path, MAX_BYTES), str(path))
+    except ConfigError as error:
+        problem = str(error).removeprefix(str(path)).partition(": ")[0].strip(" .")
+        raise TrajectoryFileError(path, problem, "give a file that pipenav recorded") from error
+    return text.rstrip("\n").split("\n")
 
 
 def _header(path: Path, text: str) -> TrajectoryHeader:
     try:
-        header = TrajectoryHeader.model_validate_json(text)
+        header = TrajectoryHeader.model_validate_json(checked_json(text, "the header"))
     except ValidationError as error:
-        first = error.errors()[0]
+        first = error.errors(include_url=False)[0]
         key = ".".join(str(part) for part in first["loc"] if not str(part).startswith("<")) or "the header"
-        given = f", given {first['input']!r}" if isinstance(first["input"], str | int | float | bool) else ""
-        message = str(first["msg"]).removeprefix("Value error, ")
-        raise TrajectoryFileError(path, f"line 1: {key}: {message[0].lower()}{message[1:]}{given}") from error
+        given = f", given {shown(first['input'])}" if isinstance(first["input"], str | int | float | bool) else ""
+        message = shown(first["msg"].removeprefix("Value error, "), quoted=False, longest=500)
+        raise TrajectoryFileError(path, f"line 1: {key}: {message[:1].lower()}{message[1:]}{given}") from error
+    except ConfigError as error:
+        raise TrajectoryFileError(path, f"line 1: {str(error).rstrip('.')}") from error
     except PipenavError as error:  # from the pipe's own checks
         raise TrajectoryFileError(path, f"line 1: pipe: {str(error).rstrip('.')}") from error
     anywhere = header.outcome == Outcome.MISPLACED.label  # a target that was located in a wrong place

@@ -10,7 +10,7 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD
-from pipenav.errors import PipenavError
+from pipenav.errors import PipenavError, shown
 from pipenav.robots.robot import RobotSpec
 
 TIME, FORCE = "t_s", "contact_force_n"
@@ -18,6 +18,9 @@ TIME, FORCE = "t_s", "contact_force_n"
 
 FIRST_ROW = 3
 """Line of the table's first row in the file, after the header and the names of the columns."""
+
+MAX_ROWS = 40_000
+"""Most rows of a table: more than an hour."""
 
 TIME_TOLERANCE = 0.01
 """Largest error of a row's time [s]: a tenth of a control period, for clocks of real arms."""
@@ -59,6 +62,8 @@ def parse_table(path: Path, lines: list[str], robot: RobotSpec) -> dict[str, Flo
     _check_columns(path, names, robot)
     if len(lines) < 3:
         raise TrajectoryFileError(path, "holds no motion, fewer than two rows")
+    if len(lines) - 1 > MAX_ROWS:
+        raise TrajectoryFileError(path, f"holds more than {MAX_ROWS:,} rows", "no trajectory does, give another")
     values = np.array(list(_rows(path, names, lines[1:])))
     table: dict[str, Floats] = dict(zip(names, values.T, strict=True))
     _check_time(path, table[TIME])
@@ -77,7 +82,9 @@ def _check_columns(path: Path, names: list[str], robot: RobotSpec) -> None:
     for i, name in enumerate(names):
         if name not in [*required, FORCE] or name in names[:i]:
             known = ", ".join([*required, FORCE])
-            raise TrajectoryFileError(path, f"has an unknown or doubled column {name!r}", f"its columns are {known}")
+            raise TrajectoryFileError(
+                path, f"has an unknown or doubled column {shown(name)}", f"its columns are {known}"
+            )
 
 
 def _rows(path: Path, names: list[str], lines: list[str]) -> Iterator[list[float]]:
@@ -88,7 +95,7 @@ def _rows(path: Path, names: list[str], lines: list[str]) -> Iterator[list[float
         row = [_number(cell) for cell in cells]
         for name, cell, value in zip(names, cells, row, strict=True):
             if not math.isfinite(value):
-                raise TrajectoryFileError(path, f"line {number}, {name}: {cell!r} is not a finite number")
+                raise TrajectoryFileError(path, f"line {number}, {name}: {shown(cell)} is not a finite number")
         yield row
 
 

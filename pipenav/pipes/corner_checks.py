@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import cast
 
-from pipenav.errors import OutOfRange, PipenavError
+from pipenav.errors import OutOfRange, PipenavError, shown
 from pipenav.pipes.corner_lines import tangent_length
 from pipenav.pipes.pipe import Turn
 from pipenav.units import m_to_mm, rad_to_deg
@@ -45,7 +45,7 @@ def check_turn(turn: str) -> Turn:
         PipenavError: neither left nor right.
     """
     if turn not in ("left", "right"):
-        raise PipenavError(f"turn {turn!r} is unknown: choose 'left' or 'right'.")
+        raise PipenavError(f"turn {shown(turn)} is unknown: choose 'left' or 'right'.")
     return cast(Turn, turn)
 
 

@@ -10,10 +10,10 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
-from pipenav.errors import ConfigError, PipenavError, UnknownName
+from pipenav.errors import ConfigError, PipenavError, UnknownName, shown
 from pipenav.pipes.corner import PipeCorner
 from pipenav.storage import shipped
-from pipenav.storage.atomic_files import read_toml
+from pipenav.storage.text_files import read_toml
 
 _File = TypeVar("_File", bound=BaseModel)
 
@@ -114,13 +114,13 @@ def _typed_corner(text: str) -> PipeCorner:
     for part in text.split(","):
         key, _, value = part.partition("=")
         if key.strip() not in allowed:
-            raise UnknownName(f"pipe key in {text!r}", key.strip(), allowed)
+            raise UnknownName(f"pipe key in {shown(text)}", key.strip(), allowed)
         values[key.strip()] = value.strip()
     given = {**allowed, **values}
     try:
         numbers = {key: float(given[key] or "missing") for key in ("d", "angle", "bend_radius")}
     except ValueError:
-        raise PipenavError(f"pipe {text!r} is incomplete: write it as d=90,angle=60[,turn=right].") from None
+        raise PipenavError(f"pipe {shown(text)} is incomplete: write it as d=90,angle=60[,turn=right].") from None
     return PipeCorner.of(numbers["d"], numbers["angle"], given["turn"] or "left", numbers["bend_radius"])
 
 

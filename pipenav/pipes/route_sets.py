@@ -10,13 +10,13 @@ from typing import Literal, NamedTuple, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from pipenav.errors import ConfigError, PipenavError, UnknownName
+from pipenav.errors import ConfigError, PipenavError, UnknownName, shown
 from pipenav.pipes.corner_sets import Values, corner_set_names, parse_corners, read_as, values_of
 from pipenav.pipes.pipe import DEFAULT_WALL, Pipe
 from pipenav.pipes.route import PipeRoute, as_route
 from pipenav.pipes.route_checks import MAX_CORNERS, CrossesItself
 from pipenav.storage import shipped
-from pipenav.storage.atomic_files import read_toml
+from pipenav.storage.text_files import read_toml
 from pipenav.units import m_to_mm
 
 T = TypeVar("T")
@@ -194,8 +194,10 @@ def _parse_one(text: str) -> Sequence[Pipe]:
 
 
 def _index(text: str, number: str, count: int) -> int:
-    if not (number.isascii() and number.isdigit() and 1 <= int(number) <= count):
-        raise PipenavError(f"{text!r} names no route of the set: write a number from 1 to {count} after the colon.")
+    if not (number.isascii() and number.isdigit() and len(number) <= 9 and 1 <= int(number) <= count):
+        raise PipenavError(
+            f"{shown(text)} names no route of the set: write a number from 1 to {count} after the colon."
+        )
     return int(number) - 1
 
 

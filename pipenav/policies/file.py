@@ -15,6 +15,7 @@ from pydantic import BaseModel, ValidationError
 
 from pipenav.errors import ConfigError, PipenavError, dotted
 from pipenav.policies.header import FORMAT_VERSION, RATE_HZ, PolicyHeader, action_parts, observation_parts
+from pipenav.storage.text_files import as_text, checked_json
 from pipenav.tasks.registry import task_of
 
 Array32 = NDArray[np.float32]
@@ -125,14 +126,18 @@ class _Stamp(BaseModel):
 
 def _parse_header(path: Path, text: bytes) -> PolicyHeader:
     try:
+        checked_json(as_text(text, "it"), "it")
         stamp = _Stamp.model_validate_json(text)
         if stamp.format == "pipenav-policy" and stamp.version > FORMAT_VERSION:
             problem = f"has policy format {stamp.version}; this pipenav reads format {FORMAT_VERSION}"
             raise PolicyFileError(path, problem, "update pipenav")
         header = PolicyHeader.model_validate_json(text)
         json.dumps(header.model_dump(), allow_nan=False)
+    except ConfigError as error:
+        problem = f"holds an unusable {HEADER_MEMBER}: {str(error).rstrip('.')}"
+        raise PolicyFileError(path, problem, "get it from its maker again") from error
     except ValidationError as error:
-        first = error.errors()[0]
+        first = error.errors(include_url=False)[0]
         if first["type"] == "extra_forbidden":
             problem = f"holds the unknown key {dotted(first['loc'])!r} in {HEADER_MEMBER}"
         else:

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from pydantic import BaseModel
 
-from pipenav.errors import ConfigError, UnknownName
+from pipenav.errors import ConfigError, UnknownName, shown
 from pipenav.robots.parts import Joint, Link, Wheel
 
 LIKE = "like"
@@ -60,7 +60,7 @@ def resolve_types(table: Mapping[str, Any], where: str) -> dict[str, Any]:
     resolved = dict(table)
     version = resolved.get("schema_version", RESOLVED_SCHEMA)
     if type(version) is not int or version not in SCHEMAS:
-        raise ConfigError(f"{where}: schema_version: input should be 1 or 2, given {version!r}.")
+        raise ConfigError(f"{where}: schema_version: input should be 1 or 2, given {shown(version)}.")
     given = resolved.keys() & {kind.table for kind in KINDS.values()}
     if version == 1:
         if given:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from functools import cached_property
 from pathlib import Path
 from typing import Literal, Self
@@ -11,10 +10,11 @@ import numpy as np
 from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from pipenav.arrays import Flags, Floats, Table
-from pipenav.errors import ConfigError, FileProblem, UnknownName
+from pipenav.errors import ConfigError, UnknownName
 from pipenav.robots.joint_types import resolve_types
 from pipenav.robots.parts import Actuator, Joint, Laser, Link, Roll, Wheel, constant
 from pipenav.storage import shipped
+from pipenav.storage.text_files import read_toml
 
 BASE = ("x", "y", "heading")
 """Coordinates that a free robot has before its joints: pose of the rear end of its first link [m, m, rad]."""
@@ -175,12 +175,7 @@ def load_robot(name: str) -> RobotSpec:
     if not name.endswith(".toml") and name not in robot_names():
         raise UnknownName("robot", name, robot_names())
     try:
-        text = path.read_text(encoding="utf-8")
-        return RobotSpec.model_validate(resolve_types(tomllib.loads(text), str(path)))
-    except OSError as error:
-        raise FileProblem(path, "read", error) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{path} is not valid TOML: {error}.") from error
+        return RobotSpec.model_validate(resolve_types(read_toml(path), str(path)))
     except ValidationError as error:
         raise ConfigError.from_validation(str(path), error, _known_beside(error)) from error
 

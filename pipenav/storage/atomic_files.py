@@ -1,17 +1,15 @@
-"""Files that appear complete or not at all: a killed process or a full disk leaves the earlier file as it was. TOML."""
+"""Files that appear complete or not at all: a killed process or a full disk leaves the earlier file as it was."""
 
 from __future__ import annotations
 
 import contextlib
 import errno
 import os
-import tomllib
 import uuid
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
 
-from pipenav.errors import ConfigError, FileProblem
+from pipenav.errors import FileProblem
 
 Content = Callable[[Path], None] | bytes | str
 """Content of a file: bytes, text (UTF-8), or a function that writes the file at the path that it is given."""
@@ -75,21 +73,6 @@ def prepare_folder(path: Path) -> Path:
     except OSError as error:
         raise FileProblem(path, "write into", error) from error
     return path
-
-
-def read_toml(path: Path) -> dict[str, Any]:
-    """A TOML file as a table.
-
-    Raises:
-        FileProblem: it cannot be read.
-        ConfigError: it is no TOML.
-    """
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise FileProblem(path, "read", error) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{path} is not valid TOML: {error}.") from error
 
 
 def _refuse_special(path: Path) -> None:

@@ -10,7 +10,8 @@ from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from typing import Any
 
-from pipenav.errors import ConfigError, FileProblem, PipenavError
+from pipenav.errors import ConfigError, FileProblem, PipenavError, shown
+from pipenav.storage.text_files import read_json
 
 
 def write_folder(folder: Path, kind: str, record: str, files: Collection[str], write: Callable[[Path], None]) -> None:
@@ -78,16 +79,13 @@ def read_record(file: Path, kind: str, schema: int, keys: Sequence[str]) -> dict
         FileProblem: the file cannot be read.
         ConfigError: it is no such file of this version.
     """
-    try:
-        record = json.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise FileProblem(file, "read", error) from error
-    except ValueError as error:  # not JSON, or not even text
-        raise ConfigError(f"{file} is not a JSON file: {error}.") from error
+    record = read_json(file)
     if not isinstance(record, dict) or "schema" not in record:
         raise ConfigError(f"{file} is not a {kind}: it has no 'schema'.")
     if record["schema"] != schema:
-        raise ConfigError(f"{file} has schema {record['schema']!r}: this version of pipenav reads schema {schema}.")
+        raise ConfigError(
+            f"{file} has schema {shown(record['schema'])}: this version of pipenav reads schema {schema}."
+        )
     missing = [key for key in keys if key not in record]
     if missing:
         raise ConfigError(f"{file} lacks {', '.join(missing)}: make the folder again with gen-pipe.")
@@ -115,8 +113,10 @@ def refuse_contradictions(file: Path, record: Any, expected: Any) -> None:
         if not key.endswith(("_mm", "_deg")):
             refuse_contradictions(file, given, value)
         elif not _close(given, value):
-            shown = f"{value:g}" if isinstance(value, float) else value
-            raise ConfigError(f"{file}: {key} {given!r} contradicts the same length or angle in SI units, {shown}.")
+            expected_text = f"{value:g}" if isinstance(value, float) else value
+            raise ConfigError(
+                f"{file}: {key} {shown(given)} contradicts the same length or angle in SI units, {expected_text}."
+            )
 
 
 def _close(given: Any, value: float | list[float]) -> bool:

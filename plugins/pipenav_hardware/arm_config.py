@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Literal, Self
@@ -11,6 +10,7 @@ import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
 from pipenav.arrays import Floats, Table
+from pipenav.backends import read_toml
 from pipenav.errors import ConfigError, FileProblem
 from pipenav.robots import Actuator, Joint, RobotSpec
 from pipenav.units import m_to_mm, rad_to_deg
@@ -97,16 +97,14 @@ def load_arm(path: Path) -> ArmConfig:
         ConfigError: the file does not fit the schema, or there is none: the arm is not calibrated.
     """
     try:
-        return ArmConfig.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
-    except FileNotFoundError:
+        return ArmConfig.model_validate(read_toml(path))
+    except FileProblem as problem:
+        if not isinstance(problem.__cause__, FileNotFoundError):
+            raise
         raise ConfigError(
             f"there is no arm description {path}: write one with pipenav calibrate --arm {path}, "
             "or try without hardware by --emulate."
         ) from None
-    except OSError as error:
-        raise FileProblem(path, "read", error) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{path} is not valid TOML: {error}.") from error
     except ValidationError as error:
         raise ConfigError.from_validation(str(path), error, ArmConfig.model_fields) from error
 

@@ -111,7 +111,7 @@ def test_unreadable_evaluations_are_named(tmp_path: Path) -> None:
         read_evaluation(tmp_path)
     file = tmp_path / "eval.json"
     file.write_text("{", encoding="utf-8")
-    with pytest.raises(ConfigError, match="invalid JSON"):
+    with pytest.raises(ConfigError, match="not valid JSON"):
         read_evaluation(file)
     file.write_text(evaluation([pipe()]).to_json().replace('"schema": 2', '"schema": 3'), encoding="utf-8")
     with pytest.raises(ConfigError, match=r"schema: input should be 1 or 2, given 3"):

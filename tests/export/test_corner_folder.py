@@ -54,8 +54,8 @@ def test_bad_pipe_files_are_refused_in_one_sentence(
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"{", "is not a JSON file"),
-        (b"\xff\xfe", "is not a JSON file"),
+        (b"{", "is not valid JSON"),
+        (b"\xff\xfe", "is not text"),
         (b"[1]", "has no 'schema'"),
         (b'{"schema": 1, "turn": "left"}', "lacks diameter_m, angle_rad"),
     ],
