@@ -34,6 +34,8 @@ from pipenav.backends.safety import Bounds, Deadlines, Limited, Repeats, Stopped
 from pipenav.backends.simulators import DEFAULT_SIMULATOR, SimulatorSettings, load_simulator, open_simulator, open_space
 from pipenav.backends.spatial import HALVES, SpaceBackend, SpaceReading, SpaceTruth
 from pipenav.backends.wall_boxes import OUTER_THICKNESS, PARKED, WALL_HALF_HEIGHT, Edge, WallBoxes, wall_boxes
+from pipenav.processes.children import Worker, WorkerEnded, start_python, start_worker, worker_end
+from pipenav.processes.temporary import temporary_folder
 
 __all__ = [
     "CONTROL_PERIOD",
@@ -76,6 +78,8 @@ __all__ = [
     "Viewer",
     "WallBoxes",
     "Windows",
+    "Worker",
+    "WorkerEnded",
     "availability",
     "check_options",
     "find_backends",
@@ -87,6 +91,10 @@ __all__ = [
     "open_space",
     "physics_steps",
     "safety",
+    "start_python",
+    "start_worker",
     "strongest",
+    "temporary_folder",
     "wall_boxes",
+    "worker_end",
 ]
