@@ -79,7 +79,11 @@ def train(
         model.set_logger(configure(str(folder.path), ["tensorboard"]))
         callback = TrainingCallback(config, folder, checkpoint, report, should_stop)
         env.batch.stagger(rng)
-        model.learn(max(config.steps - checkpoint.steps, 0), callback=callback, reset_num_timesteps=False)
+        try:
+            model.learn(max(config.steps - checkpoint.steps, 0), callback=callback, reset_num_timesteps=False)
+        except ValueError:  # a distribution refuses parameters that are not finite
+            callback.require_sound(rollout=True)
+            raise
         callback.finish()
         return TrainingSummary(model.num_timesteps, callback.seconds, callback.stopped, callback.best_success)
     finally:

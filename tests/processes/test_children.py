@@ -24,7 +24,7 @@ ENDS_WITHIN = 5.0
 
 LONG = {
     "experiment": ("experiment", "f", "--seeds", "2", "--jobs", "2", "--out", "tried"),
-    "eval": ("eval", "--policy", "arm", "--episodes", "100000", "--backend", "pybullet", "--out", "measured"),
+    "eval": ("eval", "--policy", "arm", "--episodes", "300", "--backend", "pybullet", "--out", "measured"),
     "run-real": ("run-real", "--emulate", "--allow-slow-bus", "--patience", "8", "--out", "real"),
     "view": ("view", "--policy", "arm", "--out", "film.mp4"),
 }
