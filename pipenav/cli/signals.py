@@ -34,12 +34,15 @@ class StopRequest:
 
     Attributes:
         number: number of the signal; 0 while there was none.
+        heeded: whether the work has begun to ask, and will save.
     """
 
     def __init__(self) -> None:
         self.number = 0
+        self.heeded = False
 
     def __call__(self) -> bool:
+        self.heeded = True
         return self.number != 0
 
     @property
@@ -77,11 +80,17 @@ def interrupts() -> Iterator[None]:
 
 @contextmanager
 def stop_signals() -> Iterator[StopRequest]:
-    """Turn signals into a request, which long work asks for now and then to save and end."""
+    """Turn signals into a request, which long work asks for now and then to save and end.
+
+    Until it asks for the first time it has nothing to save: a signal is then an interrupt as for any command.
+    """
+    interrupt = signal.getsignal(signal.SIGINT)
     request = StopRequest()
 
     def note(number: int, _frame: object) -> None:
-        if not request.number:
+        if not request.heeded and callable(interrupt):
+            interrupt(number, None)
+        elif not request.number:
             request.number = number
             _answer(number, "stopping, saving ...")
         elif number == signal.SIGINT:

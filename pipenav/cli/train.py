@@ -13,7 +13,7 @@ import typer
 from rich.console import Console
 
 from pipenav.cli.progress_bars import percentage_bar
-from pipenav.cli.signals import StopRequest, stop_signals
+from pipenav.cli.signals import Interrupted, StopRequest, stop_signals
 from pipenav.errors import PipenavError
 from pipenav.learning.config import DEFAULT_PRESET, TrainConfig, load_config, preset_below, validate_config
 
@@ -97,8 +97,12 @@ def train(
         f"training {training.name} on {training.config.backend}: {training.config.steps:,} steps, "
         f"training folder {training.folder.path}"
     )
-    with stop_signals() as stopped:  # from here on a stop is not lost
-        summary = _run(console, training, stopped)
+    with stop_signals() as stopped:
+        try:
+            summary = _run(console, training, stopped)
+        except Interrupted:
+            training.folder.remove_unsaved()
+            raise
         _conclude(console, training.folder, summary)
     if summary.stopped:
         raise typer.Exit(stopped.exit_code)

@@ -33,8 +33,9 @@ class _Orders:
 
     def __init__(self, end: Connection[Any, Any]) -> None:
         self._end = end
-        self.stop = threading.Event()
-        self.jobs: queue.Queue[Callable[..., None]] = queue.Queue()
+        self._stop = threading.Event()
+        self._heeded = False
+        self._jobs: queue.Queue[Callable[..., None]] = queue.Queue()
         threading.Thread(target=self._listen, daemon=True).start()
 
     def _listen(self) -> None:
@@ -43,19 +44,31 @@ class _Orders:
                 message = self._end.recv()
             except (EOFError, OSError):
                 os._exit(1)
-            if message == STOP:
-                self.stop.set()
-            else:
-                self.jobs.put(message)
+            if message != STOP:
+                self._jobs.put(message)
+                continue
+            self._stop.set()
+            if not self._heeded:  # the job has not come to where it saves
+                os._exit(1)
+
+    def should_stop(self) -> bool:
+        """Whether the parent has asked to stop; a job that asks will save."""
+        self._heeded = True
+        return self._stop.is_set()
+
+    def next(self) -> Callable[..., None]:
+        """The next job's work; waits for it."""
+        self._heeded = False
+        return self._jobs.get()
 
 
 def main(arguments: Sequence[str]) -> None:
     end = worker_end(arguments)
     orders = _Orders(end)
     while True:
-        work = orders.jobs.get()
+        work = orders.next()
         try:
-            work(_reporting(end), orders.stop.is_set)
+            work(_reporting(end), orders.should_stop)
         except Exception as error:  # the parent raises it: here nobody would see it
             end.send(error if isinstance(error, PipenavError) else RuntimeError(traceback.format_exc()))
         except KeyboardInterrupt:  # a job that was stopped with nothing to save
