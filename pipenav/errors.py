@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import get_close_matches
 from pathlib import Path
+from typing import Any
 
 from pydantic import ValidationError
 
 
 class PipenavError(Exception):
     """Base of every error that the command line prints as one line, with exit code 1."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, (type(self), self.args), self.__dict__  # the message is composed, whatever made it
 
 
 class UnknownName(PipenavError):
@@ -90,6 +94,11 @@ def dotted(location: Iterable[str | int]) -> str:
     Parts in angle brackets are left out: they are tags by which models tell kinds of one thing apart.
     """
     return ".".join(part for part in map(str, location) if not part.startswith("<"))
+
+
+def _restored(kind: type[PipenavError], args: tuple[Any, ...]) -> PipenavError:
+    """An error of another process, without composing its message again."""
+    return kind.__new__(kind, *args)
 
 
 def _either(names: list[str]) -> str:

@@ -18,7 +18,7 @@ PLUGINS = sorted(path.name for path in (ROOT / "plugins").iterdir() if (path / "
 
 FLOORS: list[set[str]] = [
     {"errors", "units", "arrays"},
-    {"storage"},
+    {"storage", "processes"},
     {"pipes", "robots"},
     {"backends", "drawing"},
     {"tasks", "disturbances", "locating", "export", "testing"},

@@ -35,6 +35,8 @@ from pipenav.backends.safety import Bounds, Deadlines, Limited, Repeats, Stopped
 from pipenav.backends.simulators import DEFAULT_SIMULATOR, SimulatorSettings, load_simulator, open_simulator, open_space
 from pipenav.backends.spatial import HALVES, SpaceBackend, SpaceReading, SpaceTruth
 from pipenav.backends.wall_boxes import OUTER_THICKNESS, PARKED, WALL_HALF_HEIGHT, Edge, WallBoxes, wall_boxes
+from pipenav.processes.children import Worker, WorkerEnded, start_python, start_worker, worker_end
+from pipenav.processes.temporary import temporary_folder
 from pipenav.storage.text_files import read_toml
 
 __all__ = [
@@ -79,6 +81,8 @@ __all__ = [
     "Viewer",
     "WallBoxes",
     "Windows",
+    "Worker",
+    "WorkerEnded",
     "availability",
     "check_options",
     "find_backends",
@@ -91,6 +95,10 @@ __all__ = [
     "physics_steps",
     "read_toml",
     "safety",
+    "start_python",
+    "start_worker",
     "strongest",
+    "temporary_folder",
     "wall_boxes",
+    "worker_end",
 ]

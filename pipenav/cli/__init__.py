@@ -2,7 +2,7 @@
 
 A command is a function whose docstring's first line is its line in `pipenav --help`; it raises `PipenavError` for what
 a user can cause, which is printed as one line here. Exit codes: 0 done, 1 an error, 2 wrong usage, 70 a fault of
-pipenav itself, with a report in a file, 130 interrupted.
+pipenav itself, with a report in a file, 128 + N ended by signal N (130 for Ctrl-C).
 """
 
 from __future__ import annotations
@@ -16,6 +16,9 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 import pipenav
+from pipenav.cli.signals import Interrupted, interrupts
+from pipenav.processes.matplotlibrc import ignore_local_matplotlibrc
+from pipenav.processes.safe_path import leave_current_folder
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -119,10 +122,13 @@ def command_line() -> TyperGroup:
 
 def main(args: Sequence[str] | None = None) -> None:
     """Run the command line, by default on the process's arguments; always leaves by SystemExit."""
+    leave_current_folder()
+    ignore_local_matplotlibrc()
     try:
-        command_line()(args, prog_name="pipenav")
-    except KeyboardInterrupt:
-        sys.exit(130)
+        with interrupts():
+            command_line()(args, prog_name="pipenav")
+    except Interrupted as interrupted:
+        sys.exit(128 + interrupted.number)
     except Exception as error:
         from pipenav.errors import PipenavError
 

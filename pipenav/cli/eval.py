@@ -14,7 +14,6 @@ from rich.progress import TaskID
 
 from pipenav.cli.options import SIMULATOR, BackendOption, SettingsOption, parse_options
 from pipenav.cli.progress_bars import episode_bar
-from pipenav.errors import PipenavError
 
 if TYPE_CHECKING:
     from pipenav.evaluation.config import EvaluationConfig
@@ -110,14 +109,14 @@ def evaluate(
 
 @contextmanager
 def _evaluation_folder(path: Path) -> Iterator[Path]:
-    """A folder that can be written into; a new one goes again where an error ends the work that it is for."""
+    """A folder that can be written into; a new one goes again where the work that it is for does not end well."""
     from pipenav.storage.atomic_files import prepare_folder
 
     fresh = not path.exists()
     prepare_folder(path)
     try:
         yield path
-    except PipenavError:
+    except BaseException:
         if fresh:
             with suppress(OSError):
                 os.removedirs(path)  # with the empty folders above it

@@ -100,7 +100,7 @@ def experiment(
 
 
 def _run_rounds(console: Console, plan: ExperimentPlan, processes: int) -> None:
-    """Train and measure what is missing; leaves with exit code 130 where it is stopped."""
+    """Train and measure what is missing; leaves with 128 + the signal where it is stopped."""
     from pipenav.cli.signals import stop_signals
     from pipenav.experiments.plan import add_elapsed
 
@@ -111,7 +111,7 @@ def _run_rounds(console: Console, plan: ExperimentPlan, processes: int) -> None:
             add_elapsed(plan, end.seconds)
             if not end.complete:
                 console.print(f"stopped and saved in {plan.out}; the same command goes on from there")
-                raise typer.Exit(130)
+                raise typer.Exit(stopped.exit_code)
 
 
 def _rounds(threads: int) -> Sequence[_Round]:

@@ -13,7 +13,7 @@ import typer
 from rich.console import Console
 
 from pipenav.cli.progress_bars import percentage_bar
-from pipenav.cli.signals import stop_signals
+from pipenav.cli.signals import Interrupted, StopRequest, stop_signals
 from pipenav.errors import PipenavError
 from pipenav.learning.config import DEFAULT_PRESET, TrainConfig, load_config, preset_below, validate_config
 
@@ -97,10 +97,15 @@ def train(
         f"training {training.name} on {training.config.backend}: {training.config.steps:,} steps, "
         f"training folder {training.folder.path}"
     )
-    summary = _run(console, training)
-    _conclude(console, training.folder, summary)
+    with stop_signals() as stopped:
+        try:
+            summary = _run(console, training, stopped)
+        except Interrupted:
+            training.folder.remove_unsaved()
+            raise
+        _conclude(console, training.folder, summary)
     if summary.stopped:
-        raise typer.Exit(130)
+        raise typer.Exit(stopped.exit_code)
 
 
 @dataclass(frozen=True)
@@ -201,9 +206,9 @@ def _interface(config: TrainConfig) -> tuple[object, ...]:
     return config.network, config.task.kind, config.task.observation, config.task.control, scale
 
 
-def _run(console: Console, training: _Training) -> TrainingSummary:
+def _run(console: Console, training: _Training, stopped: StopRequest) -> TrainingSummary:
     config = training.config
-    with stop_signals() as stopped, percentage_bar(console) as bar:  # from here on a stop is not lost
+    with percentage_bar(console) as bar:
         task = bar.add_task("loading the learner", total=config.steps)
         from pipenav.learning.train import train as run_training
 

@@ -8,21 +8,21 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import torch
 from stable_baselines3.common.callbacks import BaseCallback
 
+from pipenav.arrays import Floats
 from pipenav.backends.simulators import SimulatorSettings
 from pipenav.evaluation.passage import run_task
 from pipenav.learning.checkpoint import Checkpoint, save_checkpoint
 from pipenav.learning.config import TrainConfig
-from pipenav.learning.divergence import Seen, TrainingDiverged, write_cause
+from pipenav.learning.divergence import Seen, TrainingDiverged, is_sound, write_cause
 from pipenav.learning.figures import write_training_plot
 from pipenav.learning.progress import TrainingProgress
 from pipenav.learning.schedule import noise_at
 from pipenav.learning.training_folder import TrainingFolder
 from pipenav.policies.header import PolicyHeader, header_for
 from pipenav.policies.named import PolicyController
-from pipenav.policies.policy import load_policy, save_policy
+from pipenav.policies.policy import Policy, load_policy, save_policy
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.registry import task_of
@@ -44,6 +44,22 @@ class _Counts:
     min_range: float = 0.0
     reward: float = 0.0
     samples: int = 0
+
+
+class _CheckStopped(Exception):
+    """A check was given up, because the training was asked to stop."""
+
+
+class _WatchedController(PolicyController):
+    """A policy that has something done at every control step."""
+
+    def __init__(self, policy: Policy, at_step: Callable[[], None]) -> None:
+        super().__init__(policy)
+        self._at_step = at_step
+
+    def act(self, observation: Floats) -> Floats:
+        self._at_step()
+        return super().act(observation)
 
 
 class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3 is imported untyped
@@ -96,24 +112,29 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
 
     def _after_update(self) -> None:
         """Between two rollouts the policy is a sound one: the moment to look at it and to save it."""
-        self._require_finite_weights()
+        self.require_sound()
         self._report_progress()
         if self.num_timesteps >= self._next_check:
             self._next_check += self._config.check.every
+            self.save()
             self.check()
             self.save()
             write_training_plot(self._folder.plot, self._folder.progress)
-        elif time.monotonic() - self._last_saved > SAVE_EVERY_S:
-            self.save()
+        else:
+            self._save_when_due()
 
     def _on_training_start(self) -> None:
         self.save()  # from here on there is a training to resume, whatever happens
 
     def finish(self) -> None:
-        self._require_finite_weights()
+        """Leave the folder whole. A training that was asked to stop is not checked: that may take long."""
+        self.require_sound()
         self._report_progress()
-        if not self.stopped or not self._folder.best.exists():
+        self.save()
+        if not self.stopped:
             self.check()
+        if not self._folder.best.exists():
+            save_policy(self._folder.best, self.model, self._header())
         self.save()
         write_training_plot(self._folder.plot, self._folder.progress)
 
@@ -160,9 +181,12 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         self._last_saved = time.monotonic()
 
     def check(self) -> None:
-        """Measure the policy without its noise, and keep it as best.zip if none was better."""
-        save_policy(self._folder.last, self.model, self._header())
-        self._check_success = self._measure()
+        """Measure the policy in last.zip, without its noise, and keep it as best.zip if none was better."""
+        try:
+            self._check_success = self._measure()
+        except _CheckStopped:
+            self.stopped = True
+            return
         if self._check_success >= self.best_success:  # of equals the later one, which explored less
             self.best_success = self._check_success
             save_policy(self._folder.best, self.model, self._header())
@@ -173,10 +197,20 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         pipes = task_of(config.task).parse_training_pipes(config.pipes)
         chosen = [pipes[i] for i in np.linspace(0, len(pipes) - 1, min(check.episodes, len(pipes))).astype(int)]
         each = math.ceil(check.episodes / len(chosen))
-        controller = PolicyController(load_policy(self._folder.last))
+        controller = _WatchedController(load_policy(self._folder.last), self._during_check)
         simulator = SimulatorSettings(config.backend, config.options)
         results = run_task(controller, chosen, each, config.seed + CHECK_SEED, simulator, config.randomise)
         return float((results.outcome == Outcome.REACHED).mean())
+
+    def _during_check(self) -> None:
+        """Save on time and stop on request, at every control step of a check."""
+        if self._should_stop():
+            raise _CheckStopped
+        self._save_when_due()
+
+    def _save_when_due(self) -> None:
+        if time.monotonic() - self._last_saved > SAVE_EVERY_S:
+            self.save()
 
     def _header(self) -> PolicyHeader:
         config = self._config
@@ -188,9 +222,19 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         }
         return header_for(load_robot(config.robot), config.task, list(config.pipes), training)
 
-    def _require_finite_weights(self) -> None:
-        flat = torch.nn.utils.parameters_to_vector(self.model.policy.parameters())
-        if not bool(torch.isfinite(flat).all()):
+    def require_sound(self, rollout: bool = False) -> None:
+        """Make sure that the policy is finite.
+
+        Args:
+            rollout: look at what it answers to every observation of the last rollout, not only to the last ones.
+
+        Raises:
+            TrainingDiverged: it is not; the last control step has been saved.
+        """
+        seen = [np.asarray(self.model._last_obs)]
+        if rollout:
+            seen.append(self.model.rollout_buffer.observations.reshape(-1, seen[0].shape[-1]))
+        if not is_sound(self.model.policy, np.concatenate(seen)):
             self._diverge()
 
     def _diverge(self) -> None:

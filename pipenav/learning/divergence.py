@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+import torch
 
 from pipenav.errors import PipenavError
 from pipenav.learning.training_folder import TrainingFolder
@@ -39,6 +40,20 @@ class Seen(NamedTuple):
     actions: np.ndarray
     observations: np.ndarray
     rewards: np.ndarray
+
+
+def is_sound(policy: Any, observations: np.ndarray) -> bool:
+    """Whether all weights of an actor-critic policy are finite, and what it answers to some observations.
+
+    Args:
+        policy: policy of Stable-Baselines3.
+        observations: scaled observations, (k, size).
+    """
+    with torch.no_grad():
+        weights = torch.nn.utils.parameters_to_vector(policy.parameters())
+        actor, critic = policy.mlp_extractor(torch.as_tensor(observations, dtype=torch.float32))
+        answers = (policy.action_net(actor), policy.value_net(critic))
+        return all(bool(torch.isfinite(values).all()) for values in (weights, *answers))
 
 
 def write_cause(folder: TrainingFolder, steps: int, seen: Seen, pipes: Sequence[Pipe | None]) -> None:

@@ -59,7 +59,7 @@ def train(
         folder: folder of this training.
         resumed: go on from the folder's checkpoint.
         report: called after each update.
-        should_stop: asked at every step.
+        should_stop: asked at every step, and once before the first.
         start: folder of another training, from whose weights this one starts.
 
     Raises:
@@ -76,10 +76,15 @@ def train(
             load_weights(TrainingFolder.open(start).folder.checkpoint, model)
         if resumed:  # other episodes than those that the training has had already
             rng.bit_generator.state = np.random.default_rng([config.seed, checkpoint.steps]).bit_generator.state
+        should_stop()  # who is asked knows from here on that a stop is saved
         model.set_logger(configure(str(folder.path), ["tensorboard"]))
         callback = TrainingCallback(config, folder, checkpoint, report, should_stop)
         env.batch.stagger(rng)
-        model.learn(max(config.steps - checkpoint.steps, 0), callback=callback, reset_num_timesteps=False)
+        try:
+            model.learn(max(config.steps - checkpoint.steps, 0), callback=callback, reset_num_timesteps=False)
+        except ValueError:  # a distribution refuses parameters that are not finite
+            callback.require_sound(rollout=True)
+            raise
         callback.finish()
         return TrainingSummary(model.num_timesteps, callback.seconds, callback.stopped, callback.best_success)
     finally:

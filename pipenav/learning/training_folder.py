@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import io
 import json
@@ -43,6 +44,14 @@ class TrainingFolder:
         folder.write_config(config)
         atomic_write(folder.command, command + "\n")
         return folder
+
+    def remove_unsaved(self) -> None:
+        """Remove the folder of a training that never came to save, unless it holds anything else."""
+        if not self.checkpoint.exists():
+            self.config.unlink(missing_ok=True)
+            self.command.unlink(missing_ok=True)
+            with contextlib.suppress(OSError):
+                self.path.rmdir()
 
     @classmethod
     def open(cls, path: Path) -> OpenedTraining:

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import os
 import subprocess
-import sys
+import time
 from collections.abc import Sequence
 from itertools import pairwise
-from multiprocessing import Pipe as pipe_ends
-from multiprocessing.connection import Connection
 from typing import Any
 
 import numpy as np
 
+from pipenav.backends import Worker, WorkerEnded, start_worker
 from pipenav.errors import PipenavError
 from pipenav.robots import RobotSpec
 from pipenav_pybullet.world import WORLD_SIZE, Setting
+
+PATIENCE_S = 1.0
+"""Time in which processes end that have nothing more to do [s]; an order that takes longer is cut short."""
 
 
 class Crew:
@@ -37,20 +39,11 @@ class Crew:
         # Whole worlds go to each process: the last bits of results depend on which robots share a world.
         shared = np.linspace(0, worlds, workers + 1).round().astype(int)
         self.bounds: list[int] = np.minimum(shared * WORLD_SIZE, n).tolist()
-        self._processes: list[subprocess.Popen[bytes]] = []
-        self._ends: list[Connection[Any, Any]] = []
-        for _ in range(workers):
-            self._start()
-        self.ask("open", [(robot, last - first, setting) for first, last in pairwise(self.bounds)])
-
-    def _start(self) -> None:
-        ours, theirs = pipe_ends()
-        command = [sys.executable, "-m", "pipenav_pybullet.worker", str(theirs.fileno())]
         quiet = subprocess.DEVNULL  # Bullet writes to the terminal by itself
-        process = subprocess.Popen(command, pass_fds=[theirs.fileno()], stdin=quiet, stdout=quiet, stderr=quiet)
-        theirs.close()
-        self._ends.append(ours)
-        self._processes.append(process)
+        self._workers: list[Worker] = []
+        for _ in range(workers):
+            self._workers.append(start_worker("pipenav_pybullet.worker", stdin=quiet, stdout=quiet, stderr=quiet))
+        self.ask("open", [(robot, last - first, setting) for first, last in pairwise(self.bounds)])
 
     def ask(self, what: str, orders: Sequence[tuple[Any, ...] | None]) -> list[Any]:
         """Send every process its order, and collect the answers when all have worked at the same time.
@@ -62,12 +55,12 @@ class Crew:
         Raises:
             PipenavError: a process has ended.
         """
-        asked = [(end, order) for end, order in zip(self._ends, orders, strict=True) if order is not None]
+        asked = [(worker, order) for worker, order in zip(self._workers, orders, strict=True) if order is not None]
         try:
-            for end, order in asked:
-                end.send((what, order))
-            answers = [end.recv() for end, _ in asked]
-        except (EOFError, ConnectionError) as error:
+            for worker, order in asked:
+                worker.send((what, order))
+            answers = [worker.receive() for worker, _ in asked]
+        except WorkerEnded as error:
             raise PipenavError(
                 "a process of the PyBullet backend has ended: check the memory that is left, or lower the setting "
                 "processes."
@@ -79,8 +72,9 @@ class Crew:
 
     def close(self) -> None:
         """Close the pipes, at which the processes end, and wait for them."""
-        for end in self._ends:
-            end.close()
-        for process in self._processes:
-            process.wait()
-        self._processes, self._ends = [], []
+        for worker in self._workers:
+            worker.end.close()
+        until = time.monotonic() + PATIENCE_S
+        for worker in self._workers:
+            worker.close(max(0.0, until - time.monotonic()))
+        self._workers = []

@@ -1,12 +1,11 @@
-"""Process of a `Crew`, started as `python -m pipenav_pybullet.worker FD`, where FD is its end of a pipe.
+"""Program of the processes of a `Crew`.
 
-It executes the orders that arrive there, and ends when the other end closes, for whatever reason.
+It executes the orders that arrive at its end of a pipe, and ends when the other end closes, for whatever reason.
 """
 
 from __future__ import annotations
 
-import signal
-import sys
+from collections.abc import Sequence
 from itertools import pairwise
 from multiprocessing.connection import Connection
 from typing import Any
@@ -14,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from pipenav.arrays import Floats, Ints
-from pipenav.backends import Control, Variation
+from pipenav.backends import Control, Variation, worker_end
 from pipenav.pipes import Pipe
 from pipenav.robots import RobotSpec
 from pipenav_pybullet.world import WORLD_SIZE, Motion, Setting, World, shares
@@ -55,15 +54,17 @@ def serve(end: Connection[Any, Any]) -> None:
     while True:
         try:
             what, order = end.recv()
-        except EOFError:
+        except (EOFError, ConnectionError):
             return
         try:
             answer = getattr(share, what)(*order)
         except Exception as error:  # the parent raises it: here nobody would see it
             answer = error
-        end.send(answer)
+        try:
+            end.send(answer)
+        except ConnectionError:
+            return
 
 
-if __name__ == "__main__":
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which may want to save first
-    serve(Connection(int(sys.argv[1])))
+def main(arguments: Sequence[str]) -> None:
+    serve(worker_end(arguments))

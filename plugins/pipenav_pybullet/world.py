@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Sequence
 from itertools import pairwise
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from pipenav.arrays import Floats, Ints
-from pipenav.backends import Control, Variation, physics_steps
+from pipenav.backends import Control, Variation, physics_steps, temporary_folder
 from pipenav.pipes import Pipe
 from pipenav.robots import RobotSpec, kinematics
 from pipenav_pybullet.quiet import silenced_stderr
@@ -102,8 +100,8 @@ class World:
 
     def _load_arms(self) -> list[int]:
         arms = []
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder, "robot.urdf")
+        with temporary_folder("pybullet") as folder:
+            path = folder / "robot.urdf"
             path.write_text(robot_urdf(self._robot), encoding="utf-8")
             for i in range(self._k):
                 arm = pybullet.loadURDF(

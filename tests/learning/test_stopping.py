@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 from helpers.waiting import GENEROUS, wait_until
 
+from pipenav.cli.signals import STOPPING
 from pipenav.learning.progress import PROGRESS_COLUMNS
 from pipenav.learning.train import train
 from pipenav.learning.training_folder import TrainingFolder
@@ -63,8 +64,10 @@ def start(tmp_path: Path) -> Iterator[Callable[..., subprocess.Popen[str]]]:
         process.communicate()
 
 
-def test_stop_signals_save_and_leave_by_130(start: Callable[..., subprocess.Popen[str]], tmp_path: Path) -> None:
-    runs = {number: start(number.name, 10_000_000) for number in (signal.SIGINT, signal.SIGTERM)}
+def test_stop_signals_are_answered_save_and_give_the_exit_code(
+    start: Callable[..., subprocess.Popen[str]], tmp_path: Path
+) -> None:
+    runs = {number: start(number.name, 10_000_000) for number in STOPPING}
     for number in runs:
         events = (tmp_path / number.name).glob
         wait_until(lambda events=events: any(events("events.*")), f"{number.name}'s training has begun")  # type: ignore[misc]
@@ -73,7 +76,8 @@ def test_stop_signals_save_and_leave_by_130(start: Callable[..., subprocess.Pope
     for number, process in runs.items():
         said, _ = process.communicate(timeout=GENEROUS)
         folder = TrainingFolder(tmp_path / number.name)
-        assert process.returncode == 130, said
+        assert process.returncode == 128 + number, said
+        assert said.count("stopping, saving ...") == (number != signal.SIGHUP)  # then nobody is there to read it
         assert f"pipenav train --resume {folder.path}" in said.replace("\n", "")
         assert "Traceback" not in said
         load_policy(folder.best)

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import subprocess
-import sys
-import tempfile
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from pipenav.backends import ArmStart
+from pipenav.backends import ArmStart, start_python, temporary_folder
 from pipenav.errors import PipenavError
 from pipenav.pipes import PipeCorner
 from pipenav.robots import RobotSpec
@@ -45,8 +44,8 @@ class Emulator:
             start: where it stands in the pipe; straight, at the pipe's beginning, where nothing is given.
             folder: folder for its log; a temporary one where nothing is given.
         """
-        self._temporary = tempfile.TemporaryDirectory(prefix="pipenav-emulator-")
-        self.folder = Path(self._temporary.name)
+        self._temporary = contextlib.ExitStack()
+        self.folder = self._temporary.enter_context(temporary_folder("emulator"))
         self.log_path = (folder or self.folder) / "bus.jsonl"
         self.arm_path = self.folder / "arm.toml"
         self.arm = self._arm(robot, settings)
@@ -62,12 +61,16 @@ class Emulator:
         )
         file = self.folder / "emulator.json"
         file.write_text(config.model_dump_json(), encoding="utf-8")
-        command = [sys.executable, "-m", "pipenav_hardware.emulator.server", str(file)]
-        self._process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-            start_new_session=True,
-        )  # fmt: skip
-        self._await_answer()
+        pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+        # It outlives us by a moment, as an arm would: its supervisor must still reach the servos.
+        self._process = start_python(
+            "pipenav_hardware.emulator.server", [str(file)], True, text=True, start_new_session=True, **pipes
+        )
+        try:
+            self._await_answer()
+        except BaseException:
+            self.close()
+            raise
 
     def order(self, **order: Any) -> None:
         """Have something happen now: a fault by `fault=...`, `clear=True`, `place=[...]`, `plug="bus"`."""
@@ -84,7 +87,7 @@ class Emulator:
         for stream in (self._process.stdout, self._process.stderr):
             if stream is not None:
                 stream.close()
-        self._temporary.cleanup()
+        self._temporary.close()
 
     def __enter__(self) -> Self:
         return self

@@ -1,4 +1,4 @@
-"""The emulator's process: `python -m pipenav_hardware.emulator.server CONFIG.json`.
+"""Program of the emulator's process, whose argument is a file of its configuration.
 
 It prints one line of JSON when it is ready, takes orders as lines of JSON on its standard input, and ends when that
 closes. Orders: a fault (see `faults.Fault`), `{"clear": true}`, `{"place": [counts]}`, `{"plug": device}`.
@@ -13,9 +13,8 @@ import json
 import math
 import os
 import select
-import signal
-import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -207,15 +206,10 @@ def _plant(config: EmulatorConfig) -> Plant:
     return PipePlant(robot, config.arm, simulator, config.pipe, ArmStart(q, config.base))
 
 
-def main() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a Ctrl-C at the terminal is for the host; our input's end ends us
-    server = Server(EmulatorConfig.model_validate_json(Path(sys.argv[1]).read_text()))
+def main(arguments: Sequence[str]) -> None:
+    server = Server(EmulatorConfig.model_validate_json(Path(arguments[0]).read_text()))
     gc.collect()
     gc.freeze()  # to look through all of the simulator's objects takes 24 ms, in which no servo would answer
     print(json.dumps({"ready": {name: str(line.path) for name, line in server.lines.items()}}), flush=True)
     with contextlib.suppress(BrokenPipeError):
         server.run()
-
-
-if __name__ == "__main__":
-    main()

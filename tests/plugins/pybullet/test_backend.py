@@ -191,7 +191,7 @@ def test_any_number_of_processes_gives_the_same_bits() -> None:
 
 def test_a_process_that_has_died_is_an_error_of_one_sentence_and_closing_still_works() -> None:
     backend, _, _ = crowd(2)
-    (process,) = backend._crew._processes
+    (process,) = [worker.process for worker in backend._crew._workers]
     process.kill()
     process.wait()
     with pytest.raises(PipenavError, match="a process of the PyBullet backend has ended"):
@@ -201,7 +201,7 @@ def test_a_process_that_has_died_is_an_error_of_one_sentence_and_closing_still_w
 
 def test_closing_ends_the_processes() -> None:
     backend, _, _ = crowd(18, processes=2)
-    processes = list(backend._crew._processes)
+    processes = [worker.process for worker in backend._crew._workers]
     assert len(processes) == 2
     backend.close()
     assert all(process.poll() == 0 for process in processes)
