@@ -9,15 +9,12 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from importlib import import_module
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
 
 import pipenav
-
-if TYPE_CHECKING:
-    from rich.console import Console
 
 COMMANDS = {
     "gen-pipe": (
@@ -68,11 +65,12 @@ COMMANDS = {
     ),
     "robots": ("pipenav.cli.robots:robots", "List the robots that can be trained and driven."),
     "presets": ("pipenav.cli.presets:presets", "List the training presets, one line each."),
+    "list": (
+        "pipenav.cli.names:names",
+        "List all that can be named: policies, pipes, disturbances, keys of files.",
+    ),
 }
 """Each command's function and its line in the list, which must be known without importing the function."""
-
-REDIRECTED_WIDTH = 1000
-"""Columns for a table that goes to a file or another program: one line a row."""
 
 _SETTINGS = {"help_option_names": ["-h", "--help"]}
 
@@ -85,7 +83,14 @@ class LazyCommand(TyperCommand):
         self.target = target
 
     def make_context(self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any) -> Any:
-        return self.load().make_context(info_name, args, parent, **extra)
+        from pipenav.cli.usage import UsageError, explain
+
+        typed = list(args)  # parsing takes the list apart
+        try:
+            return self.load().make_context(info_name, args, parent, **extra)
+        except UsageError as error:
+            explain(error, str(self.name), typed)
+            raise
 
     def load(self) -> Any:
         """Import the command's module and build the command from its function."""
@@ -127,16 +132,6 @@ def main(args: Sequence[str] | None = None) -> None:
         message = " ".join(str(error).split())
         typer.echo(f"{typer.style('pipenav: error:', fg='red', bold=True)} {message}", err=True)
         sys.exit(1)
-
-
-def table_console() -> Console:
-    """A console for tables: as wide as the terminal; where there is none, no row is ever wrapped."""
-    from rich.console import Console
-
-    console = Console()
-    if not console.is_terminal:
-        console.width = REDIRECTED_WIDTH
-    return console
 
 
 def _version(wanted: bool) -> None:
