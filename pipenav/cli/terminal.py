@@ -10,6 +10,9 @@ if TYPE_CHECKING:
 REDIRECTED_WIDTH = 1000
 """Columns for a table that goes to a file or another program: one line a row."""
 
+CUT, WIDER = "\N{HORIZONTAL ELLIPSIS}", 8
+"""Sign of a word that was cut, and the columns by which a table gets wider until there is none."""
+
 
 def say(text: str, style: str = "", console: Console | None = None) -> None:
     """Print text as it is: never wrapped, cut or taken for markup, so that a path in it can be copied.
@@ -28,16 +31,26 @@ def say(text: str, style: str = "", console: Console | None = None) -> None:
 def show(*parts: RenderableType) -> None:
     """Print tables and texts as wide as the terminal; where there is none, no row is ever wrapped.
 
-    On a terminal that is too narrow for the headings the rows run over its edge: no heading is cut.
+    On a terminal that is too narrow for the words of a table its rows run over the edge: no word is cut.
     """
     from rich.console import Console
-    from rich.measure import Measurement
 
     console = Console(highlight=False)
     width = console.width if console.is_terminal else REDIRECTED_WIDTH
     for part in parts:
-        console.width = max(width, Measurement.get(console, console.options.update(width=10_000), part).minimum)
+        console.width = _width_for(part, console, width)
         console.print(part, soft_wrap=isinstance(part, str), markup=False)
+
+
+def _width_for(part: RenderableType, console: Console, width: int) -> int:
+    """The least width from the terminal's on at which nothing is cut."""
+    for wide in range(width, REDIRECTED_WIDTH, WIDER):
+        console.width = wide
+        with console.capture() as captured:
+            console.print(part, markup=False)
+        if CUT not in captured.get():
+            return wide
+    return REDIRECTED_WIDTH
 
 
 def progress_console() -> Console:

@@ -233,15 +233,20 @@ def _run(console: Console, training: _Training) -> TrainingSummary:
         last_line = [0.0]
 
         def report(progress: TrainingProgress) -> None:
-            success = "no episode over yet" if math.isnan(progress.success) else f"success {progress.success:.1%}"
-            least = f"least laser reading {progress.min_range * 1e3:.0f} mm"
-            text = f"{progress.steps_per_s:,.0f} steps/s, {success}, {least}"
+            text = progress_text(progress)
             bar.update(task, completed=progress.steps, description=text)
             if not console.is_terminal and time.monotonic() - last_line[0] > SECONDS_BETWEEN_LINES:
                 last_line[0] = time.monotonic()
                 say(f"{progress.steps:>9,} of {config.steps:,} steps: {text}", console=console)
 
         return run_training(config, training.folder, training.resumed, report, stopped, training.start)
+
+
+def progress_text(progress: TrainingProgress) -> str:
+    """The progress of a training in words."""
+    success = "no episode over yet" if math.isnan(progress.success) else f"success {progress.success:.1%}"
+    least = f"least laser reading {progress.min_range * 1e3:.0f} mm"
+    return f"{progress.steps_per_s:,.0f} steps/s, {success}, {least}"
 
 
 def _conclude(folder: TrainingFolder, summary: TrainingSummary) -> None:

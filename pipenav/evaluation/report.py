@@ -161,8 +161,8 @@ def _successes(evaluation: Evaluation) -> Table:
 
 def _contacts(evaluation: Evaluation) -> Table:
     """Steps and contact of the episodes of each diameter, and the pipe in which most of them failed."""
-    headings = ["diameter\nmm", "mean steps\nof successes", "least range\nmm", "peak force\nN"]
-    headings += ["contact\n% of time", "deepest overlap\nmm"]
+    headings = ["diameter\nmm", "mean steps\nof successes", "least\nrange mm", "peak\nforce N"]
+    headings += ["contact\n% of time", "deepest\noverlap mm"]
     table = _table("Motion and contact by diameter", headings, ["worst pipe and\nits success"])
     for diameter, records in by_diameter(evaluation.pipes).items():
         steps = [(r.mean_steps, r.successes) for r in records if r.mean_steps is not None]
@@ -222,7 +222,7 @@ def _table(title: str, numbers: Sequence[str], words: Sequence[str]) -> Table:
     for heading in numbers:
         table.add_column(heading, justify="right", no_wrap=True)
     for heading in words:
-        table.add_column(heading)
+        table.add_column(heading, min_width=max(map(len, heading.splitlines())))
     return table
 
 
