@@ -10,7 +10,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from importlib import import_module
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
@@ -19,9 +19,6 @@ import pipenav
 from pipenav.cli.signals import Interrupted, interrupts
 from pipenav.processes.matplotlibrc import ignore_local_matplotlibrc
 from pipenav.processes.safe_path import leave_current_folder
-
-if TYPE_CHECKING:
-    from rich.console import Console
 
 COMMANDS = {
     "gen-pipe": (
@@ -72,11 +69,12 @@ COMMANDS = {
     ),
     "robots": ("pipenav.cli.robots:robots", "List the robots that can be trained and driven."),
     "presets": ("pipenav.cli.presets:presets", "List the training presets, one line each."),
+    "list": (
+        "pipenav.cli.names:names",
+        "List all that can be named: policies, pipes, disturbances, keys of files.",
+    ),
 }
 """Each command's function and its line in the list, which must be known without importing the function."""
-
-REDIRECTED_WIDTH = 1000
-"""Columns for a table that goes to a file or another program: one line a row."""
 
 EXIT_FAULT = 70
 """Exit code of a fault of pipenav itself: EX_SOFTWARE of sysexits.h."""
@@ -92,7 +90,14 @@ class LazyCommand(TyperCommand):
         self.target = target
 
     def make_context(self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any) -> Any:
-        return self.load().make_context(info_name, args, parent, **extra)
+        from pipenav.cli.usage import UsageError, explain
+
+        typed = list(args)  # parsing takes the list apart
+        try:
+            return self.load().make_context(info_name, args, parent, **extra)
+        except UsageError as error:
+            explain(error, str(self.name), typed)
+            raise
 
     def load(self) -> Any:
         """Import the command's module and build the command from its function."""
@@ -149,16 +154,6 @@ def _fault(error: Exception) -> str:
     except OSError as problem:
         report = f"no report could be written ({problem.strerror})"
     return f"a fault of pipenav itself, not yours, {type(error).__name__}: {shown(error, quoted=False)}; {report}."
-
-
-def table_console() -> Console:
-    """A console for tables: as wide as the terminal; where there is none, no row is ever wrapped."""
-    from rich.console import Console
-
-    console = Console()
-    if not console.is_terminal:
-        console.width = REDIRECTED_WIDTH
-    return console
 
 
 def _version(wanted: bool) -> None:

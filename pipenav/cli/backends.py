@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pipenav.cli import table_console
+from pipenav.cli.terminal import show
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -23,10 +23,11 @@ def backends(
 
         pipenav backends mujoco
     """
-    table_console().print(_plugins() if name is None else _settings(name))
+    show(plugins_table() if name is None else _settings(name))
 
 
-def _plugins() -> Table:
+def plugins_table() -> Table:
+    """The installed backends, a row each."""
     from rich.table import Table
     from rich.text import Text
 

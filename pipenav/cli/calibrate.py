@@ -35,10 +35,11 @@ def calibrate(
     from pipenav.backends.real_robot import load_real_robot
     from pipenav.deployment.guard import guarded
     from pipenav.robots.robot import load_robot
-    from pipenav.storage.atomic_files import atomic_write
+    from pipenav.storage.atomic_files import atomic_write, check_outputs
 
     ports = {"servos": port, "scanner": scanner_port} | ({"front": front_port} if front_port else {})
     spec = load_robot(robot)
+    check_outputs([arm])
     calibrator = load_real_robot().calibrator(spec, ports)
     try:
         with guarded(calibrator):

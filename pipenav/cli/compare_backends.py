@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pipenav.cli import table_console
+from pipenav.cli.terminal import progress_console, say, show
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -33,8 +33,6 @@ def compare_backends(
 
         pipenav compare-backends --robot high-fidelity --out compared
     """
-    from rich.console import Console
-
     from pipenav.backends.simulators import SimulatorSettings
     from pipenav.comparison.agreement import checks, compare
     from pipenav.comparison.figures import free_motion_figure, passages_figure, walls_figure
@@ -43,18 +41,23 @@ def compare_backends(
     from pipenav.storage.atomic_files import atomic_write_all, prepare_folder
 
     spec, names = load_robot(robot), (reference, other)
-    folder = prepare_folder(out or Path("runs") / f"compare-{other}-{spec.name}")
-    with Console(stderr=True).status(f"running {spec.name} in {reference} and in {other}"):
+    folder = prepare_folder(out or _default_folder(reference, other, spec.name))
+    with progress_console().status(f"running {spec.name} in {reference} and in {other}"):
         agreement = compare(spec, SimulatorSettings(reference), SimulatorSettings(other))
         figures = {"free-motion": free_motion_figure, "passages": passages_figure, "walls": walls_figure}
         pictures = {folder / f"{name}.png": png(draw(spec, agreement, names)) for name, draw in figures.items()}
     atomic_write_all(pictures)
     found = checks(spec, agreement)
-    console = table_console()
-    console.print(_table(found, spec.name, names))
-    console.print("pictures", *(str(path) for path in pictures))
+    show(_table(found, spec.name, names))
+    say(" ".join(["pictures", *map(str, pictures)]))
     if not all(check.holds for check in found):
         raise typer.Exit(1)
+
+
+def _default_folder(reference: str, other: str, robot: str) -> Path:
+    """`runs/compare-OTHER-ROBOT`, with the reference in the name where it is not the usual one."""
+    beside = "" if reference == "mujoco" else f"-with-{reference}"
+    return Path("runs") / f"compare-{other}{beside}-{robot}"
 
 
 def _table(found: list[Check], robot: str, names: tuple[str, str]) -> Table:

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
-from rich.console import Console
-from rich.progress import TaskID
 
 from pipenav.cli.options import SIMULATOR, BackendOption, SettingsOption, parse_options
-from pipenav.cli.progress_bars import episode_bar
+from pipenav.cli.terminal import progress_console, refuse_ignored, say, show
+from pipenav.errors import PipenavError
 
 if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.progress import TaskID
+
     from pipenav.evaluation.config import EvaluationConfig
     from pipenav.evaluation.evaluate import CheckedEvaluation
     from pipenav.evaluation.results import Evaluation
@@ -34,17 +34,15 @@ PIPES_HELP = (
 DISTURB_HELP = "Disturbances, by name (docs/guides/disturbances.md) or as FILE.toml."
 SUBJECT, EPISODES, RESULT = "What is measured", "In which episodes", "Result"
 
-UNNAMED_STAGES = (None, "reach", "traverse")
-"""Stages that the name of an evaluation folder leaves out: the policy's own task."""
-
-
 PolicyOption = Annotated[str | None, typer.Option(help=POLICY_HELP, rich_help_panel=SUBJECT)]
 # The names of StageName, with the older ones, and of Variant, whose import would slow down --help.
 StageOption = Annotated[
     Literal["locate", "reach", "reach-rear", "passage", "traverse", "front", "front-rear"] | None,
     typer.Option(help=STAGE_HELP, metavar="STAGE", rich_help_panel=SUBJECT),
 ]
-VariantOption = Annotated[Literal["map", "thesis"], typer.Option(help=VARIANT_HELP, rich_help_panel=SUBJECT)]
+VariantOption = Annotated[
+    Literal["map", "thesis"] | None, typer.Option(help=VARIANT_HELP, show_default="map", rich_help_panel=SUBJECT)
+]
 RobotOption = Annotated[str | None, typer.Option(help=ROBOT_HELP, rich_help_panel=SUBJECT)]
 PipesOption = Annotated[list[str] | None, typer.Option(help=PIPES_HELP, rich_help_panel=EPISODES)]
 EpisodesOption = Annotated[int, typer.Option(min=1, help="Episodes per pipe.", rich_help_panel=EPISODES)]
@@ -53,12 +51,15 @@ DisturbOption = Annotated[str | None, typer.Option(help=DISTURB_HELP, rich_help_
 OutOption = Annotated[
     Path | None, typer.Option(help="Evaluation folder; default beside the policy.", rich_help_panel=RESULT)
 ]
+RequireOption = Annotated[
+    str | None, typer.Option(metavar="PERCENT", help="Exit code 1 below this success, for CI.", rich_help_panel=RESULT)
+]
 
 
 def evaluate(
     policy: PolicyOption = None,
     stage: StageOption = None,
-    variant: VariantOption = "map",
+    variant: VariantOption = None,
     robot: RobotOption = None,
     pipes: PipesOption = None,
     episodes: EpisodesOption = 20,
@@ -67,6 +68,7 @@ def evaluate(
     option: SettingsOption = None,
     disturb: DisturbOption = None,
     out: OutOption = None,
+    require: RequireOption = None,
 ) -> None:
     """Measure in which pipes a policy passes: success with 95 % intervals, failures, ranges, contact, pictures.
 
@@ -80,12 +82,13 @@ def evaluate(
         pipenav eval --stage locate --robot high-fidelity --pipes thesis
         pipenav eval --policy baseline:centreline --pipes d=90,angle=60 --pipes d=90,angle=60,turn=right
         pipenav eval --policy pirate --pipes runs-level --option timestep=0.001
-        pipenav eval --policy arm --disturb real-world
+        pipenav eval --policy arm --disturb real-world --require 90%
     """
     from pipenav.evaluation.config import EvaluationConfig, todays_stage
-    from pipenav.evaluation.evaluate import CheckedEvaluation
-    from pipenav.evaluation.report import evaluation_table, write_evaluation
 
+    required = _required_share(require)
+    if stage not in ("locate", "passage"):
+        refuse_ignored({"--variant": variant}, "it says how --stage locate or passage locates a target")
     config = EvaluationConfig(
         policy=policy,
         pipes=tuple(pipes or ["working-range"]),
@@ -93,38 +96,50 @@ def evaluate(
         seed=seed,
         stage=todays_stage(stage),
         robot=robot,
-        variant=variant,
+        variant=variant or "map",
         backend=backend,
         options=parse_options(option or []),
         disturb=disturb,
     )
+    evaluation = _measured(config, out)
+    if required is not None and evaluation.success < required:
+        raise PipenavError(f"success {100 * evaluation.success:.6g}% is below the required {require}.")
+
+
+def _measured(config: EvaluationConfig, out: Path | None) -> Evaluation:
+    """Run an evaluation, write its folder and show it."""
+    from pipenav.evaluation.evaluate import CheckedEvaluation
+    from pipenav.evaluation.folder import check_folder, default_folder
+    from pipenav.evaluation.report import FILES, evaluation_table, write_evaluation
+    from pipenav.storage.lock import one_writer
+
     checked = CheckedEvaluation(config)
-    console = Console()
-    with _evaluation_folder(out or _default_folder(config)) as folder:
-        evaluation = _run(console, checked)
-    write_evaluation(folder, evaluation)
-    console.print(evaluation_table(evaluation))
-    console.print(f"evaluation folder {folder}: eval.json, eval.csv, success.png, map.png")
+    with one_writer(out or default_folder(checked.config)) as folder:
+        check_folder(folder, checked.config)
+        evaluation = _run(progress_console(), checked)
+        write_evaluation(folder, evaluation)
+    show(evaluation_table(evaluation))
+    say(f"evaluation folder {folder}: {', '.join(FILES)}")
+    return evaluation
 
 
-@contextmanager
-def _evaluation_folder(path: Path) -> Iterator[Path]:
-    """A folder that can be written into; a new one goes again where the work that it is for does not end well."""
-    from pipenav.storage.atomic_files import prepare_folder
-
-    fresh = not path.exists()
-    prepare_folder(path)
+def _required_share(text: str | None) -> float | None:
+    """The share of successes that is required, from a percentage as it was typed."""
+    if text is None:
+        return None
     try:
-        yield path
-    except BaseException:
-        if fresh:
-            with suppress(OSError):
-                os.removedirs(path)  # with the empty folders above it
-        raise
+        percent = float(text.removesuffix("%"))
+    except ValueError:
+        percent = math.nan
+    if not 0 <= percent <= 100 or (0 < percent <= 1 and not text.endswith("%")):
+        raise PipenavError(f"--require {text} is no percentage: write it as 99% or 99.5%.")
+    return percent / 100
 
 
 def _run(console: Console, checked: CheckedEvaluation) -> Evaluation:
     """Run an evaluation under a bar for each of its stages."""
+    from pipenav.cli.progress_bars import episode_bar
+
     with episode_bar(console) as bar:
         bars: dict[str, TaskID] = {}
 
@@ -134,14 +149,3 @@ def _run(console: Console, checked: CheckedEvaluation) -> Evaluation:
             bar.update(bars[stage], completed=done, description=f"{stage}: success {successes / done:.1%}")
 
         return checked.run(report)
-
-
-def _default_folder(config: EvaluationConfig) -> Path:
-    """`eval-<stage>-<pipes>` beside a policy file, under `runs/` otherwise."""
-    names = [*config.pipes, *([config.disturb] if config.disturb else [])]
-    label = "-".join(Path(name).stem.replace("=", "").replace(",", "-").replace(":", "-") for name in names)
-    if config.policy is None:
-        return Path("runs") / f"{config.robot or 'basic'}-{config.variant}" / f"eval-{config.stage}-{label}"
-    folder = f"eval-{label}" if config.stage in UNNAMED_STAGES else f"eval-{config.stage}-{label}"
-    path = Path(config.policy)
-    return path.parent / folder if path.suffix == ".zip" else Path("runs") / config.policy.replace(":", "-") / folder

@@ -7,12 +7,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
-from rich.console import Console
 
 from pipenav.cli.progress_bars import percentage_bar
+from pipenav.cli.terminal import progress_console, say
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+
+    from rich.console import Console
 
     from pipenav.experiments.jobs import Job
     from pipenav.experiments.plan import ExperimentPlan
@@ -88,15 +90,16 @@ def experiment(
     from pipenav.experiments.definition import chosen
     from pipenav.experiments.plan import ExperimentSettings, open_plan
     from pipenav.experiments.report import write_report
+    from pipenav.storage.lock import one_writer
 
     experiments = chosen(name)
     load_simulator(backend)
-    plan = open_plan(experiments, seeds, ExperimentSettings(steps=steps, episodes=episodes, backend=backend), out)
-    _run_rounds(Console(), plan, jobs or os.cpu_count() or 1)
-    files = write_report(plan)
-    Console().print(
-        f"report   {out / 'report.html'}\n         {out / 'report.md'}, {len(files) - 2} pictures beside it"
-    )
+    settings = ExperimentSettings(steps=steps, episodes=episodes, backend=backend)
+    with one_writer(out):
+        plan = open_plan(experiments, seeds, settings, out)
+        _run_rounds(progress_console(), plan, jobs or os.cpu_count() or 1)
+        files = write_report(plan)
+    say(f"report   {out / 'report.html'}\n         {out / 'report.md'}, {len(files) - 2} pictures beside it")
 
 
 def _run_rounds(console: Console, plan: ExperimentPlan, processes: int) -> None:
@@ -110,7 +113,7 @@ def _run_rounds(console: Console, plan: ExperimentPlan, processes: int) -> None:
             end = _run_round(console, this.doing, this.jobs_of(plan), processes, stopped)
             add_elapsed(plan, end.seconds)
             if not end.complete:
-                console.print(f"stopped and saved in {plan.out}; the same command goes on from there")
+                say(f"stopped and saved in {plan.out}; the same command goes on from there")
                 raise typer.Exit(stopped.exit_code)
 
 
@@ -137,7 +140,7 @@ def _run_round(console: Console, doing: str, jobs: list[Job], processes: int, st
             taken[0] = seconds
             bar.update(task, completed=share)
             if message:
-                bar.console.print(f"{seconds:6.0f} s  {message}", highlight=False)
+                say(f"{seconds:6.0f} s  {message}", console=bar.console)
 
         complete = run_jobs(jobs, processes, report, stopped)
         bar.update(task, completed=1.0 if complete else None)

@@ -132,22 +132,21 @@ def _report(folder: Path, purposes: dict[str, str], dimensions: list[_Dimension]
         purposes: files of the folder, each with one line that says what it is for.
         dimensions: dimensions of the pipe.
     """
-    from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
-    console = Console(highlight=False, soft_wrap=True)
-    console.print(Text.assemble("Made ", (str(folder), "bold")))
+    from pipenav.cli.terminal import say, show
+
+    say(f"Made {folder}", "bold")
     files = Table.grid(padding=(0, 2))
     for name, purpose in purposes.items():
         files.add_row("", Text(name, style="cyan"), purpose)
-    console.print(files)
-    console.print()
+    show(files, "")
     sizes = Table.grid(padding=(0, 2))
     for dimension in dimensions:
         value = Text(dimension.value, style="bold", justify="right")
         sizes.add_row("", dimension.name, value, dimension.meaning)
-    console.print(sizes)
+    show(sizes)
 
 
 def _corner_dimensions(pipe: PipeCorner) -> list[_Dimension]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
+from rich.text import Text
 
 from pipenav.errors import PipenavError
 
@@ -46,6 +47,6 @@ def show_findings(console: Console, findings: Iterator[Finding]) -> int:
     for finding in findings:
         problems += finding.level == "problem"
         remedy = f": {finding.remedy}" if finding.remedy else ""
-        console.print(f"[{STYLES[finding.level]}]{finding.level:8}[/] ", end="")
-        console.print(f"{finding.what}{remedy}", highlight=False, markup=False, soft_wrap=True)
+        level = (f"{finding.level:8} ", STYLES[finding.level])
+        console.print(Text.assemble(level, f"{finding.what}{remedy}"), soft_wrap=True)
     return problems

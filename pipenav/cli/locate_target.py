@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from pipenav.cli import table_console
 from pipenav.cli.options import BackendOption, SettingsOption
+from pipenav.cli.terminal import progress_console, say, show
 from pipenav.errors import PipenavError
 
 if TYPE_CHECKING:
@@ -77,15 +77,15 @@ def locate_target(
     simulator = recording_settings(backend, option or [])
     check_fits(spec, wanted)
     folder = None if out is None else prepare_folder(out)
-    console = table_console()
+    console = progress_console()
     found = []
     for pipe in track(wanted, "locating", console=console, transient=True, disable=not console.is_terminal):
         found.append(record_locate(spec, variant, pipe, seed, 0, simulator))
         if folder is not None:
             _write(folder, found[-1])
-    console.print(_facts(found[0]) if len(found) == 1 else _table(found))
+    show(_facts(found[0]) if len(found) == 1 else _table(found))
     if folder is not None:
-        console.print(f"written: {folder}, a trajectory and a picture of each pipe", highlight=False)
+        say(f"written: {folder}, a trajectory and a picture of each pipe")
     if not all(located.trajectory.succeeded for located in found):
         raise typer.Exit(1)
 
@@ -164,12 +164,13 @@ def _facts(located: Located) -> Table:
 
 def _table(found: list[Located]) -> Table:
     from rich.table import Table
+    from rich.text import Text
 
     header = found[0].trajectory.header
     table = Table("pipe", box=None, pad_edge=False, title_justify="left", title_style="bold")
     table.title = f"{header.robot}, {header.controller}, {header.backend}"
     for heading in HEADINGS:
-        table.add_column(heading, justify="right", no_wrap=True)
+        table.add_column(Text(heading), justify="right")  # a plain string's [mm] would be taken for markup
     for located in found:
         style = None if located.trajectory.succeeded else "red"
         table.add_row(located.trajectory.header.pipe.label, *_cells(located), style=style)

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 TRAJECTORY_HELP = "The front half's recorded passage; of a passage in parts, give locating first and the front last."
 PASSAGE, REPLAY = "The passage", "Replay"
+DEFAULT_BACKEND = "mujoco"
 
 
 TrajectoryOption = Annotated[
@@ -31,7 +32,10 @@ RecordOption = Annotated[
     typer.Option(help="With --replay: also write what the arm really did, as a trajectory.", rich_help_panel=REPLAY),
 ]
 BackendOption = Annotated[
-    str, typer.Option(help="Simulator of the replay; see `pipenav backends`.", rich_help_panel=REPLAY)
+    str | None,
+    typer.Option(
+        help="Simulator of the replay; see `pipenav backends`.", show_default=DEFAULT_BACKEND, rich_help_panel=REPLAY
+    ),
 ]
 ReplaySettingsOption = Annotated[
     list[str] | None,
@@ -45,7 +49,7 @@ def mirror_rear(
     out: OutOption = Path("rear.csv"),
     replay: ReplayOption = False,
     record: RecordOption = None,
-    backend: BackendOption = "mujoco",
+    backend: BackendOption = None,
     option: ReplaySettingsOption = None,
 ) -> None:
     """Turn a front half's recorded passage into the rear half's: mirrored in space, reversed in time (approach II).
@@ -57,28 +61,34 @@ def mirror_rear(
         pipenav mirror-rear --trajectory front.csv --replay --record replayed.csv --option timestep=0.001
         pipenav mirror-rear --trajectory locate.csv --trajectory front.csv
     """
-    from rich.console import Console
-
+    from pipenav.cli.terminal import refuse_ignored, say
     from pipenav.motions.mirror import plan_rear
     from pipenav.motions.trajectory_file import read_trajectory, write_trajectory
     from pipenav.robots.robot import load_robot
+    from pipenav.storage.atomic_files import check_outputs
 
     if record is not None and not replay:
         raise PipenavError("--record writes what --replay runs: give both.")
+    if not replay:
+        refuse_ignored({"--backend": backend, "--option": option}, "they set the simulator of --replay")
+    check_outputs([out, *([] if record is None else [record])], inputs=[*trajectory, *_robot_file(robot)])
     spec = None if robot is None else load_robot(robot)
     parts = [read_trajectory(path, spec) for path in trajectory]
     plan = plan_rear(parts)
     write_trajectory(out, plan)
-    console = Console(highlight=False, soft_wrap=True)
-    console.print(f"written: {out}, {len(plan.q)} rows, {plan.time[-1]:.1f} s, {plan.header.pipe.label}")
-    console.print(_hand_over_sentence(plan, parts[-1]))
+    say(f"written: {out}, {len(plan.q)} rows, {plan.time[-1]:.1f} s, {plan.header.pipe.label}")
+    say(_hand_over_sentence(plan, parts[-1]))
     if not replay:
         return
-    done = _replayed(plan, backend, option or [])
-    console.print(_replay_sentence(plan, done, backend))
+    done = _replayed(plan, backend or DEFAULT_BACKEND, option or [])
+    say(_replay_sentence(plan, done, backend or DEFAULT_BACKEND))
     if record is not None:
         write_trajectory(record, done)
-        console.print(f"written: {record}")
+        say(f"written: {record}")
+
+
+def _robot_file(robot: str | None) -> list[Path]:
+    return [Path(robot)] if robot is not None and robot.endswith(".toml") else []
 
 
 def _hand_over_sentence(plan: Trajectory, front: Trajectory) -> str:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
+from pipenav.cli.terminal import show
 from pipenav.learning.config import load_config, preset_names
 
 
@@ -15,8 +16,15 @@ def presets() -> None:
 
         pipenav train --preset thesis-torque
     """
-    table = Table("preset", "robot", "control", "steps", "what it trains", box=None)
+    show(presets_table())
+
+
+def presets_table() -> Table:
+    """The training presets, a row each."""
+    table = Table("preset", "robot", "control", "steps", "what it trains", box=None, pad_edge=False)
     for name in preset_names():
         config = load_config(name)
-        table.add_row(name, config.robot, config.task.control, f"{config.steps:,}", config.description)
-    Console().print(table)
+        table.add_row(
+            Text(name, "bold"), config.robot, config.task.control, f"{config.steps:,}", Text(config.description)
+        )
+    return table

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
+from pipenav.cli.terminal import say
 from pipenav.errors import PipenavError, shown
 
 
@@ -27,8 +27,10 @@ def replay(
     from pipenav.deployment.plan import POLICY_COPY
     from pipenav.deployment.replay import replay as replayed
     from pipenav.policies.policy import load_policy
-    from pipenav.storage.atomic_files import atomic_write
+    from pipenav.storage.atomic_files import atomic_write, check_outputs
 
+    if draw is not None:
+        check_outputs([draw], inputs=[log, log.with_name(POLICY_COPY)])
     result = replayed(log)
     recording = result.recording
     if draw is not None:
@@ -41,4 +43,4 @@ def replay(
         )
     if result.difference:
         raise PipenavError(f"the replay differs: {result.difference}; was the log or the policy changed?")
-    Console().print(f"{result.ticks} ticks, {result.packets} packets: all identical", highlight=False)
+    say(f"{result.ticks} ticks, {result.packets} packets: all identical")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pipenav.cli import table_console
+from pipenav.cli.terminal import say, show
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -35,19 +35,18 @@ def robots(
     if name is None:
         if out is not None:
             raise typer.BadParameter("--out needs the name of a robot, for example: pipenav robots basic --out meshes")
-        table_console().print(_all_robots())
+        show(robots_table())
         return
     robot = load_robot(name)
-    console = table_console()
-    parts = [robot.description, _links(robot), _wheels(robot), f"laser: {_laser(robot.laser)}"]
-    console.print(*filter(None, parts), sep="\n", markup=False)
+    show(robot.description, _links(robot), *filter(None, [_wheels(robot)]), f"laser: {_laser(robot.laser)}")
     if out is not None:
         from pipenav.robots.meshes import write_meshes
 
-        console.print(f"Made {', '.join(str(path) for path in write_meshes(robot, out))}", markup=False)
+        say(f"Made {', '.join(str(path) for path in write_meshes(robot, out))}")
 
 
-def _all_robots() -> Table:
+def robots_table() -> Table:
+    """The shipped robots, a row each."""
     from rich.table import Table
     from rich.text import Text
 

@@ -13,6 +13,7 @@ from rich.console import Console
 from pipenav.cli.hw_check import show_findings
 from pipenav.cli.option_groups import takes_option_groups
 from pipenav.cli.run_real_options import ArmOptions, EmulationOptions, PipeOptions, StoppingOptions
+from pipenav.cli.terminal import refuse_ignored, say
 from pipenav.errors import PipenavError
 
 if TYPE_CHECKING:
@@ -24,6 +25,9 @@ if TYPE_CHECKING:
     from pipenav.pipes.corner import PipeCorner
     from pipenav.pipes.pipe import Turn
     from pipenav.robots.robot import RobotSpec
+
+ARM_FILE = Path("arm.toml")
+"""Description of the arm where no other is named."""
 
 DRY_RUN_TICKS = 100
 """Length of a dry run where no other is given [ticks]: ten seconds."""
@@ -57,6 +61,8 @@ def run_real(
     from pipenav.deployment.arm_policy import policy_for
     from pipenav.deployment.plan import MissionPlan, free_folder
 
+    if emulation_options.emulate:
+        refuse_ignored({"--arm": arm_options.arm, "--yes": arm_options.yes}, "--emulate needs no real arm")
     loaded = policy_for(policy, arm_options.robot)
     pipe = _pipe(pipe_options, emulation_options.emulate)
     target, turn = _target(pipe_options.target), _turn(pipe_options.turn)
@@ -122,7 +128,8 @@ def _emulation(given: EmulationOptions, robot: RobotSpec, pipe: PipeCorner | Non
 
     if given.emulate:
         assert pipe is not None, "an emulated arm always has a pipe"
-        return plan_emulation(robot, pipe, given.seed, given.faults, given.patience)
+        return plan_emulation(robot, pipe, given.seed or 0, given.faults, given.patience)
+    refuse_ignored({"--seed": given.seed}, "it is the seed of an emulated arm, give --emulate too")
     if given.faults is not None:
         raise PipenavError("--faults are those of an emulated arm: give --emulate too.")
     if given.patience > 1:
@@ -144,7 +151,7 @@ def _connected(
     robot, backend_class = plan.policy.header.robot, load_real_robot()
     settings: dict[str, Any] = {"listen_only": given.dry_run, "allow_slow_bus": given.allow_slow_bus}
     if emulation is None:
-        options = check_options("hardware", backend_class, {"arm": str(given.arm), **settings})
+        options = check_options("hardware", backend_class, {"arm": str(given.arm or ARM_FILE), **settings})
     else:
         pipe, start, seed, faults, patience = emulation
         emulated = opened.enter_context(backend_class.emulate(robot, pipe, start, plan.folder, seed, faults))
@@ -162,13 +169,13 @@ def _announce(console: Console, arm: RealRobot, plan: MissionPlan, dry_run: bool
     """Say what will happen, before it happens."""
     where = "a target that it looks for" if plan.target is None else "the given target"
     what = "would move" if dry_run else "is going to move"
-    console.print(
+    say(
         f"The arm {what}: {where} around a {plan.turn} turn, policy {plan.policy.path}, then back out. "
         f"Keep clear of it. Space, Ctrl-C, SIGUSR1 or the file {plan.stop_file} stop it; the power switch always does.",
-        highlight=False,
+        console=console,
     )
     for warning in arm.warnings:
-        console.print(f"warning: {warning}", style="yellow", highlight=False)
+        say(f"warning: {warning}", "yellow", console)
 
 
 def _carry_out(console: Console, arm: RealRobot, plan: MissionPlan, hold_on_stop: bool) -> Ending:

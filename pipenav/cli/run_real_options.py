@@ -16,7 +16,9 @@ class ArmOptions(OptionGroup):
     """The arm that moves, and whether it may."""
 
     panel: ClassVar[str] = "The arm"
-    arm: Annotated[Path, typer.Option(help="The arm's description, from pipenav calibrate.")] = Path("arm.toml")
+    arm: Annotated[
+        Path | None, typer.Option(help="The arm's description, from pipenav calibrate.", show_default="arm.toml")
+    ] = None
     robot: Annotated[
         str | None, typer.Option(help="The arm's robot: a policy for another is refused; default real-setup.")
     ] = None
@@ -53,7 +55,9 @@ class EmulationOptions(OptionGroup):
     faults: Annotated[
         str | None, typer.Option(help="What goes wrong: 'thesis' for the thesis's scanner, or a JSON file.")
     ] = None
-    seed: Annotated[int, typer.Option(min=0, help="Seed of the start pose, of noise and of faults.")] = 0
+    seed: Annotated[
+        int | None, typer.Option(min=0, help="Seed of the start pose, of noise and of faults.", show_default="0")
+    ] = None
     patience: Annotated[float, typer.Option(min=1, max=100, help="Factor on all time limits, for busy machines.")] = 1.0
 
 

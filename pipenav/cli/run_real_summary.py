@@ -8,6 +8,7 @@ from typing import Any
 import typer
 from rich.console import Console
 
+from pipenav.cli.terminal import say
 from pipenav.deployment.emulation import Emulation
 from pipenav.deployment.guard import Interrupted
 from pipenav.deployment.plan import TELEMETRY, MissionPlan
@@ -60,16 +61,16 @@ def show_summary(
     ticks = read_telemetry(plan.folder / TELEMETRY).ticks
     kept = pace(ticks)
     parts = ", ".join(f"{name} {seconds * 1e3:.1f}" for name, seconds in kept.parts.items())
-    console.print(
+    say(
         f"{ending.outcome}: {kept.ticks} ticks at {kept.rate:.2f} Hz of 10, worst tick {kept.worst * 1e3:.1f} ms, "
         f"{kept.late} late, {kept.clamped} limited; mean ms: {parts}",
-        highlight=False,
+        console=console,
     )
     placement = None if emulation is None else ArmPlacement(emulation.pipe, emulation.start.base)
     if placement is None and pipe is not None:
         placement = located_placement(plan, ticks, pipe)
     written = [path.name for path in write_motions(plan, ticks, ending.outcome, placement)]
-    console.print(f"mission folder {plan.folder}: {', '.join([TELEMETRY, *written])}", highlight=False)
+    say(f"mission folder {plan.folder}: {', '.join([TELEMETRY, *written])}", console=console)
 
 
 def require_success(plan: MissionPlan, ending: Ending) -> None:
@@ -92,10 +93,10 @@ def require_success(plan: MissionPlan, ending: Ending) -> None:
 
 def _show_last(console: Console, ticks: Sequence[dict[str, Any]]) -> None:
     """Print the last ticks before a stop, one line each."""
-    console.print(f"the last {len(ticks)} ticks: tick, stage, positions, sent, ms taken", highlight=False)
+    say(f"the last {len(ticks)} ticks: tick, stage, positions, sent, ms taken", console=console)
     for tick in ticks:
         numbers = [" ".join(f"{value:+.3f}" for value in tick.get(key) or []) for key in ("q", "sent")]
         taken = tick["raw"]["seconds"].get("taken")
         shown = "" if taken is None else f"{1e3 * taken:.1f}"
         stage = tick.get("stage", tick.get("stopped", ""))
-        console.print(f"{tick['tick']:5d} {stage:8} {numbers[0]} | {numbers[1]} | {shown}", highlight=False)
+        say(f"{tick['tick']:5d} {stage:8} {numbers[0]} | {numbers[1]} | {shown}", console=console)

@@ -17,6 +17,7 @@ from rich.table import Table
 from rich.text import Text
 
 from pipenav.backends.safety import Stopped
+from pipenav.cli.terminal import say
 from pipenav.robots.robot import RobotSpec
 from pipenav.units import m_to_mm, rad_to_deg
 
@@ -62,7 +63,7 @@ class MissionView:
             raise Stopped("e-stop", "the space bar was pressed", "start again when the arm is free")
         if record["stage"] not in (self._stage, "hold"):
             self._stage = record["stage"]
-            self._console.print(f"{record['tick'] / 10:6.1f} s  {self._stage}", highlight=False)
+            say(f"{record['tick'] / 10:6.1f} s  {self._stage}", console=self._console)
         if self._live is not None and "q" in record and record["tick"] % EVERY == 0:
             self._live.update(self._picture(record), refresh=True)
 
@@ -70,7 +71,7 @@ class MissionView:
         """Whether any key was pressed: the person at the keyboard holds the arm now. Asks for it the first time."""
         if not self._held:
             self._held = True
-            self._console.print("Stopped, and torque is still on: hold the arm, then press any key.", style="yellow")
+            say("Stopped, and torque is still on: hold the arm, then press any key.", "yellow", self._console)
         return bool(self._keys())
 
     def _keys(self) -> bytes:

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+import math
 import shlex
-import sys
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
 
 from pipenav.cli.progress_bars import percentage_bar
 from pipenav.cli.signals import Interrupted, StopRequest, stop_signals
+from pipenav.cli.terminal import progress_console, say
 from pipenav.errors import PipenavError
 from pipenav.learning.config import DEFAULT_PRESET, TrainConfig, load_config, preset_below, validate_config
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from pipenav.learning.progress import TrainingProgress
     from pipenav.learning.train import TrainingSummary
     from pipenav.learning.training_folder import TrainingFolder
@@ -79,6 +81,8 @@ def train(
         pipenav train --preset pirate-gravity-runs --from runs/pirate-gravity
         pipenav train --resume runs/arm
     """
+    from pipenav.storage.lock import one_writer
+
     options = {
         "backend": backend,
         "steps": steps,
@@ -87,23 +91,21 @@ def train(
         "task.control": control,
         "pipes": pipes,
     }
-    training = (
-        _new_training(_Recipe(preset, config, set_ or [], options), out, start)
-        if resume is None
-        else _resumed_training(resume, [preset, config, out, start, *(set_ or [])], options)
-    )
-    console = Console()
-    console.print(
-        f"training {training.name} on {training.config.backend}: {training.config.steps:,} steps, "
-        f"training folder {training.folder.path}"
-    )
-    with stop_signals() as stopped:
-        try:
-            summary = _run(console, training, stopped)
-        except Interrupted:
-            training.folder.remove_unsaved()
-            raise
-        _conclude(console, training.folder, summary)
+    recipe = _Recipe(preset, config, set_ or [], options)
+    path = _new_path(recipe, out, start) if resume is None else _path_to_resume(recipe, resume, out, start)
+    with one_writer(path):
+        training = _new_training(recipe, path, start) if resume is None else _resumed_training(recipe, path)
+        say(
+            f"training {training.name} on {training.config.backend}: {training.config.steps:,} steps, "
+            f"training folder {training.folder.path}"
+        )
+        with stop_signals() as stopped:
+            try:
+                summary = _run(progress_console(), training, stopped)
+            except Interrupted:
+                training.folder.remove_unsaved()
+                raise
+            _conclude(training.folder, summary)
     if summary.stopped:
         raise typer.Exit(stopped.exit_code)
 
@@ -116,6 +118,15 @@ class _Recipe:
     file: Path | None
     settings: list[str]
     options: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """Name of the preset below it all."""
+        return preset_below(self.preset, self.file)
+
+    def config(self) -> TrainConfig:
+        """The whole configuration."""
+        return load_config(self.name, self.file, self.settings, self.options)
 
 
 @dataclass(frozen=True)
@@ -137,36 +148,47 @@ class _Training:
     start: Path | None = None
 
 
-def _new_training(recipe: _Recipe, out: Path | None, start: Path | None) -> _Training:
-    """A new training in a folder of its own."""
+def _new_path(recipe: _Recipe, out: Path | None, start: Path | None) -> Path:
+    """The folder of a new training that has been checked; nothing has been made yet."""
     from pipenav.learning.training_folder import TrainingFolder, default_training_path
 
-    preset = preset_below(recipe.preset, recipe.file)
-    config = load_config(preset, recipe.file, recipe.settings, recipe.options)
+    config = recipe.config()
     _check_names(config)
     if start is not None:
         _check_start(start, config)
-    command = shlex.join(["pipenav", *sys.argv[1:]])
-    folder = TrainingFolder.create(out or default_training_path(preset), config, command)
-    return _Training(preset, folder, config, start=start)
+    path = out or default_training_path(recipe.name)
+    TrainingFolder(path).refuse_other_training()
+    return path
 
 
-def _resumed_training(path: Path, given: list[Any], options: dict[str, Any]) -> _Training:
-    """A training to go on with, of which only the number of steps may change.
+def _new_training(recipe: _Recipe, path: Path, start: Path | None) -> _Training:
+    """A new training in a folder of its own."""
+    from pipenav.learning.training_folder import TrainingFolder
+    from pipenav.storage.lock import current_command
 
-    Args:
-        path: folder of the training.
-        given: values of options that must not be given with `--resume`; None where one was not.
-        options: options of the configuration, by key; None where one was not given.
-    """
+    config = recipe.config()
+    return _Training(recipe.name, TrainingFolder.create(path, config, current_command()), config, start=start)
+
+
+def _path_to_resume(recipe: _Recipe, path: Path, out: Path | None, start: Path | None) -> Path:
+    """The folder of a training to go on with, of which only the number of steps may change."""
     from pipenav.learning.training_folder import TrainingFolder
 
-    given = [*given, *(value for key, value in options.items() if key != "steps")]
+    given = [recipe.preset, recipe.file, out, start, *recipe.settings]
+    given += [value for key, value in recipe.options.items() if key != "steps"]
     if any(value is not None for value in given):
         raise PipenavError("--resume goes on with a training as it was configured: only --steps can be given with it.")
+    TrainingFolder.open(path)
+    return path
+
+
+def _resumed_training(recipe: _Recipe, path: Path) -> _Training:
+    """A training to go on with, as it is on the disk now that no other process writes it."""
+    from pipenav.learning.training_folder import TrainingFolder
+
     folder, config = TrainingFolder.open(path)
-    if options["steps"] is not None:
-        config = validate_config(config.model_dump() | {"steps": options["steps"]}, "--steps")
+    if recipe.options["steps"] is not None:
+        config = validate_config(config.model_dump() | {"steps": recipe.options["steps"]}, "--steps")
         folder.write_config(config)
     return _Training(str(path), folder, config, resumed=True)
 
@@ -216,26 +238,30 @@ def _run(console: Console, training: _Training, stopped: StopRequest) -> Trainin
         last_line = [0.0]
 
         def report(progress: TrainingProgress) -> None:
-            text = (
-                f"{progress.steps_per_s:,.0f} steps/s, success {progress.success:.1%}, "
-                f"least laser reading {progress.min_range * 1e3:.0f} mm"
-            )
+            text = progress_text(progress)
             bar.update(task, completed=progress.steps, description=text)
             if not console.is_terminal and time.monotonic() - last_line[0] > SECONDS_BETWEEN_LINES:
                 last_line[0] = time.monotonic()
-                console.print(f"{progress.steps:>9,} of {config.steps:,} steps: {text}")
+                say(f"{progress.steps:>9,} of {config.steps:,} steps: {text}", console=console)
 
         return run_training(config, training.folder, training.resumed, report, stopped, training.start)
 
 
-def _conclude(console: Console, folder: TrainingFolder, summary: TrainingSummary) -> None:
+def progress_text(progress: TrainingProgress) -> str:
+    """The progress of a training in words."""
+    success = "no episode over yet" if math.isnan(progress.success) else f"success {progress.success:.1%}"
+    least = f"least laser reading {progress.min_range * 1e3:.0f} mm"
+    return f"{progress.steps_per_s:,.0f} steps/s, {success}, {least}"
+
+
+def _conclude(folder: TrainingFolder, summary: TrainingSummary) -> None:
     """Say how the training ended, and what can be done with it."""
     if summary.stopped:
-        console.print(
-            f"stopped after {summary.steps:,} steps and saved; go on with: pipenav train --resume {folder.path}"
-        )
+        resume = shlex.join(["pipenav", "train", "--resume", str(folder.path)])
+        say(f"stopped after {summary.steps:,} steps and saved; go on with: {resume}")
         return
-    console.print(
+    measure = shlex.join(["pipenav", "eval", "--policy", str(folder.best)])
+    say(
         f"trained {summary.steps:,} steps in {summary.seconds:.0f} s; best check {summary.check_success:.1%} success\n"
-        f"policy   {folder.best}\npicture  {folder.plot}\nmeasure it: pipenav eval --policy {folder.best}"
+        f"policy   {folder.best}\npicture  {folder.plot}\nmeasure it: {measure}"
     )

@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from pipenav.cli.options import BackendOption, SettingsOption
+from pipenav.cli.options import SIMULATOR, SettingsOption
+from pipenav.cli.terminal import progress_console, refuse_ignored, say
 from pipenav.errors import PipenavError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from rich.console import Console
-
     from pipenav.recording.film import Progress
 
 TABLE = ".csv"
 DEFAULT_PIPE = "d=90,angle=60"
+DEFAULT_BACKEND = "mujoco"
 SOURCE, EPISODE, OUTPUT = "One of", "Which episode", "Output"
 
 POLICY_HELP = (
@@ -31,6 +31,7 @@ PIPES_HELP = f"Pipe set, a route as runs-level:3, FILE.toml or d=90,angle=60; re
 ROBOT_HELP = "Robot of a behaviour (basic) or baseline, or of a trajectory whose robot is not shipped."
 EPISODE_HELP = "Number of one of the episodes that `pipenav eval` runs in each pipe, from 0."
 OUT_HELP = "Picture .png (a strip), film .gif or .mp4, or trajectory .csv; repeatable."
+RECORDED = "a trajectory is recorded already and brings its own pipe"
 LIVE_HELP = "Open the simulator's own viewer and run in real time."
 
 
@@ -42,9 +43,18 @@ TrajectoryOption = Annotated[list[Path] | None, typer.Option(help=TRAJECTORY_HEL
 RobotOption = Annotated[str | None, typer.Option(help=ROBOT_HELP, rich_help_panel=EPISODE)]
 PipesOption = Annotated[list[str] | None, typer.Option(help=PIPES_HELP, rich_help_panel=EPISODE)]
 SeedOption = Annotated[
-    int, typer.Option(min=0, help="Seed of start and target, as in `pipenav eval`.", rich_help_panel=EPISODE)
+    int | None,
+    typer.Option(
+        min=0, help="Seed of start and target, as in `pipenav eval`.", show_default="0", rich_help_panel=EPISODE
+    ),
 ]
-EpisodeOption = Annotated[int, typer.Option(min=0, help=EPISODE_HELP, rich_help_panel=EPISODE)]
+EpisodeOption = Annotated[int | None, typer.Option(min=0, help=EPISODE_HELP, show_default="0", rich_help_panel=EPISODE)]
+BackendOption = Annotated[
+    str | None,
+    typer.Option(
+        help="Simulator backend; see `pipenav backends`.", show_default=DEFAULT_BACKEND, rich_help_panel=SIMULATOR
+    ),
+]
 OutOption = Annotated[list[Path] | None, typer.Option(help=OUT_HELP, rich_help_panel=OUTPUT)]
 LiveOption = Annotated[bool, typer.Option("--live", help=LIVE_HELP, rich_help_panel=OUTPUT)]
 
@@ -55,9 +65,9 @@ def view(
     trajectory: TrajectoryOption = None,
     robot: RobotOption = None,
     pipes: PipesOption = None,
-    seed: SeedOption = 0,
-    episode: EpisodeOption = 0,
-    backend: BackendOption = "mujoco",
+    seed: SeedOption = None,
+    episode: EpisodeOption = None,
+    backend: BackendOption = None,
     option: SettingsOption = None,
     out: OutOption = None,
     live: LiveOption = False,
@@ -74,17 +84,17 @@ def view(
         pipenav view --policy pirate --pipes runs-rolled:3 --out roll.png
         pipenav view --policy baseline:centreline --live
     """
-    from rich.console import Console
-
     from pipenav.cli import view_sources as sources
 
     _check_one_source(policy, behaviour, trajectory)
-    outputs = _checked_outputs(out or [])
-    wanted = sources.Wanted(pipes or [DEFAULT_PIPE], robot, seed, episode, outputs)
+    outputs = _checked_outputs(out or [], [*(trajectory or []), *([Path(policy)] if policy else [])])
+    wanted = sources.Wanted(pipes or [DEFAULT_PIPE], robot, seed or 0, episode or 0, outputs)
     if trajectory:
-        _check_for_files(pipes, outputs, live)
-    console = Console()
-    with sources.opened_simulator(backend, option or [], live) as simulator:
+        refuse_ignored({"--pipes": pipes, "--seed": seed, "--episode": episode}, RECORDED)
+        if not live:
+            refuse_ignored({"--backend": backend, "--option": option}, RECORDED)
+        _check_for_files(outputs, live)
+    with sources.opened_simulator(backend or DEFAULT_BACKEND, option or [], live) as simulator:
         if trajectory:
             drawing = sources.from_files(trajectory, robot, simulator)
         elif behaviour:
@@ -92,11 +102,11 @@ def view(
         else:
             drawing = sources.of_policy(policy or "", wanted, simulator)
         for sentence in drawing.sentences:
-            console.print(sentence, highlight=False)
+            say(sentence)
     for path in outputs or ([] if live else [Path(f"view-{drawing.name}.png")]):
-        with _drawing_bar(path, console) as progress:
+        with _drawing_bar(path) as progress:
             drawing.write(path, progress)
-        console.print(f"written: {path}", highlight=False, soft_wrap=True)
+        say(f"written: {path}")
 
 
 def _check_one_source(*sources: object) -> None:
@@ -107,36 +117,35 @@ def _check_one_source(*sources: object) -> None:
         )
 
 
-def _checked_outputs(paths: list[Path]) -> list[Path]:
+def _checked_outputs(paths: list[Path], inputs: list[Path]) -> list[Path]:
     """The files to write, each of a kind that can be written, before any work is done for them."""
     from pipenav.recording.film_files import SUFFIXES, check_suffix
+    from pipenav.storage.atomic_files import check_outputs
 
     for path in paths:
         if path.suffix.lower() != TABLE:
             check_suffix(path, [*SUFFIXES, TABLE])
-        if not path.parent.is_dir():
-            raise PipenavError(f"there is no folder {path.parent} for {path.name}: make it first.")
+    check_outputs(paths, inputs)
     return paths
 
 
-def _check_for_files(pipes: Sequence[str] | None, outputs: Sequence[Path], live: bool) -> None:
+def _check_for_files(outputs: Sequence[Path], live: bool) -> None:
     """Refuse options that say nothing about trajectories, which are recorded already and bring their own pipe."""
     for path in outputs:
         if path.suffix.lower() == TABLE:
             raise PipenavError(
                 f"{path}: a trajectory is recorded from a --policy or --behaviour; --trajectory only draws one."
             )
-    if pipes:
-        raise PipenavError("--pipes goes with --policy and --behaviour: a trajectory brings its own pipe.")
     if live and outputs:
         raise PipenavError("--live shows a trajectory and writes nothing: give it without --out, or --out without it.")
 
 
 @contextmanager
-def _drawing_bar(path: Path, console: Console) -> Iterator[Progress]:
+def _drawing_bar(path: Path) -> Iterator[Progress]:
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    shown = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:>3.0f}%"))
+    console = progress_console()
+    shown = (TextColumn("{task.description}", markup=False), BarColumn(), TextColumn("{task.percentage:>3.0f}%"))
     columns = (*shown, TextColumn("left"), TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task(f"drawing {path.name}")

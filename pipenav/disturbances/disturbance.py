@@ -88,7 +88,7 @@ def load_disturbance(text: str) -> Disturbance:
 
     Raises:
         UnknownName: the text is neither a shipped name nor a TOML file.
-        ConfigError: the file describes no disturbance.
+        ConfigError: the file describes no disturbance, or one that disturbs nothing.
         FileProblem: the file cannot be read.
     """
     path = Path(text)
@@ -97,6 +97,9 @@ def load_disturbance(text: str) -> Disturbance:
     elif path.suffix != ".toml":
         raise UnknownName("disturbance", text, [*disturbance_names(), "FILE.toml"])
     try:
-        return Disturbance.model_validate(read_toml(path))
+        disturbance = Disturbance.model_validate(read_toml(path))
     except ValidationError as error:
         raise ConfigError.from_validation(text, error, Disturbance.model_fields) from error
+    if disturbance == UNDISTURBED:
+        raise ConfigError(f"{text} disturbs nothing: set one of {', '.join(Disturbance.model_fields)} in it.")
+    return disturbance

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import errno
 import io
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
@@ -10,11 +11,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from pipenav.drawing.style import png
+from pipenav.errors import FileProblem
 from pipenav.evaluation import figures
+from pipenav.evaluation.folder import RECORD
 from pipenav.evaluation.interval import wilson
 from pipenav.evaluation.pipe_results import DiameterRecord, PipeRecord, by_diameter
 from pipenav.evaluation.results import Evaluation
 from pipenav.storage.atomic_files import atomic_write_all, prepare_folder
+from pipenav.storage.atomic_folder import write_folder
 from pipenav.units import m_to_mm
 
 if TYPE_CHECKING:
@@ -37,9 +41,14 @@ SHOWN_CORNERS = 5
 
 MISSING = "-"
 
+NOT_AS_A_WHOLE = (errno.EBUSY, errno.EXDEV, errno.EACCES, errno.EPERM, errno.EROFS)
+"""Errors of a folder that cannot be replaced itself: the root of a file system, or in a folder that is read-only."""
+
 
 def write_evaluation(folder: Path, evaluation: Evaluation) -> None:
-    """Write the evaluation folder; nothing of an older one is replaced before all of the new one is on the disk.
+    """Write the evaluation folder; an older one is replaced as a whole, and other files in it are kept.
+
+    A folder that held no evaluation yet, only other files, gets the files one by one.
 
     Raises:
         FileProblem: the folder or a file cannot be written.
@@ -51,7 +60,25 @@ def write_evaluation(folder: Path, evaluation: Evaluation) -> None:
         "map.png": png(figures.map_figure(evaluation)),
     }
     prepare_folder(folder)
-    atomic_write_all({folder / name: contents[name] for name in FILES})
+    files = {name: contents[name] for name in FILES}
+    if not (folder / RECORD).is_file() or not _replaced(folder, files):
+        atomic_write_all({folder / name: content for name, content in files.items()})
+
+
+def _replaced(folder: Path, files: dict[str, bytes]) -> bool:
+    """Whether an older evaluation folder could be replaced as a whole."""
+
+    def write(draft: Path) -> None:
+        for name, content in files.items():
+            (draft / name).write_bytes(content)
+
+    try:
+        write_folder(folder.resolve(), "evaluation folder", RECORD, FILES, write)
+    except FileProblem as problem:
+        if isinstance(problem.__cause__, OSError) and problem.__cause__.errno in NOT_AS_A_WHOLE:
+            return False
+        raise
+    return True
 
 
 def pipes_csv(pipes: Sequence[PipeRecord]) -> str:
@@ -134,8 +161,8 @@ def _successes(evaluation: Evaluation) -> Table:
 
 def _contacts(evaluation: Evaluation) -> Table:
     """Steps and contact of the episodes of each diameter, and the pipe in which most of them failed."""
-    headings = ["diameter\nmm", "mean steps\nof successes", "least range\nmm", "peak force\nN"]
-    headings += ["contact\n% of time", "deepest overlap\nmm"]
+    headings = ["diameter\nmm", "mean steps\nof successes", "least\nrange mm", "peak\nforce N"]
+    headings += ["contact\n% of time", "deepest\noverlap mm"]
     table = _table("Motion and contact by diameter", headings, ["worst pipe and\nits success"])
     for diameter, records in by_diameter(evaluation.pipes).items():
         steps = [(r.mean_steps, r.successes) for r in records if r.mean_steps is not None]
@@ -195,7 +222,7 @@ def _table(title: str, numbers: Sequence[str], words: Sequence[str]) -> Table:
     for heading in numbers:
         table.add_column(heading, justify="right", no_wrap=True)
     for heading in words:
-        table.add_column(heading)
+        table.add_column(heading, min_width=max(map(len, heading.splitlines())))
     return table
 
 

@@ -12,6 +12,7 @@ from pipenav.experiments.definition import Row, agents_of, load_agents, load_exp
 from pipenav.experiments.plan import EVALUATION_SEED, TRAINED_FILE, ExperimentPlan, ExperimentSettings, resolved_agent
 from pipenav.learning.config import TrainConfig
 from pipenav.storage.atomic_files import atomic_write
+from pipenav.storage.lock import one_writer
 
 STEPS_PER_EPISODE = 15
 """Control steps that an evaluation's episode counts as in the estimate of the time left: the mean of a good agent's."""
@@ -49,16 +50,17 @@ class Training:
         from pipenav.learning.training_folder import TrainingFolder
 
         config = self.config.model_copy(update={"options": _with_threads(self.config, self.threads)})
-        resumed = TrainingFolder(self.folder).checkpoint.exists()
-        folder = (
-            TrainingFolder.open(self.folder).folder
-            if resumed
-            else TrainingFolder.create(self.folder, config, "pipenav experiment")
-        )
-        summary = train(config, folder, resumed, lambda progress: report(progress.steps), should_stop)
-        if not summary.stopped:
-            record = {"seconds": round(summary.seconds, 1), "steps": summary.steps}
-            atomic_write(self.folder / TRAINED_FILE, json.dumps(record) + "\n")
+        with one_writer(self.folder, f"pipenav experiment, training in {self.folder}"):
+            resumed = TrainingFolder(self.folder).checkpoint.exists()
+            folder = (
+                TrainingFolder.open(self.folder).folder
+                if resumed
+                else TrainingFolder.create(self.folder, config, "pipenav experiment")
+            )
+            summary = train(config, folder, resumed, lambda progress: report(progress.steps), should_stop)
+            if not summary.stopped:
+                record = {"seconds": round(summary.seconds, 1), "steps": summary.steps}
+                atomic_write(self.folder / TRAINED_FILE, json.dumps(record) + "\n")
 
 
 @dataclass(frozen=True)
@@ -93,8 +95,8 @@ class Measurement:
             backend=self.settings.backend,
             options={"threads": self.threads} if self.settings.backend == "mujoco" else {},
         )
-        evaluation = CheckedEvaluation(config).run(progress)
-        write_evaluation(self.folder, evaluation)
+        with one_writer(self.folder, f"pipenav experiment, evaluation in {self.folder}"):
+            write_evaluation(self.folder, CheckedEvaluation(config).run(progress))
 
 
 def _with_threads(config: TrainConfig, threads: int) -> dict[str, Any]:

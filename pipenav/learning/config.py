@@ -77,12 +77,12 @@ class TrainConfig(Table):
     """Everything that decides what a training computes."""
 
     description: str = Field(description="one line for `pipenav presets`")
-    robot: str = "basic"
-    backend: str = "mujoco"
+    robot: str = Field("basic", description="robot, by name or as the path of its robot.toml")
+    backend: str = Field("mujoco", description="simulator backend")
     options: dict[str, Any] = Field(default_factory=dict, description="the backend's own settings")
     pipes: tuple[str, ...] = Field(("thesis-train",), strict=False, min_length=1, description="pipe sets to train in")
     steps: int = Field(120_000, ge=1, description="control steps of all robots together")
-    seed: int = Field(0, ge=0, lt=2**32)
+    seed: int = Field(0, ge=0, lt=2**32, description="seed of everything random")
     task: TaskConfig = ReachConfig()
     network: NetworkConfig = NetworkConfig()
     learner: LearnerConfig = LearnerConfig()

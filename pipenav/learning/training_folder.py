@@ -34,12 +34,7 @@ class TrainingFolder:
         A folder that already holds one is refused, but not what a training left that never came to save.
         """
         folder = cls(path)
-        if folder.checkpoint.exists():
-            raise PipenavError(
-                f"{path} already holds a training: go on with it by --resume {path}, or choose another --out."
-            )
-        if any(file.exists() for file in (folder.best, folder.last, folder.diverged)):
-            raise PipenavError(f"{path} already holds a training: choose another --out.")
+        folder.refuse_other_training()
         prepare_folder(path)
         folder.write_config(config)
         atomic_write(folder.command, command + "\n")
@@ -67,6 +62,19 @@ class TrainingFolder:
         if folder.progress.is_file():
             folder._rows = list(progress_rows(read_progress(folder.progress)))
         return OpenedTraining(folder, validate_config(table, str(folder.config)))
+
+    def refuse_other_training(self) -> None:
+        """Refuse a new training where the folder already holds one.
+
+        Raises:
+            PipenavError: it does.
+        """
+        if self.checkpoint.exists():
+            raise PipenavError(
+                f"{self.path} already holds a training: go on with it by --resume {self.path}, or choose another --out."
+            )
+        if any(file.exists() for file in (self.best, self.last, self.diverged)):
+            raise PipenavError(f"{self.path} already holds a training: choose another --out.")
 
     def write_config(self, config: TrainConfig) -> None:
         atomic_write(self.config, json.dumps(config.model_dump(mode="json"), indent=2) + "\n")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pipenav.arrays import Floats
-from pipenav.errors import UnknownName
+from pipenav.errors import PipenavError, UnknownName
 from pipenav.policies.baselines.centreline import CentrelineController
 from pipenav.policies.baselines.sequence import SequenceController
 from pipenav.policies.controller import AnyController
@@ -46,16 +46,22 @@ def open_controller(text: str, robot_name: str | None = None, seed: int = 0) -> 
 
     Args:
         text: `baseline:` and one of `BASELINES`, a shipped policy's name, or a policy file.
-        robot_name: robot of a baseline, by default the one in `BASELINES`; a policy brings its own.
+        robot_name: robot of a baseline, by default the one in `BASELINES`; a policy brings its own, no other.
         seed: seed of `baseline:random`.
 
     Raises:
         UnknownName: no such baseline, policy or robot.
         PolicyFileError: the policy file cannot be used.
-        PipenavError: the baseline cannot control the robot.
+        PipenavError: the baseline cannot control the robot, or the policy was made for another.
     """
     if not text.startswith(BASELINE):
-        return PolicyController(load_policy(resolve_policy(text)))
+        policy = load_policy(resolve_policy(text))
+        if robot_name is not None and load_robot(robot_name).name != policy.header.robot.name:
+            raise PipenavError(
+                f"policy {text} was made for robot {policy.header.robot.name!r} and brings it, given {robot_name!r}: "
+                "leave out the robot, or name another policy."
+            )
+        return PolicyController(policy)
     name = text.removeprefix(BASELINE)
     if name not in BASELINES:
         raise UnknownName("baseline", text, [BASELINE + known for known in BASELINES])

@@ -38,6 +38,9 @@ TEXT_IN = 0.3
 MAX_ROWS = 24
 """Most rows of panels in a strip; a picture of more is taller than what programs open."""
 
+MOST_IN_STRIP = MAX_ROWS // (PANELS // COLUMNS)
+"""Most motions in a strip, each with all its panels."""
+
 FRAME_IN = 8.0
 """Width of a film's frame [in]."""
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
-import uuid
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
-from pipenav.errors import FileProblem
+from pipenav.errors import FileProblem, PipenavError
+from pipenav.storage.drafts import clear_drafts, clear_drafts_once, draft_path
 
 Content = Callable[[Path], None] | bytes | str
 """Content of a file: bytes, text (UTF-8), or a function that writes the file at the path that it is given."""
@@ -40,12 +40,13 @@ def atomic_write_all(files: Mapping[Path, Content]) -> None:
     try:
         for path, content in files.items():
             _refuse_special(path)
-            drafts[path] = path.with_name(f".{path.stem}-{uuid.uuid4().hex[:8]}{path.suffix}")
+            clear_drafts_once(path.parent.absolute())
+            drafts[path] = draft_path(path.parent, path.suffix)
             _write_draft(drafts[path], content)
         for path, draft in drafts.items():
             draft.replace(path)
         for folder in {path.parent for path in drafts}:
-            _sync_folder(folder)
+            sync_folder(folder)
     except OSError as error:
         raise FileProblem(path, "write", error) from error
     finally:
@@ -66,13 +67,49 @@ def prepare_folder(path: Path) -> Path:
         raise FileProblem(path, "use the folder", OSError(errno.ENOTDIR, "it is a file")) from None
     except OSError as error:
         raise FileProblem(path, "create the folder", error) from error
-    probe = path / f".probe-{uuid.uuid4().hex[:8]}"  # permissions alone say too little: a mount may be read-only
+    clear_drafts(path)
+    probe = draft_path(path, "-probe")  # permissions alone say too little: a mount may be read-only
     try:
         probe.touch()
         probe.unlink()
     except OSError as error:
         raise FileProblem(path, "write into", error) from error
     return path
+
+
+def check_outputs(outputs: Sequence[Path], inputs: Iterable[Path] = ()) -> None:
+    """Refuse files that could not be written later, before the work is done whose results they hold.
+
+    Args:
+        outputs: files that will be written.
+        inputs: files that are read, none of which may be written over.
+
+    Raises:
+        PipenavError: a file would be written over one that is read, or over another result.
+        FileProblem: a file cannot be written.
+    """
+    read = list(inputs)
+    for i, path in enumerate(outputs):
+        if any(_same(path, other) for other in read):
+            raise PipenavError(f"{path} is read and would be written over: give the result another name.")
+        if any(_same(path, other) for other in outputs[:i]):
+            raise PipenavError(f"{path} is named for two results: give each a name of its own.")
+        if not path.parent.is_dir():
+            raise PipenavError(f"there is no folder {path.parent} for {path.name}: make it first.")
+        probe = draft_path(path.parent, "-probe")
+        try:
+            _refuse_special(path)
+            probe.touch()
+            probe.unlink()
+        except OSError as error:
+            raise FileProblem(path, "write", error) from error
+
+
+def _same(one: Path, other: Path) -> bool:
+    """Whether two paths name one file, by links too."""
+    with contextlib.suppress(OSError):
+        return one.samefile(other)
+    return one.absolute() == other.absolute()
 
 
 def _refuse_special(path: Path) -> None:
@@ -90,11 +127,27 @@ def _write_draft(draft: Path, content: Content) -> None:
         draft.write_bytes(content)
     else:
         content(draft)
-    with draft.open("rb") as file:
+    _sync_file(draft)
+
+
+def sync_files(folder: Path) -> None:
+    """Make all files of a folder reach the disk.
+
+    Raises:
+        OSError: the disk failed.
+    """
+    for path in folder.iterdir():
+        if path.is_file():
+            _sync_file(path)
+    sync_folder(folder)
+
+
+def _sync_file(path: Path) -> None:
+    with path.open("rb") as file:
         os.fsync(file.fileno())
 
 
-def _sync_folder(folder: Path) -> None:
+def sync_folder(folder: Path) -> None:
     """Make the new names last through a power cut, where the file system can."""
     with contextlib.suppress(OSError):  # the files are in place already, and some systems cannot sync a folder
         descriptor = os.open(folder, os.O_RDONLY)

@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import shutil
-import uuid
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from typing import Any
 
 from pipenav.errors import ConfigError, FileProblem, PipenavError, shown
+from pipenav.storage.atomic_files import sync_files, sync_folder
+from pipenav.storage.drafts import clear_drafts, draft_path, replaced_path
+from pipenav.storage.exchange import exchange
 from pipenav.storage.text_files import read_json
 
 
 def write_folder(folder: Path, kind: str, record: str, files: Collection[str], write: Callable[[Path], None]) -> None:
-    """Write a folder, complete or not at all, in place of an older one of its kind.
+    """Write a folder, complete or not at all, in place of an older one of its kind, or of an empty one.
 
-    Files that others put into the older folder are kept.
+    Files that others put into the older folder are kept. A process that is killed leaves the older folder or the new
+    one, whole.
 
     Args:
         folder: path of the folder; folders above it are made.
@@ -30,35 +34,60 @@ def write_folder(folder: Path, kind: str, record: str, files: Collection[str], w
         FileProblem: the folder cannot be written.
         PipenavError: something else has that name.
     """
-    mark = uuid.uuid4().hex[:8]
-    draft, old = (folder.with_name(f".{folder.name}-{mark}-{part}") for part in ("new", "old"))
+    draft = draft_path(folder.parent)
     try:
-        if folder.is_symlink() or (folder.exists() and not (folder / record).is_file()):
+        clear_drafts(folder.parent)
+        if folder.is_symlink() or (folder.exists() and not _replaceable(folder, record)):
             raise PipenavError(f"{folder} exists and is not a {kind}: move it away or choose another place.")
         draft.mkdir(parents=True)
         write(draft)
-        _swap(draft, folder, old, files)
+        sync_files(draft)
+        if folder.exists():
+            _keep_others(folder, draft, files)
+            _replace(folder, draft)
+        else:
+            draft.rename(folder)
+        sync_folder(folder.parent)
     except OSError as error:
         raise FileProblem(folder, "write", error) from error
     finally:
         shutil.rmtree(draft, ignore_errors=True)
 
 
-def _swap(draft: Path, folder: Path, old: Path, files: Collection[str]) -> None:
-    """Put the finished draft in the folder's place; the older folder passes through `old`."""
-    if not folder.exists():
-        draft.rename(folder)
-        return
-    folder.rename(old)
+def _replaceable(folder: Path, record: str) -> bool:
+    return (folder / record).is_file() or (folder.is_dir() and not any(folder.iterdir()))
+
+
+def _keep_others(older: Path, draft: Path, files: Collection[str]) -> None:
+    """Give the draft all that others put into the older folder, which keeps it too: nothing is lost at any moment."""
+    for path in older.iterdir():
+        if path.name in files:
+            continue
+        if path.is_dir() and not path.is_symlink():
+            shutil.copytree(path, draft / path.name, symlinks=True, copy_function=_link_or_copy)
+        else:
+            _link_or_copy(path, draft / path.name)
+
+
+def _link_or_copy(source: str | Path, target: str | Path) -> None:
     try:
-        draft.rename(folder)
+        os.link(source, target, follow_symlinks=False)
+    except OSError:  # a file system without links
+        shutil.copy2(source, target, follow_symlinks=False)
+
+
+def _replace(older: Path, draft: Path) -> None:
+    """Put the finished draft in the older folder's place; the older one is at the draft's place then, or gone."""
+    if exchange(draft, older):
+        return
+    aside = replaced_path(older)  # two steps: after a kill between them, clear_drafts puts the older folder back
+    older.rename(aside)
+    try:
+        draft.rename(older)
     except OSError:
-        old.rename(folder)
+        aside.rename(older)
         raise
-    for path in old.iterdir():
-        if path.name not in files:
-            path.rename(folder / path.name)
-    shutil.rmtree(old)
+    shutil.rmtree(aside, ignore_errors=True)
 
 
 def write_record(file: Path, record: dict[str, Any]) -> None:

@@ -258,6 +258,11 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         (("--policy", "arm", "--d", "130"), "give --d and --angle, or neither"),
         (("--policy", "arm", "--target", "somewhere"), "target 'somewhere' is not X,Y"),
         (("--policy", "arm", "--patience", "2"), "it is for --emulate alone"),
+        (("--policy", "arm", "--seed", "2"), "--seed would be ignored here: it is the seed of an emulated arm"),
+        (
+            ("--policy", "arm", "--emulate", "--arm", "none.toml"),
+            "--arm would be ignored here: --emulate needs",
+        ),
         (("--policy", "arm", "--faults", "thesis"), "give --emulate too"),
         (("--policy", "arm", "--emulate", "--faults", "none.json"), "cannot read faults none.json"),
         (("--policy", "arm", "--emulate", "--faults", "explode.json"), "bus has no fault 'explode': choose drop, "),

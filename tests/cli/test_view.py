@@ -88,7 +88,16 @@ def test_the_same_seed_and_episode_are_the_same_recording(front: Path) -> None:
         (("--policy", "arm", "--live"), "MuJoCo's viewer needs a display"),
         (("--policy", "arm", "--option", "timestep=0.003"), "does not divide the control period"),
         (("--policy", "amr"), "unknown policy 'amr': did you mean 'arm'"),
-        (("--trajectory", "front.csv", "--pipes", "d=90,angle=60"), "a trajectory brings its own pipe"),
+        (("--trajectory", "front.csv", "--pipes", "d=90,angle=60"), "brings its own pipe"),
+        (("--trajectory", "front.csv", "--seed", "1", "--episode", "0"), "--seed and --episode would be ignored here"),
+        (("--trajectory", "front.csv", "--backend", "mujoco"), "--backend would be ignored here"),
+        (("--trajectory", "front.png", "--out", "front.png"), "front.png is read and would be written over"),
+        (("--policy", "arm", "--robot", "pirate"), "policy arm was made for robot 'basic' and brings it"),
+        (
+            ("--policy", "arm", *(f"--pipes=d=90,angle={angle}" for angle in range(60, 73))),
+            "13 pipes are too many for one strip: name at most 12",
+        ),
+        (("--policy", "arm", "--out", "a.png", "--out", "./a.png"), "a.png is named for two results"),
         (("--trajectory", "front.csv", "--out", "copy.csv"), "--trajectory only draws one"),
         (("--trajectory", "front.csv", "--live", "--out", "a.png"), "writes nothing"),
     ],
@@ -99,6 +108,24 @@ def test_what_cannot_be_drawn(args: tuple[str, ...], message: str, capsys: pytes
     assert message in said
     assert said.count("\n") == 1
     assert not list(Path().iterdir())
+
+
+@pytest.mark.parametrize(
+    "output", [("--out", "front.csv"), ("--out", "link.csv"), ("--replay", "--record", "front.csv")]
+)
+def test_no_input_is_written_over(output: tuple[str, ...], front: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("link.csv").symlink_to("front.csv")
+    before = front.read_bytes()
+    assert run("mirror-rear", "--trajectory", "front.csv", *output) == 1
+    assert "is read and would be written over: give the result another name." in capsys.readouterr().err
+    assert front.read_bytes() == before
+    assert not Path("rear.csv").exists()
+
+
+def test_two_results_have_two_names(front: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("mirror-rear", "--trajectory", "front.csv", "--replay", "--record", "./rear.csv") == 1
+    assert "rear.csv is named for two results: give each a name of its own." in capsys.readouterr().err
+    assert front.exists()
 
 
 def test_what_cannot_be_mirrored(front: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -112,4 +139,6 @@ def test_what_cannot_be_mirrored(front: Path, capsys: pytest.CaptureFixture[str]
     assert "line 7, t_s: 0.5 where 0.4 is due" in capsys.readouterr().err
     assert run("mirror-rear", "--trajectory", "front.csv", "--record", "done.csv") == 1
     assert "--record writes what --replay runs: give both." in capsys.readouterr().err
+    assert run("mirror-rear", "--trajectory", "front.csv", "--option", "timestep=0.001") == 1
+    assert "--option would be ignored here: they set the simulator of --replay." in capsys.readouterr().err
     assert not Path("rear.csv").exists()

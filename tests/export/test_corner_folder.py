@@ -133,9 +133,10 @@ def test_a_write_that_fails_leaves_the_old_folder_whole(
 def test_a_failed_swap_puts_the_old_folder_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = write_pipe_folder(PipeCorner.of(100, 75), tmp_path)
     rename = Path.rename
+    monkeypatch.setattr("pipenav.storage.atomic_folder.exchange", lambda *_: False)
 
     def refuse_new(self: Path, target: Path) -> Path:
-        if self.name.endswith("-new"):
+        if target == folder and "-old-" not in self.name:
             raise PermissionError(13, "Permission denied")
         return rename(self, target)
 
