@@ -1,12 +1,13 @@
 # make demo: a pipe, a trained policy and its evaluation, in demo/
 # make test: what continuous integration runs
+# make quick: the tests that take neither seconds nor real time, in less than a minute
 # make clean: remove everything that these make
 
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: demo test clean
+.PHONY: demo test quick clean
 
 demo: .venv/installed
 	rm -rf demo
@@ -22,6 +23,9 @@ test: .venv/installed-dev
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/pytest
+
+quick: .venv/installed-dev
+	$(BIN)/pytest -m "not slow and not realtime" --hypothesis-profile quick
 
 clean:
 	rm -rf .venv demo .mypy_cache .pytest_cache .ruff_cache .hypothesis

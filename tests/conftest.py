@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from hypothesis import settings
 
 if TYPE_CHECKING:
     from pipenav_hardware.emulator.client import Emulator
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 
 sys.path.append(str(Path(__file__).parent))
 pytest.register_assert_rewrite("helpers")
+settings.register_profile("quick", max_examples=20)
+pytest_plugins = ["helpers.workshop"]
 
 
 @pytest.fixture(scope="session")

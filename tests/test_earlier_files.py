@@ -49,6 +49,7 @@ def test_a_policy_is_evaluated(here: Path) -> None:
     assert read_evaluation(here / "evaluation").success == 1.0
 
 
+@pytest.mark.slow
 def test_stable_baselines_opens_a_policy() -> None:
     model = PPO.load(EARLIER / "mission" / "policy.zip", device="cpu")
     assert model.lr_schedule(0.0) < model.lr_schedule(1.0)
@@ -67,6 +68,7 @@ def test_a_route_folder_is_read_and_made_again_by_the_older_option(here: Path) -
     assert read_route_folder(here / "my-run") == route
 
 
+@pytest.mark.slow
 def test_a_training_goes_on(here: Path) -> None:
     training = here / "training"
     shutil.copytree(EARLIER / "training", training)
@@ -80,6 +82,7 @@ def test_a_training_goes_on(here: Path) -> None:
     assert load_policy(training / "last.zip").header.training["steps"] == int(rows[-1]["steps"])
 
 
+@pytest.mark.slow
 def test_a_training_is_drawn_and_its_weights_are_a_start(here: Path) -> None:
     folder = TrainingFolder(EARLIER / "training")
     columns = progress_columns(folder.progress.read_text(encoding="utf-8"))
@@ -116,6 +119,7 @@ def test_an_evaluation_in_routes_is_read_as_today(here: Path) -> None:
     assert '"schema": 2' in evaluation.to_json()
 
 
+@pytest.mark.slow
 def test_trajectories_are_drawn_and_mirrored(here: Path) -> None:
     run("mirror-rear", "--trajectory", EARLIER / "front.csv", "--out", "rear.csv")
     now, before = read_trajectory(here / "rear.csv"), read_trajectory(EARLIER / "rear.csv")

@@ -15,6 +15,8 @@ from pipenav.policies.policy import policy_names
 from pipenav.robots.robot import robot_names
 from pipenav.storage import shipped
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parent.parent
 
 LIST_ALL = """

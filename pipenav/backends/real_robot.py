@@ -261,7 +261,7 @@ class RealRobot(Backend):
             start: where it stands in the pipe.
             folder: folder for its log of every byte.
             seed: seed of noise and of random faults.
-            faults: what goes wrong, see docs/hardware.md, Faults.
+            faults: what goes wrong, see docs/guides/the-arm.md, Faults.
         """
 
 

@@ -26,7 +26,7 @@ class Stopped(PipenavError):
     """The arm was stopped, which is final for this mission.
 
     Attributes:
-        cause: word for tables and logs, as `docs/hardware.md` explains it.
+        cause: word for tables and logs, as `docs/guides/the-arm.md` explains it.
         what: what happened.
         remedy: what to do about it.
         unconfirmed: joints whose torque may still be on.

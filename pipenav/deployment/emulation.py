@@ -74,5 +74,5 @@ def _named_faults(name: str | None) -> list[dict[str, Any]]:
     except ValueError as error:
         raise PipenavError(f"{name} is not valid JSON: {error}.") from error
     if not isinstance(loaded, list):
-        raise PipenavError(f"{name} is no list of faults: see docs/hardware.md, Faults.")
+        raise PipenavError(f"{name} is no list of faults: see docs/guides/the-arm.md, Faults.")
     return loaded

@@ -98,7 +98,7 @@ def _rehearse(policy: Policy, settings: dict[str, Any], reading: Reading) -> Non
 
 
 def _header(arm: RealRobot, policy: Policy, policy_bytes: bytes, settings: dict[str, Any]) -> dict[str, Any]:
-    """The header of a telemetry, see docs/telemetry.md."""
+    """The header of a telemetry, see docs/formats/telemetry.md."""
     return {
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "backend": "hardware",

@@ -1,6 +1,6 @@
 """The log of a mission: one line of JSON per tick, written as the tick ends, so that a killed process loses none.
 
-`docs/telemetry.md` describes the format. Floats are written so that reading them gives the same bits.
+`docs/formats/telemetry.md` describes the format. Floats are written so that reading them gives the same bits.
 """
 
 from __future__ import annotations

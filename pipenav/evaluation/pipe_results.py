@@ -1,4 +1,4 @@
-"""The numbers of one pipe, and of all pipes of one diameter. docs/evaluation-folder.md describes them."""
+"""The numbers of one pipe, and of all pipes of one diameter. docs/formats/evaluation-folder.md describes them."""
 
 from __future__ import annotations
 

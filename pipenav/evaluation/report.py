@@ -1,4 +1,4 @@
-"""An evaluation as files and as tables for the terminal. docs/evaluation-folder.md describes the files."""
+"""An evaluation as files and as tables for the terminal. docs/formats/evaluation-folder.md describes the files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The results of an evaluation, as written to eval.json. docs/evaluation-folder.md describes the format."""
+"""The results of an evaluation, as written to eval.json. docs/formats/evaluation-folder.md describes the format."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The trajectory file, a CSV file with a header line. docs/trajectory-file.md describes the format."""
+"""The trajectory file, a CSV file with a header line. docs/formats/trajectory-file.md describes the format."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 `pipenav.json` says what the policy was made for, `policy.safetensors` holds the actor's weights. Loading reads these
 two and nothing else of the file, so the pickles that Stable-Baselines3 stores beside them never run: a policy from a
-stranger cannot execute code. `docs/policy-file.md` describes the format.
+stranger cannot execute code. `docs/formats/policy-file.md` describes the format.
 """
 
 from __future__ import annotations

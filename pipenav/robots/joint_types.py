@@ -2,7 +2,7 @@
 
 Schema 2 of the file has the tables `[joint_types.NAME]`, `[wheel_types.NAME]` and `[link_types.NAME]`. A joint, a wheel
 or a link with `like = "NAME"` takes over every key of that type that it does not give itself. Format:
-docs/robot-file.md.
+docs/formats/robot-file.md.
 """
 
 from __future__ import annotations

@@ -164,7 +164,7 @@ def robot_names() -> list[str]:
 
 
 def load_robot(name: str) -> RobotSpec:
-    """A shipped robot by name, or any robot by the path of its `robot.toml`; format: docs/robot-file.md.
+    """A shipped robot by name, or any robot by the path of its `robot.toml`; format: docs/formats/robot-file.md.
 
     Raises:
         UnknownName: no shipped robot has that name.

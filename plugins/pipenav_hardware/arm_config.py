@@ -41,7 +41,7 @@ class FrontSensorConfig(Table):
 
 
 class ArmConfig(Table):
-    """Content of arm.toml; `docs/hardware.md` explains each key."""
+    """Content of arm.toml; `docs/guides/the-arm.md` explains each key."""
 
     schema_version: Literal[1]
     robot: str = Field(description="name of the robot whose joints these are")
@@ -155,7 +155,7 @@ def _driven(robot: RobotSpec) -> Iterable[tuple[Actuator, Joint]]:
 
 def arm_toml(config: ArmConfig) -> str:
     """The description as a TOML file's text."""
-    lines = ["# This arm, as pipenav calibrate measured it; docs/hardware.md explains each key."]
+    lines = ["# This arm, as pipenav calibrate measured it; docs/guides/the-arm.md explains each key."]
     tables = config.model_dump(exclude_none=True)
     servos, scanner, front = tables.pop("servos"), tables.pop("scanner"), tables.pop("front_sensor", None)
     lines += [f"{key} = {_toml(value)}" for key, value in tables.items()]

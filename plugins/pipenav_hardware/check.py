@@ -123,7 +123,7 @@ def _state_flaws(servo: Servo, name: str, state: table.State, alarms: table.Alar
         yield Finding("problem", f"{name} is at {state.temperature} deg C", "let it cool for 20 minutes")
     if alarms:
         names = ", ".join(str(bit.name).lower() for bit in table.Alarm if bit & alarms)
-        yield Finding("problem", f"{name} reports {names}", "see docs/hardware.md, Trips")
+        yield Finding("problem", f"{name} reports {names}", "see docs/guides/the-arm.md, Trips")
 
 
 def _missing(arm: ArmConfig, servo: Servo, elsewhere: list[Stray]) -> Finding:

@@ -1,4 +1,4 @@
-"""Rules about servos and sensors whose breach stops the arm; `docs/hardware.md` says what to do after each."""
+"""Rules about servos and sensors whose breach stops the arm; `docs/guides/the-arm.md` says what to do after each."""
 
 from __future__ import annotations
 

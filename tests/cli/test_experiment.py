@@ -22,6 +22,7 @@ def test_results_of_other_settings_are_not_mixed(tmp_path: Path, capsys: pytest.
     assert "holds results of 1,000 steps, 2 episodes per pipe" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_damaged_folder_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     open_plan(["e"], 1, ExperimentSettings(steps=1000, episodes=1), tmp_path)
     (tmp_path / "elapsed.json").write_text('{"hours": 1}', encoding="utf-8")
@@ -29,6 +30,7 @@ def test_a_damaged_folder_is_named(tmp_path: Path, capsys: pytest.CaptureFixture
     assert "elapsed.json is damaged, it has no number 'seconds'" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_an_experiment_from_end_to_end(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     command = ("experiment", "f", "--seeds", "1", "--steps", "2048", "--episodes", "1", "--jobs", "2")
     assert run(*command, "--out", str(tmp_path)) == 0

@@ -31,6 +31,7 @@ def several_planes(folder: Path) -> str:
     return str(folder / "several.toml")
 
 
+@pytest.mark.slow
 def test_routes_in_several_planes_are_counted_beside_those_in_one(tmp_path: Path) -> None:
     """Random actions pass nowhere."""
     args = ("--pipes", several_planes(tmp_path), "--pipes", "d=90,angle=90", "--episodes", "1", "--robot", "pirate")
@@ -41,6 +42,7 @@ def test_routes_in_several_planes_are_counted_beside_those_in_one(tmp_path: Path
         assert record.traverse_attempts == sum(record.failures.values()) == 1
 
 
+@pytest.mark.slow
 def test_a_picture_of_a_route_in_several_planes(tmp_path: Path) -> None:
     picture = tmp_path / "strip.png"
     args = ("view", "--policy", "baseline:random", "--robot", "pirate", "--pipes", several_planes(tmp_path))

@@ -17,6 +17,8 @@ from pipenav.policies.policy import load_policy
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import Outcome
 
+pytestmark = pytest.mark.slow
+
 TINY = {
     "learner.robots": 4,
     "learner.rollout_steps": 16,

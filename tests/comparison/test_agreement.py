@@ -15,6 +15,8 @@ from pipenav.cli import main
 from pipenav.comparison.agreement import Agreement, Check, Sides, checks, compare
 from pipenav.robots.robot import load_robot, robot_names
 
+pytestmark = pytest.mark.slow
+
 ARMS = [name for name in robot_names() if not load_robot(name).free]
 BOTH = ("mujoco", "pybullet")
 

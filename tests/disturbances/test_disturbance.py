@@ -15,7 +15,7 @@ from pipenav.errors import PipenavError
 from pipenav.learning.config import load_config, preset_names, validate_config
 from pipenav.tasks.reach.config import ReachConfig
 
-DOCUMENT = ROOT / "docs" / "disturbances.md"
+DOCUMENT = ROOT / "docs/guides/disturbances.md"
 
 
 @pytest.mark.parametrize("name", disturbance_names())
@@ -110,6 +110,7 @@ def evaluation(folder: Path, *more: str) -> dict[str, object]:
     return dict(json.loads((folder / "eval.json").read_text()))
 
 
+@pytest.mark.slow
 def test_an_evaluation_is_disturbed_in_every_stage_and_says_by_what(tmp_path: Path) -> None:
     quiet, weak = evaluation(tmp_path / "a"), evaluation(tmp_path / "b", "--disturb", "weak")
     assert (quiet["disturb"], weak["disturb"]) == (None, "weak")

@@ -38,6 +38,7 @@ def test_a_picture_in_space_says_every_length_twice_and_its_schedule_every_corne
         assert text in said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("roll", [0, 90])
 def test_a_long_route_keeps_its_lengths_to_the_schedule(roll: int) -> None:
     count = LABELLED + 2

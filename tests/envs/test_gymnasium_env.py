@@ -59,6 +59,7 @@ def test_stable_baselines_checks_it(env: CornerEnv) -> None:
         sb3_checker.check_env(env)
 
 
+@pytest.mark.slow
 def test_the_module_syntax_registers_it() -> None:
     code = (
         "import sys, pipenav; assert 'gymnasium' not in sys.modules;"

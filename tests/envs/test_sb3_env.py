@@ -35,6 +35,7 @@ def sb3_env(n: int = 4, seed: int = 0, **task: Any) -> TaskVecEnv:
     return TaskVecEnv(ReachBatch(robot, config, open_simulator("mujoco", robot, n, FAST), n, source))
 
 
+@pytest.mark.slow
 def test_ppo_learns_on_the_vec_env() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -107,6 +107,7 @@ def test_the_shipped_policy_passes_the_working_range() -> None:
     assert (found.outcome == Outcome.REACHED).mean() >= 0.95
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["pirate", "pirate-gravity"])
 def test_the_whole_robots_shipped_policies_pass_corners_and_routes(name: str) -> None:
     sample = [*parse_corners(["working-range"])[::16], *parse_routes(["runs-level:3", "runs-level:14"])]

@@ -9,8 +9,8 @@ from pipenav.arrays import Ints
 from pipenav.backends.simulators import open_simulator
 from pipenav.evaluation.rear_stage import RearStage
 from pipenav.motions import follower
-from pipenav.motions.mirror import Motion, rear_motion
-from pipenav.motions.trajectory import Trajectory
+from pipenav.motions.mirror import rear_motion
+from pipenav.motions.trajectory import Motion, Trajectory
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import Outcome

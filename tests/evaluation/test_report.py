@@ -18,6 +18,7 @@ from pipenav.evaluation.results import read_evaluation
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_all_files_appear(case: str, tmp_path: Path) -> None:
     folder = tmp_path / "deep" / "eval"
@@ -30,6 +31,7 @@ def test_all_files_appear(case: str, tmp_path: Path) -> None:
         assert len(content) > 5000
 
 
+@pytest.mark.slow
 def test_a_full_disk_leaves_the_earlier_evaluation_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write_evaluation(tmp_path, BARE)
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}

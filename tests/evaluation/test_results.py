@@ -13,7 +13,9 @@ from pydantic import ValidationError
 
 from pipenav.errors import ConfigError, FileProblem
 from pipenav.evaluation.config import EvaluationConfig
-from pipenav.evaluation.results import DiameterRecord, Evaluation, PipeRecord, read_evaluation, wilson
+from pipenav.evaluation.interval import wilson
+from pipenav.evaluation.pipe_results import DiameterRecord, PipeRecord
+from pipenav.evaluation.results import Evaluation, read_evaluation
 from pipenav.evaluation.thesis import ANGLES_DEG, thesis_best
 
 PIPE_KEYS = {

@@ -32,6 +32,7 @@ def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     return route, write_route_folder(route, name, tmp_path_factory.mktemp("runs"))
 
 
+@pytest.mark.slow
 def test_folder_holds_exactly_its_files(made: tuple[PipeRoute, Path]) -> None:
     route, folder = made
     assert {path.name for path in folder.iterdir()} == set(route_files(route))
@@ -39,6 +40,7 @@ def test_folder_holds_exactly_its_files(made: tuple[PipeRoute, Path]) -> None:
     assert list(folder.parent.iterdir()) == [folder]
 
 
+@pytest.mark.slow
 def test_folder_and_file_are_read_alike(made: tuple[PipeRoute, Path]) -> None:
     route, folder = made
     assert read_route_folder(folder) == read_route_folder(folder / "run.json") == route

@@ -32,6 +32,7 @@ def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     return request.param, write_pipe_folder(request.param, tmp_path_factory.mktemp("pipes"))
 
 
+@pytest.mark.slow
 def test_stl_files_are_watertight_and_in_millimetres(made: tuple[PipeCorner, Path]) -> None:
     pipe, folder = made
     for name in ("boards.stl", "tube.stl"):
@@ -41,6 +42,7 @@ def test_stl_files_are_watertight_and_in_millimetres(made: tuple[PipeCorner, Pat
     assert np.ptp(trimesh.load(folder / "boards.stl").bounds[:, 2]) == pytest.approx(1000 * pipe.diameter, abs=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["boards.stl", "tube.stl"])
 def test_stl_cut_in_the_pipes_plane_shows_its_walls(made: tuple[PipeCorner, Path], name: str) -> None:
     pipe, folder = made
@@ -52,6 +54,7 @@ def test_stl_cut_in_the_pipes_plane_shows_its_walls(made: tuple[PipeCorner, Path
         assert distance_to_point(hit, pipe.segments) < TENTH_OF_A_MM
 
 
+@pytest.mark.slow
 def test_tube_has_its_diameters_all_around(made: tuple[PipeCorner, Path]) -> None:
     pipe, folder = made
     body = trimesh.load(folder / "tube.stl")

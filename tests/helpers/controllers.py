@@ -13,6 +13,7 @@ from pipenav.tasks.sampling import random_episodes
 
 
 def reach_batch(controller: AnyController, pipes: list[PipeCorner], n: int, seed: int = 0) -> ReachBatch:
+    """The controller's task on MuJoCo, with random episodes in some pipes."""
     from pipenav_mujoco.backend import MujocoBackend, MujocoOptions
 
     segments = max(len(pipe.segments) for pipe in pipes)

@@ -8,12 +8,14 @@ from typing import Any
 from rich.console import Console
 
 from pipenav.evaluation.config import EvaluationConfig
+from pipenav.evaluation.pipe_results import PipeRecord
 from pipenav.evaluation.report import evaluation_table
-from pipenav.evaluation.results import Evaluation, PipeRecord
+from pipenav.evaluation.results import Evaluation
 from pipenav.evaluation.thesis import ANGLES_DEG, thesis_best
 
 
 def record(diameter: float, angle: float, turn: str = "left", successes: int = 8, **facts: Any) -> PipeRecord:
+    """A pipe in which the front half was tried ten times."""
     measured = {
         "failures": {"limit": 10 - successes} if successes < 10 else {},
         "mean_steps": 25.0 if successes else None,
@@ -27,6 +29,7 @@ def record(diameter: float, angle: float, turn: str = "left", successes: int = 8
 
 
 def evaluation(pipes: list[PipeRecord]) -> Evaluation:
+    """An evaluation of some pipes by a policy that commands torques."""
     return Evaluation.of(
         pipes,
         config=EvaluationConfig(policy="some-policy", pipes=("thesis",), episodes=10, stage="reach"),
@@ -83,6 +86,7 @@ CASES = {
 
 
 def shown(case: Evaluation) -> str:
+    """The table of an evaluation, as it is printed."""
     text = io.StringIO()
     Console(file=text, width=100).print(evaluation_table(case))
     return text.getvalue()

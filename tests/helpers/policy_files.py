@@ -10,7 +10,9 @@ import gymnasium
 import numpy as np
 import pytest
 
-from pipenav.policies.policy import PolicyFileError, header_for, load_policy
+from pipenav.policies.file import PolicyFileError
+from pipenav.policies.header import header_for
+from pipenav.policies.policy import load_policy
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.registry import task_of
@@ -44,6 +46,7 @@ class Still(gymnasium.Env):
 
 
 def untrained_ppo(**settings: Any) -> Any:
+    """PPO with small networks, whose actions lie well inside and well outside of [-1, 1]."""
     import torch
     from stable_baselines3 import PPO
 
@@ -56,15 +59,18 @@ def untrained_ppo(**settings: Any) -> Any:
 
 
 def some_header() -> Any:
+    """The header of a policy that was trained for a moment."""
     return header_for(ROBOT, TASK, ["thesis-train"], {"steps": 8, "seconds": 0.5, "seed": 1, "preset": "arm"})
 
 
 def members_of(path: Path) -> Members:
+    """Contents of a zip's members, by name."""
     with zipfile.ZipFile(path) as archive:
         return {name: archive.read(name) for name in archive.namelist()}
 
 
 def zipped(path: Path, members: Members) -> Path:
+    """Write a zip of these members."""
     with zipfile.ZipFile(path, "w") as archive:
         for name, content in members.items():
             archive.writestr(name, content)
@@ -83,4 +89,5 @@ def refusal(path: Path) -> str:
 
 
 def random_observations(count: int) -> np.ndarray:
+    """Normally distributed observations, (count, size)."""
     return np.random.default_rng(0).normal(size=(count, SIZE)).astype(np.float32)

@@ -13,6 +13,7 @@ ROBOT = load_robot("pirate")
 
 
 def clamped(radius: float, third: float) -> np.ndarray:
+    """Joint angles of the robot clamped in a straight; `third` is the sign of the third joint's angle, (6,) [rad]."""
     return third * steepness(ROBOT, radius) * ZIGZAG
 
 

@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from pipenav.evaluation.config import EvaluationConfig
-from pipenav.evaluation.results import Evaluation, PipeRecord
+from pipenav.evaluation.pipe_results import PipeRecord
+from pipenav.evaluation.results import Evaluation
 from pipenav.evaluation.thesis import ANGLES_DEG, thesis_rows
 from pipenav.experiments.definition import experiment_names, load_experiment
 from pipenav.experiments.plan import ExperimentPlan, ExperimentSettings, open_plan, resolved_agent
@@ -36,6 +37,7 @@ def thesis_evaluation(stage: str, percent: dict[str, dict[float, float]], policy
 
 
 def thesis_figures(table: str | None, label: str) -> dict[str, dict[float, float]]:
+    """Success [percent] by diameter [mm], for each stage of a row of the thesis."""
     return {row.stage: row.percent for row in thesis_rows() if (row.table, row.agent) == (table, label)}
 
 

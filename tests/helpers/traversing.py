@@ -33,6 +33,7 @@ seeds = st.integers(0, 2**32 - 1)
 
 
 def episodes(config: TraverseConfig = CONFIG, seed: int = 0, pipes: list[PipeCorner] = PIPES) -> TraverseEpisodes:
+    """Random traverses, one in each pipe."""
     return sample(ROBOT, config, pipes, np.random.default_rng(seed))
 
 

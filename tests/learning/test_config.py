@@ -24,6 +24,7 @@ def problem(*settings: str) -> str:
     return str(caught.value)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", preset_names())
 def test_every_preset_can_be_trained(name: str) -> None:
     config = load_config(name)

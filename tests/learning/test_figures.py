@@ -15,6 +15,7 @@ PNG = b"\x89PNG\r\n\x1a\n"
 PROGRESS = "steps,seconds,steps_per_s,success,clearance_m,reward,episode_steps,std,eval_success\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "rows",
     [

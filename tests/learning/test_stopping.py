@@ -20,6 +20,8 @@ from pipenav.learning.train import train
 from pipenav.learning.training_folder import TrainingFolder
 from pipenav.policies.policy import load_policy
 
+pytestmark = pytest.mark.slow
+
 SETTINGS = (
     "learner.robots=16",
     "learner.rollout_steps=16",

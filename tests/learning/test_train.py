@@ -25,6 +25,8 @@ from pipenav.learning.training_folder import TrainingFolder, default_training_pa
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.policy import load_policy
 
+pytestmark = pytest.mark.slow
+
 TINY = {
     "pipes": ["d=100,angle=90"],
     "learner.robots": 16,

@@ -55,6 +55,7 @@ def test_a_beam_that_has_only_read_the_minimum_is_taken_at_its_word() -> None:
     assert advances([near, near]) == pytest.approx([0.02 / 8, -0.02 / 8])  # slower, then back to where it began
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(first=st.floats(0.06, 0.2))
 def test_a_wall_that_was_last_seen_farther_away_stops_the_advance_when_it_must_be_near(first: float) -> None:
@@ -66,6 +67,7 @@ def test_a_wall_that_was_last_seen_farther_away_stops_the_advance_when_it_must_b
     assert covered < first
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["basic", "high-fidelity", "real-setup"])
 @pytest.mark.parametrize("disturbance", ["real-world", "half"])
 def test_targets_are_located_without_a_touch(name: str, disturbance: str) -> None:

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from pipenav.errors import PipenavError
 from pipenav.motions import mirror
-from pipenav.motions.mirror import Motion, hand_over, is_out, join, plan_rear, rear_motion, reverse
-from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
+from pipenav.motions.mirror import hand_over, is_out, join, plan_rear, rear_motion, reverse
+from pipenav.motions.trajectory import Motion, Trajectory, TrajectoryHeader
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.wall_distance import wall_distance
 from pipenav.robots.kinematics import forward

@@ -18,6 +18,7 @@ LEVEL = parse_pipes(["runs-level"])
 CORNERS = [PipeCorner.of(90, 75, "right", leg_mm=1600), PipeCorner.of(110, 110, leg_mm=1600)]
 
 
+@pytest.mark.slow
 @given(routes(), st.integers(0, 9))
 def test_the_distance_rises_along_lines_that_keep_the_inside_and_is_exact_on_the_centre_line(
     route: PipeRoute, seed: int

@@ -26,6 +26,7 @@ def solid(mesh: Mesh) -> trimesh.Trimesh:
     return trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(pipes)
 @example(PipeCorner.of(40, 30, "left", 20.5))

@@ -71,6 +71,7 @@ def test_turning_every_corner_to_the_other_side_mirrors_the_route(route: PipeRou
     np.testing.assert_allclose(mirrored.distance_along(points @ MIRROR), route.distance_along(points), atol=1e-9)
 
 
+@pytest.mark.slow
 @given(routes(), st.integers(0, 4))
 def test_a_roll_by_180_deg_makes_the_other_turn(route: PipeRoute, which: int) -> None:
     i = which % len(route.corners)

@@ -56,6 +56,7 @@ def test_a_shipped_set_covers_the_working_range_in_routes_of_five_corners(name: 
     assert 0.4 < sum(corner.turn == "left" for corner in corners) / len(corners) < 0.6
 
 
+@pytest.mark.slow
 def test_the_routes_for_training_are_planar_and_shorter_than_those_of_the_evaluations() -> None:
     sizes = {"runs-narrow-train": 200, "runs-train": 400, "runs-wide-train": 200}
     assert route_set_names() == sorted(["runs-level", "runs-rolled", *sizes])
@@ -66,6 +67,7 @@ def test_the_routes_for_training_are_planar_and_shorter_than_those_of_the_evalua
         assert not set(routes) & set(parse_routes(["runs-level"]))
 
 
+@pytest.mark.slow
 def test_the_rolled_routes_leave_room_for_the_whole_robot_between_two_corners() -> None:
     straights = {
         name: {x for route in parse_routes([name]) for x in route.straights[1:-1]} for name in route_set_names()

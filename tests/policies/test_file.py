@@ -28,7 +28,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from pipenav.errors import FileProblem, PipenavError
-from pipenav.policies.policy import PolicyFileError, load_policy, save_policy
+from pipenav.policies.file import PolicyFileError
+from pipenav.policies.policy import load_policy, save_policy
 
 
 class Bomb:
@@ -63,6 +64,7 @@ def test_a_truncated_file_is_refused(policy_file: Path, tmp_path: Path) -> None:
         refusal(path)
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_flipped_bytes_never_crash(policy_file: Path, tmp_path: Path, data: st.DataObject) -> None:
@@ -80,6 +82,7 @@ def test_flipped_bytes_never_crash(policy_file: Path, tmp_path: Path, data: st.D
         assert str(path) in str(error)
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_flipped_bytes_inside_our_members_never_crash(policy_file: Path, tmp_path: Path, data: st.DataObject) -> None:
@@ -103,6 +106,7 @@ def test_two_members_of_one_name_are_refused(policy_file: Path, tmp_path: Path) 
     assert "two members of one name" in refusal(path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["pipenav.json", "policy.safetensors"])
 @pytest.mark.parametrize("packing", [zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
 def test_a_zip_bomb_is_refused_before_it_unpacks(policy_file: Path, tmp_path: Path, name: str, packing: int) -> None:

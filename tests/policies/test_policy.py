@@ -23,15 +23,9 @@ from helpers.policy_files import (
 )
 
 from pipenav.errors import UnknownName
-from pipenav.policies.policy import (
-    Policy,
-    PolicyFileError,
-    header_for,
-    load_policy,
-    policy_names,
-    resolve_policy,
-    save_policy,
-)
+from pipenav.policies.file import PolicyFileError
+from pipenav.policies.header import header_for
+from pipenav.policies.policy import Policy, load_policy, policy_names, resolve_policy, save_policy
 from pipenav.tasks.registry import task_of
 
 
@@ -138,9 +132,9 @@ def test_a_name_or_a_path_is_resolved(tmp_path: Path) -> None:
 def test_the_documented_snippet_reads_the_file(
     policy_file: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    text = (ROOT / "docs" / "policy-file.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs/formats/policy-file.md").read_text(encoding="utf-8")
     snippet = text.split("```python\n")[1].split("```")[0]
     monkeypatch.chdir(policy_file.parent)
-    exec(compile(snippet, "docs/policy-file.md", "exec"), {})
+    exec(compile(snippet, "docs/formats/policy-file.md", "exec"), {})
     found = [float(x) for x in re.findall(r"float32\(([-\d.e]+)\)", capsys.readouterr().out)]
     np.testing.assert_allclose(found, load_policy(policy_file).act(np.zeros((1, SIZE)))[0], atol=1e-5)

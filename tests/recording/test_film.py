@@ -11,39 +11,15 @@ import imageio_ffmpeg
 import numpy as np
 import pytest
 from helpers.checkout import ROOT
+from helpers.films import ROBOT, TWO, motion
 from PIL import Image
 
 from pipenav.errors import FileProblem, PipenavError
-from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
 from pipenav.pipes.corner import PipeCorner
 from pipenav.recording import film, film_files
 from pipenav.recording.film import box_of, write_film
 from pipenav.recording.film_files import check_suffix
 from pipenav.robots.outline import link_outlines
-from pipenav.robots.robot import load_robot
-
-ROBOT = load_robot("basic")
-
-
-def motion(rows: int, pipe: PipeCorner, outcome: str | None = "reached") -> Trajectory:
-    target = 0.15 * pipe.second_leg
-    header = TrajectoryHeader(
-        robot="basic",
-        pipe=pipe,
-        base_m=-0.6,
-        goal_m=(float(target[0]), float(target[1])),
-        stage="reach",
-        outcome=outcome,
-        backend="mujoco",
-        controller="arm",
-    )
-    q = np.linspace([0, 0, 0, 0], [0.2, 0.1, 0.2, 0.3], rows) * [1, pipe.turn_sign, pipe.turn_sign, pipe.turn_sign]
-    forces = np.zeros((rows, 4, 2))
-    forces[-1, 3] = [0.0, -8.0]
-    return Trajectory(header, ROBOT, q, np.linalg.norm(forces, axis=2).max(axis=1), forces)
-
-
-TWO = [motion(4, PipeCorner.of(100, 90)), motion(3, PipeCorner.of(120, 60, "right"), "timeout")]
 
 
 @pytest.mark.parametrize(
@@ -66,6 +42,7 @@ def test_everything_that_moves_is_in_the_picture(pipe: PipeCorner) -> None:
     assert (points < [box.right, box.top]).all()
 
 
+@pytest.mark.slow
 def test_a_strip_is_one_picture_with_a_row_for_each_motion(tmp_path: Path) -> None:
     reports: list[tuple[int, int]] = []
     write_film(tmp_path / "one.png", TWO[:1])
@@ -84,6 +61,7 @@ def test_a_strip_of_a_long_motion_has_its_first_and_last_frame(monkeypatch: pyte
     assert np.ptp(np.diff(rows)) <= 1
 
 
+@pytest.mark.slow
 def test_a_gif_is_in_real_time_and_rests_on_last_frames(tmp_path: Path) -> None:
     write_film(tmp_path / "two.gif", TWO)
     picture = Image.open(tmp_path / "two.gif")
@@ -94,6 +72,7 @@ def test_a_gif_is_in_real_time_and_rests_on_last_frames(tmp_path: Path) -> None:
     assert durations == [100, 100, 100, 1200, 100, 100, 1200]
 
 
+@pytest.mark.slow
 def test_an_mp4_is_in_real_time_for_every_player(tmp_path: Path) -> None:
     write_film(tmp_path / "two.mp4", TWO)
     frames = imageio_ffmpeg.read_frames(str(tmp_path / "two.mp4"))
@@ -145,12 +124,14 @@ def test_an_encoder_that_fails_leaves_the_old_file_and_its_words(
     assert {path.name for path in tmp_path.iterdir()} == {"encoder", "film.mp4"}
 
 
+@pytest.mark.slow
 def test_drawing_needs_no_display(tmp_path: Path) -> None:
     program = (
         "import os, sys\n"
         "os.environ.pop('DISPLAY', None)\n"
         "from pathlib import Path\n"
-        "from tests.test_film import TWO\n"
+        "sys.path.append('tests')\n"
+        "from helpers.films import TWO\n"
         "from pipenav.recording.film import write_film\n"
         "write_film(Path(sys.argv[1]), TWO[:1])\n"
         "assert not {'matplotlib.pyplot', 'OpenGL', 'glfw'} & set(sys.modules)\n"

@@ -15,7 +15,7 @@ from pipenav.robots import RobotSpec, load_robot
 from pipenav.robots.joint_types import resolve_types
 from pipenav.storage import shipped
 
-DOCS = Path(__file__).resolve().parents[2] / "docs" / "robot-file.md"
+DOCS = Path(__file__).resolve().parents[2] / "docs/formats/robot-file.md"
 
 SPECS = {
     "basic": "f377ddcd5b1b3e3d",

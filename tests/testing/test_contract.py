@@ -25,7 +25,8 @@ def _subjects() -> list[object]:
     for name, plugin in find_backends().items():
         if name not in NEEDS_A_MACHINE:
             can_load, missing, remedy = availability(plugin)
-            marks = () if can_load else pytest.mark.skip(reason=f"{name}: {missing}; {remedy}")
+            marks = [] if name == "mujoco" else [pytest.mark.slow]
+            marks += [] if can_load else [pytest.mark.skip(reason=f"{name}: {missing}; {remedy}")]
             subjects.append(pytest.param(name, id=name, marks=marks))
     return subjects
 

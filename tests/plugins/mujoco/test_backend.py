@@ -67,6 +67,7 @@ def static_model(pipe: PipeCorner, base: float) -> Any:
     return model
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bends", [(0.0,), (30.0, 100.0)])
 def test_mocap_walls_give_the_trajectories_of_static_ones(bends: tuple[float, ...]) -> None:
     # Not bit for bit: a world geom's contacts come in another order, and sums of floats depend on it. What rounding
@@ -142,6 +143,7 @@ def beyond_the_ends(pipe: PipeCorner, points: Floats) -> bool:
     return bool(np.all(past_second | (points[:, 0] < -pipe.leg)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bends", [(0.0,), (30.0, 100.0)])
 def test_beams_are_mujocos_own_rays(bends: tuple[float, ...]) -> None:
     # The square end of an inner box may stand out by its thickness at a sharp edge: there, and only there, beams may

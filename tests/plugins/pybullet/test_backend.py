@@ -23,6 +23,8 @@ from pipenav.robots.robot import RobotSpec, load_robot
 from pipenav.tasks.reach import episode
 from pipenav.tasks.reach.config import ReachConfig
 
+pytestmark = pytest.mark.slow
+
 ROBOT = load_robot("basic")
 
 

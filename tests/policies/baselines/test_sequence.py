@@ -15,7 +15,8 @@ from pipenav.backends.simulators import open_simulator
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines import sequence
-from pipenav.policies.baselines.sequence import SequenceController, TurnPhase
+from pipenav.policies.baselines.sequence import SequenceController
+from pipenav.policies.baselines.sequence_phases import TurnPhase
 from pipenav.policies.baselines.sequence_plan import PRESS, plan
 from pipenav.policies.baselines.wall_distance import wall_distance
 from pipenav.policies.named import open_controller
@@ -53,6 +54,7 @@ def left_and_right(one: SequenceController, diameter: float, angle: float) -> Tr
     return start._replace(pipes=pipes, q=q, base=start.base[[0, 0]])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize(("diameter", "angle"), [(70.0, 55.0), (90.0, 90.0), (120.0, 55.0)])
 def test_it_goes_through_its_phases_in_order_to_either_side_alike(name: str, diameter: float, angle: float) -> None:
@@ -89,6 +91,7 @@ def test_the_same_start_gives_the_same_motion(name: str) -> None:
     assert np.array_equal(*motions)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("diameter", [70.0, 90.0, 110.0])
 def test_a_clamp_presses_as_its_joint_says_and_carries_the_robot(
     diameter: float, monkeypatch: pytest.MonkeyPatch

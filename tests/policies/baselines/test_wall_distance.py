@@ -14,6 +14,7 @@ from pipenav.robots.robot import load_robot, robot_names
 ROBOT = load_robot("basic")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", robot_names())
 @pytest.mark.parametrize(("diameter", "angle", "bend"), [(110, 60, 0), (120, 100, 0), (130, 90, 120)])
 def test_the_wall_distance_is_the_distance_of_the_shapes(name: str, diameter: float, angle: float, bend: float) -> None:

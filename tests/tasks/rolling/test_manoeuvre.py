@@ -16,6 +16,7 @@ from pipenav.tasks.rolling.manoeuvre import Roll, RollPhase
 from pipenav.tasks.traverse.episode import GRAVITY
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("diameter", "gravity", "plane", "third"),
     [(70, GRAVITY, 90, 1.0), (90, GRAVITY, 0, -1.0), (120, GRAVITY, 90, -1.0), (120, 0.0, 0, 1.0)],

@@ -138,6 +138,7 @@ def carried(pipes: Sequence[Pipe], config: TraverseConfig = CONFIG, seed: int = 
     return ghost, made
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None)
 @given(st.sampled_from(LEVEL), seeds)
 def test_a_route_and_its_mirror_image_are_seen_and_driven_alike_through_all_corners(route: Pipe, seed: int) -> None:
@@ -153,6 +154,7 @@ def test_a_route_and_its_mirror_image_are_seen_and_driven_alike_through_all_corn
         assert right == pytest.approx(left * ROBOT.mirror_drives)
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None)
 @given(st.sampled_from(LEVEL))
 def test_the_side_is_that_of_the_first_corner_that_the_middle_has_not_passed(route: Pipe) -> None:
@@ -214,6 +216,7 @@ def test_robots_in_routes_and_in_corners_are_stepped_together() -> None:
                 assert one.reward[0] == pytest.approx(result.reward[i], abs=1e-6)
 
 
+@pytest.mark.slow
 @settings(max_examples=20, deadline=None)
 @given(st.sampled_from(LEVEL), seeds)
 def test_starts_in_routes_lie_free_in_the_first_straight(route: Pipe, seed: int) -> None:

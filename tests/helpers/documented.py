@@ -1,0 +1,189 @@
+"""How a documented command is run in a test: with sizes that take a second, or not at all where it needs a machine.
+
+A command that no rule here knows is refused, so that a new one in the docs gets its rule.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
+
+import pytest
+
+from pipenav.cli import main
+
+Words = tuple[str, ...]
+
+DROPPED = {"--out", "--episodes", "--seed", "--steps", "--seeds"}
+"""Options that change nothing of what a test looks at: commands that differ in them alone are run once."""
+
+CORNERS = {"working-range": "d=100,angle=90", "thesis": "d=100,angle=90", "thesis-real": "d=130,angle=90"}
+"""One corner in place of a set of many."""
+
+ROUTES = {"runs-level": "my-route.toml", "runs-rolled": "my-rolled-route.toml"}
+"""A short route in place of a set."""
+
+TRAINING = (
+    "learner.robots=4",
+    "learner.rollout_steps=8",
+    "learner.batch_size=8",
+    "learner.epochs=1",
+    "check.episodes=2",
+    "check.every=64",
+)
+"""Settings of a training that takes a second."""
+
+
+class Expected(NamedTuple):
+    """How a command ends: its exit code, and words that it says."""
+
+    code: int = 0
+    words: str = ""
+
+
+REFUSED = {
+    "calibrate": Expected(1, "/dev/ttyUSB0"),
+    "hw-check": Expected(1, "arm.toml"),
+    "run-real": Expected(1, "arm.toml"),
+}
+"""Commands that need an arm: without one they say in one sentence what is missing."""
+
+
+class Options(NamedTuple):
+    """A command's options, in order, and what stands before them.
+
+    Attributes:
+        command: the subcommand.
+        arguments: words that belong to no option.
+        given: pairs of an option and its value; None of a flag.
+    """
+
+    command: str
+    arguments: Words
+    given: tuple[tuple[str, str | None], ...]
+
+    @classmethod
+    def of(cls, argv: Words) -> Options:
+        """The parts of `pipenav COMMAND ...`."""
+        arguments: list[str] = []
+        given: list[tuple[str, str | None]] = []
+        for word in argv[2:]:
+            if word.startswith("--"):
+                given.append((word, None))
+            elif given and given[-1][1] is None and given[-1][0] not in FLAGS:
+                given[-1] = (given[-1][0], word)
+            else:
+                arguments.append(word)
+        return cls(argv[1], tuple(arguments), tuple(given))
+
+    def without(self, names: Iterable[str]) -> Options:
+        return self._replace(given=tuple(pair for pair in self.given if pair[0] not in names))
+
+    def plus(self, *pairs: tuple[str, str | None]) -> Options:
+        return self._replace(given=(*self.given, *pairs))
+
+    def value(self, name: str) -> str | None:
+        """The last value of an option."""
+        return next((value for option, value in reversed(self.given) if option == name), None)
+
+    def has(self, name: str) -> bool:
+        return any(option == name for option, _ in self.given)
+
+    @property
+    def argv(self) -> Words:
+        """What `pipenav` is given."""
+        words = [word for option, value in self.given for word in (option, value) if word is not None]
+        return (self.command, *self.arguments, *words)
+
+
+FLAGS = {"--dry-run", "--emulate", "--help", "--live", "--replay", "--write-servos", "--yes"}
+
+
+def pipenav(*words: str) -> int:
+    """Exit code of `pipenav WORDS`, in this process."""
+    with pytest.raises(SystemExit) as left:
+        main(words)
+    assert left.value.code is None or isinstance(left.value.code, int)
+    return left.value.code or 0
+
+
+def tiny(argv: Words) -> Words:
+    """What a test runs in place of `pipenav ...`.
+
+    Raises:
+        KeyError: a command that has no rule.
+    """
+    options = Options.of(argv)
+    return RULES[options.command](options).argv
+
+
+def expected(argv: Words) -> Expected:
+    """How the tiny command ends."""
+    if argv[0] == "run-real" and "--emulate" in argv:
+        return Expected(0, "5 ticks")
+    if "lag" in argv and argv[0] == "compare-backends":
+        return Expected(1, "too large")
+    return REFUSED.get(argv[0], Expected())
+
+
+def _as_it_stands(options: Options) -> Options:
+    return options
+
+
+def _train(options: Options) -> Options:
+    if options.has("--resume"):
+        return options.plus(("--steps", "128"))
+    settings = [("--set", setting) for setting in TRAINING]
+    return options.without(DROPPED).plus(("--steps", "64"), *settings, ("--out", "trained"))
+
+
+def _eval(options: Options) -> Options:
+    pipes = [value for option, value in options.given if option == "--pipes"] or ["working-range"]
+    route = "pirate" in str(options.value("--policy"))
+    first = (ROUTES if route else {}).get(str(pipes[0]), CORNERS.get(str(pipes[0]), str(pipes[0])))
+    rest = sorted(options.without({*DROPPED, "--pipes"}).given, key=lambda pair: (pair[0], pair[1] or ""))
+    small = [("--pipes", first), ("--episodes", "1"), ("--out", "evaluated")]
+    return options._replace(given=(*rest, *small))
+
+
+def _view(options: Options) -> Options:
+    """The same motion as a strip instead of a film; the film of the policy `arm` stays one."""
+    strips = options.value("--policy") != "arm"
+
+    def smaller(name: str, value: str | None) -> tuple[str, str | None]:
+        if name == "--out" and strips and value is not None:
+            return name, value.replace(".gif", ".png")
+        return name, ROUTES.get(str(value).partition(":")[0], value) if name == "--pipes" else value
+
+    return options._replace(given=tuple(smaller(*pair) for pair in options.given))
+
+
+def _experiment(options: Options) -> Options:
+    """The one without a training, for every stage of `all` takes the same way."""
+    small = (("--seeds", "1"), ("--steps", "64"), ("--episodes", "1"), ("--jobs", "1"))
+    return options._replace(arguments=("e",)).without(DROPPED).plus(*small, ("--out", "reported"))
+
+
+def _run_real(options: Options) -> Options:
+    if not options.has("--emulate"):
+        return options
+    return options.plus(("--yes", None), ("--ticks", "5"), ("--patience", "10"))
+
+
+RULES: dict[str, Callable[[Options], Options]] = {
+    "backends": _as_it_stands,
+    "calibrate": _as_it_stands,
+    "compare-backends": _as_it_stands,
+    "eval": _eval,
+    "experiment": _experiment,
+    "gen-pipe": _as_it_stands,
+    "hw-check": _as_it_stands,
+    "locate-target": _as_it_stands,
+    "mirror-rear": _as_it_stands,
+    "presets": _as_it_stands,
+    "replay": _as_it_stands,
+    "robots": _as_it_stands,
+    "run-real": _run_real,
+    "train": _train,
+    "view": _view,
+}
