@@ -156,6 +156,11 @@ class RealRobot(Backend):
     complete: bool
     warnings: list[str]
 
+    @property
+    @abstractmethod
+    def joint_limits(self) -> Floats:
+        """Smallest and largest position of every joint of this very arm, (joints, 2) [rad or m]."""
+
     @abstractmethod
     def send(self, command: Command) -> Sent:
         """Send set-points, limited, without waiting."""
@@ -203,17 +208,38 @@ class RealRobot(Backend):
 
     @classmethod
     @abstractmethod
-    def check(cls, options: BackendOptions) -> Iterator[Finding]:
-        """Look at everything and change nothing."""
+    def check(cls, options: BackendOptions, robot: RobotSpec | None = None) -> Iterator[Finding]:
+        """Look at everything and change nothing.
+
+        Args:
+            options: settings that open the arm.
+            robot: the robot that it must be; None where any will do.
+
+        Raises:
+            ConfigError: the arm is another robot, which is found out before any port is opened.
+        """
 
     @classmethod
     @abstractmethod
-    def calibrator(cls, robot: RobotSpec, ports: Mapping[str, str]) -> Calibrator:
+    def calibrator(cls, robot: RobotSpec, ports: Mapping[str, str], store: bool = False) -> Calibrator:
         """A calibration of a new arm.
 
         Args:
             robot: the robot that the arm is to be.
             ports: devices of `servos`, `scanner` and, where there is one, `front`.
+            store: whether servos that could not be calibrated as they are may be given settings.
+        """
+
+    @classmethod
+    @abstractmethod
+    def store(cls, options: BackendOptions) -> list[str]:
+        """Store a described arm's limits in its servos' EEPROM.
+
+        Args:
+            options: settings that open the arm.
+
+        Returns:
+            What was written, one line for each servo.
         """
 
     @classmethod

@@ -15,13 +15,16 @@ if TYPE_CHECKING:
 
 
 def calibrate(
-    port: Annotated[str, typer.Option(help="Device of the servo bus, for example /dev/ttyUSB0.")],
+    port: Annotated[str | None, typer.Option(help="Device of the servo bus, for example /dev/ttyUSB0.")] = None,
     scanner_port: Annotated[str, typer.Option(help="Device of the scanner.")] = "/dev/ttyACM0",
     front_port: Annotated[str | None, typer.Option(help="Device of the front sensor, if there is one.")] = None,
     robot: Annotated[str, typer.Option(help="The arm's robot; see `pipenav robots`.")] = "real-setup",
-    arm: Annotated[Path, typer.Option(help="File to write.")] = Path("arm.toml"),
+    arm: Annotated[Path, typer.Option(help="File to write; the file to read with --store-only.")] = Path("arm.toml"),
     write_servos: Annotated[
         bool, typer.Option("--write-servos", help="Store limits and torque in the servos' EEPROM too.")
+    ] = False,
+    store_only: Annotated[
+        bool, typer.Option("--store-only", help="Ask nothing: store what --arm says in the servos' EEPROM.")
     ] = False,
 ) -> None:
     """Describe an arm: each joint moves a few degrees, you say which way, and arm.toml is written.
@@ -31,26 +34,58 @@ def calibrate(
         pipenav calibrate --port /dev/ttyUSB0 --scanner-port /dev/ttyACM0 --front-port /dev/ttyACM1
 
         pipenav calibrate --port /dev/ttyUSB0 --write-servos
+
+        pipenav calibrate --store-only --arm arm.toml
     """
     from pipenav.backends.real_robot import load_real_robot
-    from pipenav.deployment.guard import guarded
+    from pipenav.locating.locator import require_arm
     from pipenav.robots.robot import load_robot
-    from pipenav.storage.atomic_files import atomic_write, check_outputs
+    from pipenav.storage.atomic_files import check_outputs
 
+    if store_only:
+        _store(arm)
+        return
+    if port is None:
+        raise typer.BadParameter("name the device of the servo bus.", param_hint="--port")
     ports = {"servos": port, "scanner": scanner_port} | ({"front": front_port} if front_port else {})
     spec = load_robot(robot)
     check_outputs([arm])
-    calibrator = load_real_robot().calibrator(spec, ports)
+    require_arm(spec)
+    calibrator = load_real_robot().calibrator(spec, ports, write_servos)
     try:
-        with guarded(calibrator):
-            _ask(calibrator, spec)
-            if write_servos:
-                for line in calibrator.write_servos():
-                    typer.echo(line)
-        atomic_write(arm, calibrator.text())
+        _calibrate(calibrator, spec, arm, write_servos)
     finally:
         calibrator.close()
-    typer.echo(f"wrote {arm}; next: pipenav hw-check --arm {arm}")
+    typer.echo(f"next: pipenav hw-check --arm {arm}")
+
+
+def _calibrate(calibrator: Calibrator, robot: RobotSpec, arm: Path, write_servos: bool) -> None:
+    """Ask, write the file, and store the limits; what was answered is kept whatever the servos do then."""
+    from pipenav.deployment.guard import guarded
+    from pipenav.storage.atomic_files import atomic_write
+
+    with guarded(calibrator):
+        _ask(calibrator, robot)
+        atomic_write(arm, calibrator.text())
+        typer.echo(f"wrote {arm}")
+        if not write_servos:
+            return
+        try:
+            for line in calibrator.write_servos():
+                typer.echo(line)
+        except PipenavError as error:
+            again = f"your answers are kept in {arm}; store them by pipenav calibrate --store-only --arm {arm}"
+            raise PipenavError(f"{error} Not all is stored: {again}.") from error
+
+
+def _store(arm: Path) -> None:
+    """Store what an arm's description says in its servos."""
+    from pipenav.backends.real_robot import load_real_robot
+    from pipenav.backends.registry import check_options
+
+    backend_class = load_real_robot()
+    for line in backend_class.store(check_options("hardware", backend_class, {"arm": str(arm)})):
+        typer.echo(line)
 
 
 def _ask(calibrator: Calibrator, robot: RobotSpec) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -32,21 +32,25 @@ def hw_check(
 
     backend_class = load_real_robot()
     options = check_options("hardware", backend_class, {"arm": str(arm)})
-    problems = show_findings(Console(), backend_class.check(options))
-    if problems:
-        raise PipenavError(f"the arm has {problems} problem(s), see above.")
+    if count := problems(show_findings(Console(), backend_class.check(options))):
+        raise PipenavError(f"the arm has {count} problem(s), see above.")
 
 
-def show_findings(console: Console, findings: Iterator[Finding]) -> int:
+def problems(findings: Sequence[Finding]) -> int:
+    """Number of problems among findings."""
+    return sum(finding.level == "problem" for finding in findings)
+
+
+def show_findings(console: Console, findings: Iterator[Finding]) -> list[Finding]:
     """Print findings as they come.
 
     Returns:
-        The number of problems among them.
+        All of them.
     """
-    problems = 0
+    shown = []
     for finding in findings:
-        problems += finding.level == "problem"
+        shown.append(finding)
         remedy = f": {finding.remedy}" if finding.remedy else ""
         level = (f"{finding.level:8} ", STYLES[finding.level])
         console.print(Text.assemble(level, f"{finding.what}{remedy}"), soft_wrap=True)
-    return problems
+    return shown

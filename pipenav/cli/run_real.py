@@ -10,7 +10,7 @@ from typing import IO, TYPE_CHECKING, Annotated, Any, cast
 import typer
 from rich.console import Console
 
-from pipenav.cli.hw_check import show_findings
+from pipenav.cli.hw_check import problems, show_findings
 from pipenav.cli.option_groups import takes_option_groups
 from pipenav.cli.run_real_options import ArmOptions, EmulationOptions, PipeOptions, StoppingOptions
 from pipenav.cli.terminal import refuse_ignored, say
@@ -65,7 +65,7 @@ def run_real(
         refuse_ignored({"--arm": arm_options.arm, "--yes": arm_options.yes}, "--emulate needs no real arm")
     loaded = policy_for(policy, arm_options.robot)
     pipe = _pipe(pipe_options, emulation_options.emulate)
-    target, turn = _target(pipe_options.target), _turn(pipe_options.turn)
+    target, turn = _target(pipe_options.target, loaded.header.robot), _turn(pipe_options.turn)
     emulation = _emulation(emulation_options, loaded.header.robot, pipe)
     folder = free_folder(out)
     stop_file = stopping.stop_file or folder / "STOP"
@@ -75,7 +75,7 @@ def run_real(
     with contextlib.ExitStack() as opened:
         opened.callback(_drop_if_empty, folder)
         arm = _connected(console, opened, plan, arm_options, emulation)
-        _announce(console, arm, plan, arm_options.dry_run)
+        _announce(console, plan, arm_options.dry_run)
         if not (arm_options.yes or arm_options.dry_run or emulation) and not typer.confirm("Move the arm?"):
             raise PipenavError("not started: nothing has moved.")
         ending = _carry_out(console, arm, plan, stopping.hold_on_stop)
@@ -107,19 +107,17 @@ def _turn(text: str) -> Turn:
     return "left" if text == "left" else "right"
 
 
-def _target(text: str | None) -> Floats | None:
-    """The target in the robot's frame, (2,) [m]; None to look for one."""
+def _target(text: str | None, robot: RobotSpec) -> Floats | None:
+    """The target in the robot's frame, (2,) [m], within the robot's reach; None to look for one."""
     import numpy as np
 
-    from pipenav.units import mm_to_m
+    from pipenav.deployment.target import parse_target, require_reachable
 
     if text is None:
         return None
-    try:
-        x, y = (mm_to_m(float(part)) for part in text.split(","))
-    except ValueError:
-        raise PipenavError(f"target {text!r} is not X,Y: give two numbers in mm, for example 420,80.") from None
-    return np.array([x, y])
+    target = parse_target(text)
+    require_reachable(robot, target, np.array([[joint.lower, joint.upper] for joint in robot.joints]))
+    return target
 
 
 def _emulation(given: EmulationOptions, robot: RobotSpec, pipe: PipeCorner | None) -> Emulation | None:
@@ -147,6 +145,7 @@ def _connected(
     """The arm, checked and connected, until `opened` is closed; where it is emulated, its emulator too."""
     from pipenav.backends.real_robot import load_real_robot
     from pipenav.backends.registry import check_options, open_backend
+    from pipenav.deployment.target import require_reachable
 
     robot, backend_class = plan.policy.header.robot, load_real_robot()
     settings: dict[str, Any] = {"listen_only": given.dry_run, "allow_slow_bus": given.allow_slow_bus}
@@ -156,16 +155,22 @@ def _connected(
         pipe, start, seed, faults, patience = emulation
         emulated = opened.enter_context(backend_class.emulate(robot, pipe, start, plan.folder, seed, faults))
         options = emulated.options.model_copy(update={**settings, "patience": patience})
-    problems = show_findings(console, backend_class.check(options))
-    if problems:
-        raise PipenavError(f"the arm has {problems} problem(s), see above: nothing has moved.")
+    found = show_findings(console, backend_class.check(options, robot))
+    if count := problems(found):
+        raise PipenavError(f"the arm has {count} problem(s), see above: nothing has moved.")
     arm = open_backend("hardware", robot, 1, options)
     assert isinstance(arm, backend_class)
     opened.callback(arm.close)
+    if plan.target is not None:
+        require_reachable(robot, plan.target, arm.joint_limits)
+    said = {f"{finding.what}: {finding.remedy}" for finding in found}
+    for warning in arm.warnings:
+        if warning not in said:
+            say(f"warning: {warning}", "yellow", console)
     return arm
 
 
-def _announce(console: Console, arm: RealRobot, plan: MissionPlan, dry_run: bool) -> None:
+def _announce(console: Console, plan: MissionPlan, dry_run: bool) -> None:
     """Say what will happen, before it happens."""
     where = "a target that it looks for" if plan.target is None else "the given target"
     what = "would move" if dry_run else "is going to move"
@@ -174,8 +179,6 @@ def _announce(console: Console, arm: RealRobot, plan: MissionPlan, dry_run: bool
         f"Keep clear of it. Space, Ctrl-C, SIGUSR1 or the file {plan.stop_file} stop it; the power switch always does.",
         console=console,
     )
-    for warning in arm.warnings:
-        say(f"warning: {warning}", "yellow", console)
 
 
 def _carry_out(console: Console, arm: RealRobot, plan: MissionPlan, hold_on_stop: bool) -> Ending:

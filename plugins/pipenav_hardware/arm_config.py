@@ -17,6 +17,9 @@ from pipenav.units import m_to_mm, rad_to_deg
 from pipenav_hardware.servo_config import Servo, reachable
 from pipenav_hardware.table import BAUD_VALUES, CENTRE, COUNT
 
+DEFAULT_ARM = Path("arm.toml")
+"""Where an arm's description lies unless told otherwise."""
+
 
 class ScannerConfig(Table):
     """The range scanner at the tip."""

@@ -41,6 +41,8 @@ from pipenav_hardware.dynamixel import Bus
 from pipenav_hardware.ranging import late_for_scan
 from pipenav_hardware.recording import arm_description, recorded_arithmetic, sent_command, tick_record
 from pipenav_hardware.sensors import Sensors
+from pipenav_hardware.servo_flaws import require, speed_flaw
+from pipenav_hardware.servo_memory import store_described
 from pipenav_hardware.servos import ServoAnswers, Servos
 from pipenav_hardware.trips import SensorRules, ServoRules
 from pipenav_hardware.watchdog import Watchdog
@@ -76,6 +78,7 @@ class HardwareBackend(RealRobot):
         self._options, self._robot = options, robot
         self.arm = load_arm(Path(options.arm))
         self.arm.require(robot)
+        require(speed_flaw(self.arm))
         self.complete, self.warnings = False, list[str]()
         self._enabled, self._due = False, math.nan
         self._unconfirmed: list[str] = []
@@ -86,7 +89,7 @@ class HardwareBackend(RealRobot):
         with contextlib.ExitStack() as opened:
             self._bus = Bus(self.arm.port, self.arm.baud, options.patience)
             opened.callback(self._bus.close)
-            self._servos = Servos(self.arm, self._bus, options.allow_slow_bus)
+            self._servos = Servos(self.arm, self._bus, options.allow_slow_bus, Path(options.arm))
             self._sensors = Sensors(self.arm, robot)
             opened.callback(self._sensors.close)
             self._watchdog = (
@@ -94,6 +97,11 @@ class HardwareBackend(RealRobot):
             )
             self._opened = opened.pop_all()
         self._begin()
+        self.warnings = list(self._servos.warnings)
+
+    @property
+    def joint_limits(self) -> Floats:
+        return np.array([servo.limits for servo in self.arm.servos])
 
     @property
     def latency(self) -> float:
@@ -209,13 +217,21 @@ class HardwareBackend(RealRobot):
         return recorded_arithmetic(robot, description)
 
     @classmethod
-    def check(cls, options: BackendOptions) -> Iterator[Finding]:
+    def check(cls, options: BackendOptions, robot: RobotSpec | None = None) -> Iterator[Finding]:
         assert isinstance(options, HardwareOptions)
-        return findings(load_arm(Path(options.arm)))
+        arm = load_arm(Path(options.arm))
+        if robot is not None:
+            arm.require(robot)
+        return findings(arm, Path(options.arm), options.allow_slow_bus)
 
     @classmethod
-    def calibrator(cls, robot: RobotSpec, ports: Mapping[str, str]) -> Calibrator:
-        return Calibration(robot, ports)
+    def calibrator(cls, robot: RobotSpec, ports: Mapping[str, str], store: bool = False) -> Calibrator:
+        return Calibration(robot, ports, store)
+
+    @classmethod
+    def store(cls, options: BackendOptions) -> list[str]:
+        assert isinstance(options, HardwareOptions)
+        return store_described(Path(options.arm))
 
     @classmethod
     @contextlib.contextmanager

@@ -21,7 +21,9 @@ from pipenav_hardware.arm_config import (
 )
 from pipenav_hardware.dynamixel import Bus
 from pipenav_hardware.serial_port import Mode
-from pipenav_hardware.servo_config import reachable
+from pipenav_hardware.servo_config import Servo, reachable
+from pipenav_hardware.servo_flaws import half_silent, named, require
+from pipenav_hardware.servo_memory import make_ready, store_settings
 from pipenav_hardware.watchdog import Watchdog
 
 NUDGE = 40
@@ -36,18 +38,11 @@ NUDGE_TORQUE = 256
 NUDGE_TIME = 2.0
 """Longest time for a nudge [s]."""
 
-STORED = {
-    table.RETURN_DELAY: 0,
-    table.RETURN_LEVEL: 2,
-    table.SHUTDOWN: table.SHUTDOWN_ALARMS,
-}
-"""Content of every servo's EEPROM besides its limits."""
-
 
 class Calibration(Calibrator):
     """Calibration of an AX-12A arm, see `pipenav.backends.Calibrator`. Servos have the ids 1, 2, ... in joint order."""
 
-    def __init__(self, robot: RobotSpec, ports: Mapping[str, str]) -> None:
+    def __init__(self, robot: RobotSpec, ports: Mapping[str, str], store: bool) -> None:
         scanner = ScannerConfig(driver="scip2", port=ports["scanner"])
         front = FrontSensorConfig(port=ports["front"]) if "front" in ports else None
         self._robot = robot
@@ -58,7 +53,7 @@ class Calibration(Calibrator):
         self._unconfirmed: list[str] = []
         try:
             for servo in self._arm.servos:
-                self._refuse_unfit(servo.id, servo.joint)
+                self._refuse_unfit(servo, store)
             self._watchdog = Watchdog(self._bus.descriptor, servos=self._arm.joints)
         except BaseException:
             self._bus.close()
@@ -107,18 +102,7 @@ class Calibration(Calibrator):
         return arm_toml(self._arm)
 
     def write_servos(self) -> list[str]:
-        written = []
-        for servo in self._arm.servos:
-            low, high = servo.count_limits
-            values = {table.CW_LIMIT: low, table.CCW_LIMIT: high, table.MAX_TORQUE: servo.torque_counts, **STORED}
-            self._bus.mode = Mode.DRIVE
-            for register, value in {table.TORQUE_ENABLE: 0, **values}.items():
-                if not self._bus.write_register(servo.id, register, int(value)):
-                    raise PipenavError(f"servo {servo.id} ({servo.joint}) does not store a value: check its cable.")
-            self._bus.mode = Mode.STOPPED
-            share = servo.torque_limit_percent
-            written.append(f"servo {servo.id} ({servo.joint}): limits {low}-{high}, torque {share:.0f} %, delay 0")
-        return written
+        return store_settings(self._arm, self._bus)
 
     def cut(self) -> None:
         if self._torque:
@@ -142,20 +126,37 @@ class Calibration(Calibrator):
         if unconfirmed and not named:
             raise TorqueUnconfirmed(unconfirmed)
 
-    def _refuse_unfit(self, servo: int, joint: str) -> None:
-        """Refuse a servo that does not answer, or that could not be stopped by its angle limits."""
-        model = self._bus.read_register(servo, table.MODEL)
+    def _refuse_unfit(self, servo: Servo, store: bool) -> None:
+        """Refuse a servo that does not answer, or that could not be stopped by its angle limits.
+
+        Args:
+            servo: the servo.
+            store: whether it may be given settings that make it fit.
+        """
+        if store and self._bus.ping(servo.id).data is not None:
+            make_ready(servo, self._bus)
+        model = self._bus.read_register(servo.id, table.MODEL)
         if model is None:
+            require(half_silent(servo, self._bus, "add --write-servos, which has it answer"))
             raise PipenavError(
-                f"servo {servo} ({joint}) does not answer: give the servos ids from 1 on, in joint order."
+                f"{named(servo)} does not answer: check its cable, and give the servos ids from 1 on, in joint order."
             )
         if model != table.MODEL_NUMBER:
-            raise PipenavError(f"servo {servo} ({joint}) says it is model {model}, an AX-12A is model 12: replace it.")
-        if self._bus.read_register(servo, table.CW_LIMIT) == 0 == self._bus.read_register(servo, table.CCW_LIMIT):
+            raise PipenavError(f"{named(servo)} says it is model {model}, an AX-12A is model 12: replace it.")
+        endless = self._bus.read_register(servo.id, table.CW_LIMIT) == 0
+        endless &= self._bus.read_register(servo.id, table.CCW_LIMIT) == 0
+        if endless and not (store and self._give_a_turn(servo)):
             raise PipenavError(
-                f"servo {servo} ({joint}) is in wheel mode and would turn for ever: "
-                "set its angle limits to 0 and 1023 with the maker's tool, then calibrate."
+                f"{named(servo)} is in wheel mode and would turn for ever: add --write-servos, which limits it."
             )
+
+    def _give_a_turn(self, servo: Servo) -> bool:
+        """Take a servo out of wheel mode; whether it is."""
+        self._bus.mode = Mode.DRIVE
+        try:
+            return self._bus.write_register(servo.id, table.CCW_LIMIT, table.COUNTS)
+        finally:
+            self._bus.mode = Mode.STOPPED
 
     def _position(self, index: int) -> int:
         """Position of a joint's servo [counts]."""

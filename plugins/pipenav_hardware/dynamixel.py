@@ -15,7 +15,6 @@ from typing import Any, NamedTuple
 from dynamixel_sdk import COMM_RX_TIMEOUT, COMM_SUCCESS, GroupSyncWrite, Protocol1PacketHandler
 
 from pipenav.backends import Stopped
-from pipenav.errors import PipenavError
 from pipenav_hardware import packets, table
 from pipenav_hardware.serial_port import LOST, Mode, Port
 from pipenav_hardware.table import ServoGoal
@@ -88,8 +87,8 @@ class Bus:
 
     def open(self, baud: int) -> None:
         """Open the port, or open it again at another speed."""
-        if not self._port.setBaudRate(baud):
-            raise PipenavError(f"baud {baud} cannot be set by the SDK: choose {sorted(table.BAUD_VALUES)}.")
+        self._port.setBaudRate(baud)
+        self._doubtful.clear()
 
     @property
     def mode(self) -> Mode:
@@ -102,6 +101,11 @@ class Bus:
     def expect(self, latency: float) -> None:
         """Wait for answers as long as an adapter of this latency [s] needs, no longer."""
         self._port.allowance = REPLY_ALLOWANCE + latency
+
+    @property
+    def baud(self) -> int:
+        """Speed of the port."""
+        return int(self._port.baudrate)
 
     @property
     def descriptor(self) -> int:

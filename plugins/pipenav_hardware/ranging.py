@@ -19,8 +19,8 @@ from pipenav_hardware.arm_config import ScannerConfig
 class SensorLost(PipenavError):
     """A range sensor that is gone or does not answer."""
 
-    def __init__(self, name: str, problem: str) -> None:
-        super().__init__(f"the {name} {problem}: check its cable and its port in arm.toml.")
+    def __init__(self, name: str, problem: str, remedy: str = "check its cable and its port in arm.toml") -> None:
+        super().__init__(f"the {name} {problem}: {remedy}.")
 
 
 class RangeScan(NamedTuple):
@@ -44,12 +44,14 @@ class RangeSensor(ABC):
         angles: angles of its points from the tip link's axis, left positive, ascending, (k,) [rad].
         range_min, range_max: smallest and largest distance that it can measure [m].
         rejected: number of scans that came damaged.
+        words: what it says about its own state; empty where it says nothing.
     """
 
     angles: Floats
     range_min: float
     range_max: float
     rejected: int
+    words: str = ""
 
     @abstractmethod
     def fileno(self) -> int:

@@ -16,15 +16,20 @@ from typing import NamedTuple
 import numpy as np
 
 from pipenav.errors import PipenavError
+from pipenav_hardware import scip2_status
 from pipenav_hardware.arm_config import ScannerConfig
 from pipenav_hardware.ranging import RangeScan, RangeSensor, SensorLost, mounted
 from pipenav_hardware.serial_line import SerialLine
+from pipenav_hardware.watchdog import Farewell
 
 OFFSET = 0x30
 LINE_DATA = 64
 """Number of characters of data in a line, before its sum."""
 
 COMMAND_TIMEOUT = 1.0
+QUIT = b"QT\n"
+"""Order that ends measuring and switches the laser off."""
+
 MEASURING = re.compile(r"MD(\d{4})(\d{4})(\d{2})(\d)(\d{2})")
 
 
@@ -111,8 +116,19 @@ class Scip2Scanner(RangeSensor):
         self._reply: list[str] = []
         self._sequence, self._stamp, self.rejected = 0, -1, 0
         self._latest: RangeScan | None = None
+        self._farewell = Farewell(self._line.fileno(), QUIT)
+        try:
+            self._begin(config, fan)
+        except BaseException:
+            self.close()
+            raise
+
+    def _begin(self, config: ScannerConfig, fan: float) -> None:
+        """Have the scanner measure over a fan [rad], in whatever state an earlier program left it."""
         self._command("QT")
         self._command("SCIP2.0", required=False)
+        self._command("TM2", required=False)  # in time-stamp mode it would not measure
+        self.words = parameters(self._command("II", required=False)).get("STAT", "")
         values = parameters(self._command("PP"))
         try:
             resolution, front = int(values["ARES"]), int(values["AFRT"])
@@ -142,11 +158,16 @@ class Scip2Scanner(RangeSensor):
         return self._latest
 
     def close(self) -> None:
-        self._line.close(b"QT\n")
+        self._line.close(QUIT)
+        self._farewell.close()
 
     def _take(self, now: float) -> None:
         """Take in a reply that has ended."""
         reply, self._reply = self._reply, []
+        if len(reply) > 1 and MEASURING.fullmatch(reply[0]):
+            status = checked(reply[1])
+            if status not in (None, scip2_status.OK, scip2_status.SCAN, scip2_status.RESUMED):
+                raise self._refusal(reply[0], status)
         scan = parse_scan(reply)
         if scan is None or len(scan.distances) != len(self.angles):
             self.rejected += bool(reply) and len(reply) > 2
@@ -169,12 +190,21 @@ class Scip2Scanner(RangeSensor):
                 if line:
                     reply.append(line)
                     continue
-                if reply and reply[0] == text:
+                if len(reply) > 1 and reply[0] == text:
+                    status = reply[1][:2]
+                    if required and not scip2_status.accepted(text, status):
+                        raise self._refusal(text, status)
                     return reply[2:]
                 reply = []  # the end of an earlier reply
         if required:
             raise SensorLost("scanner", f"does not answer {text}")
         return []
+
+    @staticmethod
+    def _refusal(command: str, status: str) -> SensorLost:
+        """The error for a command that the scanner did not carry out, in its own words."""
+        said = scip2_status.words(command, status)
+        return SensorLost("scanner", f"{said} (to {command[:2]})", "switch it off and on, then run pipenav hw-check")
 
     def _wait_for_first(self) -> None:
         deadline = time.monotonic() + COMMAND_TIMEOUT

@@ -55,6 +55,7 @@ class SerialLine:
         """Send a last order and close the port, as far as the device is still there."""
         with contextlib.suppress(OSError, termios.error):
             self._serial.write(farewell)
+        with contextlib.suppress(OSError, termios.error):
             self._serial.close()
 
     def _readable(self) -> bool:

@@ -68,11 +68,20 @@ class Port(PortHandler):  # type: ignore[misc]  # the SDK has no types
         self.sent: Callable[[bytes], None] | None = None
         self._heard = b""
 
+    def setBaudRate(self, baudrate: int) -> bool:
+        """Open the port at any speed: the SDK refuses some that the servo and the system can do."""
+        self.baudrate = baudrate
+        return self.setupPort(baudrate)
+
     def setupPort(self, cflag_baud: int) -> bool:  # noqa: ARG002  # the SDK's name and argument
         if self.is_open:
             self.closePort()
         try:
             self.ser = serial.Serial(self.port_name, self.baudrate)
+        except ValueError:
+            raise PipenavError(
+                f"{self.port_name} cannot do {self.baudrate} baud: use another adapter, or another speed."
+            ) from None
         except LOST as error:
             raise port_problem(self.port_name, error) from error
         try:

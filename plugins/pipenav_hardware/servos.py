@@ -5,15 +5,26 @@ from __future__ import annotations
 import statistics
 import time
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import NamedTuple
 
-from pipenav.backends import Stopped
+from pipenav.backends import Finding, Stopped
 from pipenav.errors import PipenavError
 from pipenav_hardware import table
-from pipenav_hardware.arm_config import ArmConfig
+from pipenav_hardware.arm_config import DEFAULT_ARM, ArmConfig
 from pipenav_hardware.dynamixel import Bus, BusLost
 from pipenav_hardware.serial_port import Mode
 from pipenav_hardware.servo_config import Servo
+from pipenav_hardware.servo_flaws import (
+    PING_BYTES,
+    half_silent,
+    memory_flaws,
+    named,
+    require,
+    speed_flaw,
+    storing,
+    wire_time,
+)
 from pipenav_hardware.table import Alarm, ServoGoal, State
 
 PINGS = 10
@@ -25,6 +36,19 @@ SLOW, TOO_SLOW = 0.004, 0.012
 LATENCY_REMEDY = (
     'set the adapter\'s latency to 1 ms with the udev rule SUBSYSTEM=="usb-serial", ATTR{latency_timer}="1"'
 )
+
+
+def latency_finding(waiting: float, allow_slow: bool) -> Finding:
+    """How fast the servos answer.
+
+    Args:
+        waiting: median time from a question to its answer, beside that of their bytes [s].
+        allow_slow: whether a slow adapter is accepted.
+    """
+    what = f"servos answer after {waiting * 1e3:.1f} ms (median of {PINGS})"
+    if waiting > TOO_SLOW and not allow_slow:
+        return Finding("problem", f"{what}, which is too slow", f"{LATENCY_REMEDY}, or --allow-slow-bus")
+    return Finding("warning", what, LATENCY_REMEDY) if waiting > SLOW else Finding("ok", what)
 
 
 class ServoAnswers(NamedTuple):
@@ -57,8 +81,15 @@ class Servos:
         warnings: what is worth knowing and is no reason to refuse.
     """
 
-    def __init__(self, arm: ArmConfig, bus: Bus, allow_slow: bool = False) -> None:
-        self._arm, self._bus = arm, bus
+    def __init__(self, arm: ArmConfig, bus: Bus, allow_slow: bool = False, path: Path = DEFAULT_ARM) -> None:
+        """
+        Args:
+            arm: the arm's description.
+            bus: its servo bus.
+            allow_slow: whether an adapter that waits long before it hands on an answer is accepted.
+            path: file of the description.
+        """
+        self._arm, self._bus, self._store = arm, bus, storing(path)
         self.warnings: list[str] = []
         if bus.echoes():
             raise PipenavError(
@@ -153,41 +184,14 @@ class Servos:
         Raises:
             PipenavError: it does not answer, or is not as described.
         """
-        name = f"servo {servo.id} ({servo.joint})"
         answer = self._bus.read(servo.id, *table.EEPROM)
         if answer.data is None:
-            raise PipenavError(
-                f"{name} does not answer: {self._cable(index, answer.problem)}, or run pipenav hw-check."
-            )
-        eeprom = table.decode_eeprom(answer.data)
-        if eeprom.model != table.MODEL_NUMBER:
-            raise PipenavError(
-                f"{name} says it is model {eeprom.model}, an AX-12A is model {table.MODEL_NUMBER}: replace it."
-            )
-        if eeprom.limits == table.WHEEL_MODE:
-            raise PipenavError(
-                f"{name} is in wheel mode, in which it keeps turning when this program dies: "
-                "set its angle limits with pipenav calibrate --write-servos."
-            )
-        if eeprom.limits != servo.count_limits:
-            raise PipenavError(
-                f"{name} has angle limits {eeprom.limits[0]} to {eeprom.limits[1]} in its EEPROM, arm.toml says "
-                f"{servo.count_limits[0]} to {servo.count_limits[1]}: run pipenav calibrate --write-servos."
-            )
-        if eeprom.return_level != 2:
-            raise PipenavError(
-                f"{name} has status return level {eeprom.return_level}, 2 is needed: pipenav calibrate --write-servos."
-            )
-        if eeprom.max_torque > servo.torque_counts:
-            raise PipenavError(
-                f"{name} has max torque {eeprom.max_torque} in its EEPROM, arm.toml allows "
-                f"{servo.torque_counts}: after a power dip it would be too strong; pipenav calibrate --write-servos."
-            )
-        if eeprom.shutdown & table.SHUTDOWN_ALARMS != table.SHUTDOWN_ALARMS:
-            self.warnings.append(f"{name} does not shut down on overload and overheating (register 18)")
-        if eeprom.return_delay:
-            delay = 2 * eeprom.return_delay
-            self.warnings.append(f"{name} waits {delay} us before it answers: pipenav calibrate --write-servos sets 0")
+            require(half_silent(servo, self._bus, self._store))
+            cable = self._cable(index, answer.problem)
+            raise PipenavError(f"{named(servo)} does not answer: {cable}, or run pipenav hw-check.")
+        for finding in memory_flaws(servo, table.decode_eeprom(answer.data), self._store):
+            require(finding)
+            self.warnings.append(f"{finding.what}: {finding.remedy}")
 
     def _cable(self, index: int, problem: str) -> str:
         """Why a servo may not answer, and which cable to look at."""
@@ -205,14 +209,14 @@ class Servos:
             if answered:
                 times.append(time.monotonic() - start)
         latency = statistics.median(times) if times else float("inf")
+        waiting = latency - wire_time(PING_BYTES, self._arm.baud)
         if times:
-            bus.expect(max(0.0, latency - SLOW))
-        if latency > TOO_SLOW and not allow_slow:
-            raise PipenavError(
-                f"servos answer after {latency * 1e3:.1f} ms, which is too slow: {LATENCY_REMEDY}, or --allow-slow-bus."
-            )
-        if latency > SLOW:
-            self.warnings.append(f"servos answer after {latency * 1e3:.1f} ms: {LATENCY_REMEDY}")
+            bus.expect(max(0.0, waiting - SLOW))
+        finding = latency_finding(waiting, allow_slow)
+        require(finding)
+        require(speed_flaw(self._arm, waiting) if times else None)
+        if finding.level == "warning":
+            self.warnings.append(f"{finding.what}: {finding.remedy}")
         return latency
 
     def _position_of(self, servo: Servo) -> int:

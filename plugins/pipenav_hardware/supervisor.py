@@ -6,6 +6,10 @@ the driver: it inherits the servo bus's port and the reading end of a pipe. Orde
 means that it hangs; both end in torque off. Then every servo is asked, and the joints that do not confirm are named.
 
     python supervisor.py PORT_DESCRIPTOR PIPE_DESCRIPTOR PACKET_HEX PATIENCE_SECONDS [QUESTION_HEX:ANSWER_HEX:JOINT ...]
+
+A scanner has one too, which switches its laser off:
+
+    python supervisor.py farewell PORT_DESCRIPTOR PIPE_DESCRIPTOR ORDER_HEX
 """
 
 from __future__ import annotations
@@ -27,6 +31,13 @@ PACKETS_PER_BURST = 3
 CONFIRMATION, TRIES = 0.06, 2
 """Longest wait for a servo's answer [s], and how often it is asked."""
 
+GRACE = 0.5
+"""How long a driver that hangs may take to speak again before the servos are asked in its place [s].
+
+Two who ask at once take each other's answers.
+"""
+
+FAREWELL = "farewell"
 OUTPUT = 2
 """Descriptor of the standard error output."""
 
@@ -36,7 +47,7 @@ GROUP_PREFIX = "pipenav-supervisor-"
 
 
 class Question(NamedTuple):
-    """What a servo is asked after torque was switched off.
+    """Question to a servo after torque was switched off, and the answer that is wanted.
 
     Attributes:
         request: the packet that asks whether its torque is on.
@@ -91,15 +102,15 @@ def say(text: str) -> None:
             os.write(OUTPUT, f"{text}\n".encode(errors="replace"))
 
 
-def switch_off(port: int, packet: bytes, questions: Sequence[Question], why: str) -> None:
-    """Switch torque off, ask every servo, and name the joints that do not confirm."""
-    cut(port, packet)
+def name_unconfirmed(port: int, questions: Sequence[Question], why: str) -> bool:
+    """Ask every servo, and name the joints that do not confirm that torque is off; whether there are such joints."""
     joints = unconfirmed(port, questions)
     if joints:
         say(
             f"pipenav: {why}. Torque may still be on at {', '.join(joints)}: "
             "switch the supply off before touching the arm."
         )
+    return bool(joints)
 
 
 def watch(port: int, pipe: int, packet: bytes, patience: float, questions: Sequence[Question]) -> None:
@@ -112,20 +123,23 @@ def watch(port: int, pipe: int, packet: bytes, patience: float, questions: Seque
         patience: longest silence while torque is on [s].
         questions: what every servo is asked afterwards.
     """
-    armed = False
+    armed = doubtful = False  # doubtful: torque was switched off here, and nobody has confirmed it
     while True:
         heard = select.select([pipe], [], [], patience if armed else None)[0]
         orders = os.read(pipe, 4096) if heard else b""
-        if armed and not (heard and orders):
-            why = "the program ended with torque on" if heard else "the program hangs with torque on"
-            switch_off(port, packet, questions, why)
         if heard and not orders:
+            if armed or doubtful:
+                cut(port, packet)
+                name_unconfirmed(port, questions, "the program ended with torque on")
             return
         switched = [order for order in orders if order in b"AD"]
         if switched:
-            armed = switched[-1] == ord("A")
+            armed, doubtful = switched[-1] == ord("A"), False
         elif not heard:
-            armed = False  # torque is off: the driver must say so when it switches it on again
+            cut(port, packet)
+            armed, doubtful = False, True  # the driver must say so when it switches torque on again
+            if not select.select([pipe], [], [], GRACE)[0]:  # one that speaks again asks by itself
+                doubtful = name_unconfirmed(port, questions, "the program hangs with torque on")
 
 
 def leave_control_group(groups: Path = CONTROL_GROUPS, own: Path = OWN_GROUP) -> bool:
@@ -160,6 +174,16 @@ def leave_control_group(groups: Path = CONTROL_GROUPS, own: Path = OWN_GROUP) ->
     return False
 
 
+def say_farewell(port: int, pipe: int, order: bytes) -> None:
+    """Send a device its last order at the pipe's end, unless `D` came before: the driver has sent it itself."""
+    last = b""
+    while heard := os.read(pipe, 4096):
+        last = heard
+    if not last.endswith(b"D"):
+        with contextlib.suppress(OSError):
+            os.write(port, order)
+
+
 def ignore_signals() -> None:
     """Survive every signal that is meant for the driver."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1, signal.SIGQUIT):
@@ -169,6 +193,9 @@ def ignore_signals() -> None:
 def main() -> None:
     ignore_signals()
     leave_control_group()
+    if sys.argv[1] == FAREWELL:
+        say_farewell(int(sys.argv[2]), int(sys.argv[3]), bytes.fromhex(sys.argv[4]))
+        return
     port, pipe, packet, patience, *asked = sys.argv[1:]
     parts = [text.split(":", 2) for text in asked]
     questions = [Question(bytes.fromhex(request), bytes.fromhex(off), joint) for request, off, joint in parts]

@@ -114,8 +114,10 @@ EEPROM = (0, SHUTDOWN.end)
 WHEEL_MODE = (0, 0)
 """Angle limits of a servo that turns for ever."""
 
-BAUD_VALUES = {1_000_000: 1, 500_000: 3, 115_200: 16, 57_600: 34, 19_200: 103, 9_600: 207}
-"""Baud rates that both the servo and the SDK can do, with the value of register 4: 2,000,000 / (value + 1)."""
+BAUD_VALUES = {
+    1_000_000: 1, 500_000: 3, 400_000: 4, 250_000: 7, 200_000: 9, 115_200: 16, 57_600: 34, 19_200: 103, 9_600: 207,
+}  # fmt: skip
+"""Baud rates of the manual, with the value of register 4: 2,000,000 / (value + 1)."""
 
 
 class ServoGoal(NamedTuple):
@@ -174,6 +176,7 @@ class Eeprom(NamedTuple):
         limits: angle limits, clockwise and counter-clockwise [counts]; `WHEEL_MODE` where it turns for ever.
         max_torque: Torque Limit at power-on [counts].
         return_level: which instructions it answers; 2 for all.
+        temperature_limit: temperature above which it is overheated [deg C].
         shutdown: alarms that switch its torque off.
     """
 
@@ -184,6 +187,7 @@ class Eeprom(NamedTuple):
     max_torque: int
     return_level: int
     shutdown: int
+    temperature_limit: int
 
 
 def signed(raw: int) -> int:
@@ -218,6 +222,7 @@ def decode_eeprom(data: bytes) -> Eeprom:
         max_torque=word(data, MAX_TORQUE.address),
         return_level=data[RETURN_LEVEL.address],
         shutdown=data[SHUTDOWN.address],
+        temperature_limit=data[TEMPERATURE_LIMIT.address],
     )
 
 

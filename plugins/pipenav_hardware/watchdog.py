@@ -81,6 +81,32 @@ class Watchdog:
             ) from error
 
 
+class Farewell:
+    """Sends a device its last order when this process ends without having done so itself, however it ends."""
+
+    def __init__(self, port: int, order: bytes) -> None:
+        """
+        Args:
+            port: descriptor of the device's port.
+            order: what the device is sent.
+        """
+        reading, self._pipe = os.pipe()
+        command = [sys.executable, "-I", str(Path(supervisor.__file__)), supervisor.FAREWELL]
+        command += [str(port), str(reading), order.hex()]
+        self._process = subprocess.Popen(command, pass_fds=(port, reading), start_new_session=True)
+        os.close(reading)
+
+    def close(self) -> None:
+        """Let it end without a word: the device has had its order; closing twice is harmless."""
+        if self._pipe >= 0:
+            with contextlib.suppress(OSError):
+                os.write(self._pipe, b"D")
+            os.close(self._pipe)
+            self._pipe = -1
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self._process.wait(timeout=2)
+
+
 def _question(servo: int, joint: str) -> str:
     """How the supervisor asks a servo whether its torque is off, as an argument of its command line."""
     request = Packet(servo, READ, bytes([TORQUE_ENABLE.address, TORQUE_ENABLE.size])).encode()

@@ -257,6 +257,8 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         (("--policy", "arm", "--turn", "up"), "turn 'up' is neither left nor right"),
         (("--policy", "arm", "--d", "130"), "give --d and --angle, or neither"),
         (("--policy", "arm", "--target", "somewhere"), "target 'somewhere' is not X,Y"),
+        (("--policy", "arm", "--target", "10000,0"), "target 10000,0 mm is out of the arm's reach: x must lie between"),
+        (("--policy", "arm", "--target", "0.42,0.08"), "out of the arm's reach (is it in metres?)"),
         (("--policy", "arm", "--patience", "2"), "it is for --emulate alone"),
         (("--policy", "arm", "--seed", "2"), "--seed would be ignored here: it is the seed of an emulated arm"),
         (
@@ -318,6 +320,44 @@ def test_hw_check_as_typed(emulator: Emulator, capsys: pytest.CaptureFixture[str
     shown = capsys.readouterr()
     assert "servo 4 (theta3) does not answer" in shown.out
     assert "the arm has 1 problem" in shown.err
+
+
+def test_a_servo_that_would_not_shut_down_is_refused_by_every_command(
+    emulator: Emulator, capsys: pytest.CaptureFixture[str]
+) -> None:
+    emulator.order(fault="shutdown", servo=2, value=0)
+    for command in (("hw-check",), ("run-real", "--policy", "arm", "--yes")):
+        assert run(*command, "--arm", str(emulator.arm_path)) == 1
+        assert "does not switch itself off on overload and overheating" in capsys.readouterr().out
+    assert judge.only_asked(emulator.log_path)
+    assert run("calibrate", "--store-only", "--arm", str(emulator.arm_path)) == 0
+    assert run("hw-check", "--arm", str(emulator.arm_path)) == 0
+
+
+def test_answers_are_kept_although_the_servos_cannot_be_given_their_settings(
+    emulator: Emulator, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class Answers(io.StringIO):
+        """Answers of a person; with the last one the servos lose and gain something."""
+
+        def readline(self, *size: int) -> str:  # type: ignore[override]
+            line = super().readline(*size)
+            if self.tell() == len(self.getvalue()):
+                emulator.order(fault="lock")
+            return line
+
+    emulator.order(place=[512, 512, 512, 512])
+    monkeypatch.setattr(sys, "stdin", Answers("\n".join(["", "", "y", "15", "", "n", "", "y", "", "y"]) + "\n"))
+    ports = ("--port", emulator.arm.port, "--scanner-port", emulator.arm.scanner.port, "--robot", "basic")
+    arm = tmp_path / "arm.toml"
+    assert run("calibrate", *ports, "--arm", str(arm), "--write-servos") == 1
+    said = capsys.readouterr().err
+    assert "its EEPROM is locked" in said and f"store them by pipenav calibrate --store-only --arm {arm}" in said
+    assert arm.read_text().count("sign = -1") == 1
+
+
+def test_calibrate_without_a_port_is_wrong_usage() -> None:
+    assert run("calibrate") == 2
 
 
 def test_calibrate_as_typed(

@@ -16,6 +16,9 @@ BITS_PER_BYTE = 10
 PATIENCE = 0.1
 """A servo forgets a packet whose rest does not come within this time [s] (AX-12 manual)."""
 
+SET = {"return_level": table.RETURN_LEVEL, "shutdown": table.SHUTDOWN, "baud": table.BAUD}
+"""Faults that set a register to their value."""
+
 
 class _Reply(NamedTuple):
     """A servo and its status packet."""
@@ -75,8 +78,10 @@ class ServoBus:
             elif fault.fault == "wheel":
                 servo.set(table.CW_LIMIT, 0)
                 servo.set(table.CCW_LIMIT, 0)
-            elif fault.fault == "return_level":
-                servo.set(table.RETURN_LEVEL, int(fault.value))
+            elif fault.fault in SET:
+                servo.set(SET[fault.fault], int(fault.value))
+            elif fault.fault in ("lock", "torque_on"):
+                servo.set(table.LOCK if fault.fault == "lock" else table.TORQUE_ENABLE, 1)
             elif fault.fault == "duplicate":
                 servo.set(table.ID, int(fault.value))
                 break

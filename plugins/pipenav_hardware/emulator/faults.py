@@ -36,6 +36,10 @@ SERVO_FAULTS = {
     "return_level": "a servo's status return level is `value`",
     "duplicate": "a servo has the id `value`",
     "auto_torque": "a servo switches its torque on when a goal is written",
+    "shutdown": "a servo's alarm shutdown (register 18) is `value`",
+    "lock": "a servo's EEPROM is locked until it loses power",
+    "baud": "a servo's register 4 is `value`",
+    "torque_on": "a servo's torque is on from the beginning",
 }
 SENSOR_FAULTS = {
     "drop": "a scan or reading is not sent",
@@ -49,9 +53,17 @@ SENSOR_FAULTS = {
     "noise": "every point has noise of `value` metres, one sigma",
     "unplug": "the sensor is pulled out",
 }
-FAULTS = {"bus": BUS_FAULTS | SERVO_FAULTS, "scanner": SENSOR_FAULTS, "front": SENSOR_FAULTS}
+SCANNER_FAULTS = SENSOR_FAULTS | {
+    "laser": "its laser cannot be switched on",
+    "trouble": "it stops measuring with the status `value`, 21 to 97",
+    "time_mode": "an earlier program left it in time-stamp mode",
+}
+FAULTS = {"bus": BUS_FAULTS | SERVO_FAULTS, "scanner": SCANNER_FAULTS, "front": SENSOR_FAULTS}
 
-ONCE = {"power_dip", "overheat", "model", "wheel", "return_level", "duplicate", "unplug"}
+ONCE = {
+    "power_dip", "overheat", "model", "wheel", "return_level", "duplicate", "unplug",
+    "shutdown", "lock", "baud", "torque_on", "time_mode",
+}  # fmt: skip
 """Faults that change something once, when they begin."""
 
 

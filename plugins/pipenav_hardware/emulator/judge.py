@@ -120,6 +120,12 @@ def torque(log: Path, servos: Sequence[int]) -> dict[int, Torque]:
     return state
 
 
+def laser(log: Path) -> bool:
+    """Whether the scanner's laser is on at the log's end."""
+    states = [bool(record["on"]) for record in records(log) if record.get("event") == "laser"]
+    return bool(states) and states[-1]
+
+
 def only_asked(log: Path) -> bool:
     """Whether nothing but PING and READ reached the servos."""
     return all(heard.packet.code in (packets.PING, packets.READ) for heard in instructions(log))

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import json
 import os
 import select
+import struct
 import termios
 import time
 import tty
@@ -16,6 +18,9 @@ from typing import Any
 
 Send = Callable[[float, bytes], None]
 """Sends bytes to the host, so many seconds from now."""
+
+TCGETS2, TERMIOS2_SIZE = 0x802C542A, 44
+"""Linux's question for all settings of a terminal, the output speed last."""
 
 BAUDS = {getattr(termios, name): int(name[1:]) for name in dir(termios) if name.startswith("B") and name[1:].isdigit()}
 """Speeds by the terminal's own numbers for them."""
@@ -95,8 +100,13 @@ class Line:
 
     @property
     def baud(self) -> int:
-        """Speed that the host has set; 0 for one that has no name."""
-        return BAUDS.get(termios.tcgetattr(self.master)[5], 0)
+        """Speed that the host has set; 0 where it is not known."""
+        speed = termios.tcgetattr(self.master)[5]
+        if speed in BAUDS:
+            return BAUDS[speed]
+        with contextlib.suppress(OSError):  # a speed without a name, as a number of its own
+            return int(struct.unpack("I", fcntl.ioctl(self.master, TCGETS2, bytes(TERMIOS2_SIZE))[-4:])[0])
+        return 0
 
     def read(self) -> bytes:
         """Bytes that have arrived from the host."""

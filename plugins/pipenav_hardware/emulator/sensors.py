@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from pipenav.robots import Laser
 from pipenav_hardware import scip2
-from pipenav_hardware.emulator.faults import FaultScript
+from pipenav_hardware.emulator.faults import Fault, FaultScript
 from pipenav_hardware.emulator.line import Send
 from pipenav_hardware.emulator.plant import Plant
 from pipenav_hardware.front_sensor import HELLO, RANGE_MM, framed
@@ -34,11 +36,30 @@ BOOT_TIME = 1.5
 """How long a classic Arduino is deaf after its port was opened [s]."""
 
 
-class Scip2Device:
-    """A Hokuyo-like scanner with the ranges of the robot's own laser."""
+def _nowhere(what: str, **more: Any) -> None:
+    """Log of a scanner that nobody watches."""
 
-    def __init__(self, laser: Laser, plant: Plant, faults: FaultScript, send: Send) -> None:
-        self._plant, self._faults, self._send = plant, faults, send
+
+class Scip2Device:
+    """A Hokuyo-like scanner with the ranges of the robot's own laser.
+
+    Attributes:
+        shines: whether its laser is on.
+    """
+
+    def __init__(
+        self, laser: Laser, plant: Plant, faults: FaultScript, send: Send, note: Callable[..., None] = _nowhere
+    ) -> None:
+        """
+        Args:
+            laser: the robot's laser, whose ranges it has.
+            plant: what it sees.
+            faults: what goes wrong.
+            send: sends bytes to the host.
+            note: logs an event, here `laser` and whether it is on.
+        """
+        self._plant, self._faults, self._send, self._note = plant, faults, send, note
+        self.shines = self._time_mode = False
         self._rng = np.random.default_rng(faults.number(2**31))
         self._least = max(round(laser.range_min * 1e3), 1)
         self._most = round(laser.range_max * 1e3)
@@ -67,12 +88,29 @@ class Scip2Device:
 
     def _command(self, text: str) -> None:
         """Obey a command of the host, and answer it."""
-        if scip2.MEASURING.fullmatch(text):
+        if self._time_mode and (text == "BM" or scip2.MEASURING.fullmatch(text)):
+            self._say(text, "0A")
+        elif text == "BM" and self._faults.active("laser", "scanner"):
+            self._say(text, "01")
+        elif text == "BM":
+            self._say(text, "02" if self.shines else "00")
+            self._shine(True)
+        elif text[:2] == "TM" and text[2:] in ("0", "2"):
+            wanted = text == "TM0"
+            self._say(text, "00" if wanted != self._time_mode else "02" if wanted else "03")
+            self._time_mode = wanted
+        elif text == "II":
+            trouble = self._faults.active("trouble", "scanner")
+            stat = f"STAT:{f'Error {int(trouble.value)}' if trouble else 'Sensor works well.'}"
+            self._say(text, "00", *(f"{line};{scip2.checksum(line)}" for line in ("MODL:URG-04LX(emulated)", stat)))
+        elif scip2.MEASURING.fullmatch(text):
+            self._shine(True)
             self._first, self._last = int(text[2:6]), int(text[6:10])
             self._echo, self._next = text, 0.0
             self._say(text, "00")
         elif text in ("QT", "RS"):
             self._next = math.inf
+            self._shine(False)
             self._say(text, "00")
         elif text == "PP":
             first, last = self._limits
@@ -81,10 +119,21 @@ class Scip2Device:
                 f"AMIN:{first}", f"AMAX:{last}", f"AFRT:{FRONT_STEP}", "SCAN:600",
             ]  # fmt: skip
             self._say(text, "00", *(f"{line};{scip2.checksum(line)}" for line in values))
-        elif text in ("BM", "SCIP2.0"):
+        elif text == "SCIP2.0":
             self._say(text, "00")
         elif text:
             self._say(text, "0E")
+
+    def begin(self, fault: Fault) -> None:
+        """Begin a fault that changes the scanner once."""
+        if fault.fault == "time_mode":
+            self._time_mode, self._next = True, math.inf
+
+    def _shine(self, on: bool) -> None:
+        """Switch the laser on or off."""
+        if on != self.shines:
+            self.shines = on
+            self._note("laser", on=on)
 
     def _say(self, echo: str, status: str, *lines: str) -> None:
         reply = [echo, scip2.with_sum(status), *lines, "", ""]
@@ -94,6 +143,10 @@ class Scip2Device:
         """Send a scan, with what goes wrong with it."""
         faults = self._faults
         if faults.active("drop", "scanner"):
+            return
+        if trouble := faults.active("trouble", "scanner"):
+            self._say(self._echo, f"{int(trouble.value):02d}")
+            self._next = math.inf
             return
         if not (faults.active("freeze", "scanner") and self._distances):
             self._distances = self.measure(now)

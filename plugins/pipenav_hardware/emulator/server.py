@@ -34,7 +34,7 @@ from pipenav_hardware.emulator.sensors import FrontDevice, Scip2Device
 from pipenav_hardware.emulator.servo import EmulatedServo
 
 AFTERLIFE = 1.0
-"""How long the devices outlive their orders where a servo's torque is on then [s].
+"""How long the devices outlive their orders where a servo's torque, or the scanner's laser, is on then [s].
 
 The process that gave the orders may have been killed; real servos would still hear the supervisor, and answer it.
 """
@@ -60,12 +60,15 @@ class Server:
         self.faults = FaultScript(list(config.settings.faults), config.settings.seed)
         robot = load_robot(config.robot)
         self.plant = _plant(config)
-        servos = [EmulatedServo(servo.id, servo.count_limits, servo.torque_counts) for servo in config.arm.servos]
+        servos = [
+            EmulatedServo(servo.id, servo.count_limits, servo.torque_counts, config.arm.baud)
+            for servo in config.arm.servos
+        ]
         self.lines = {"bus": Line(Path(config.arm.port)), "scanner": Line(Path(config.arm.scanner.port))}
         if config.arm.front_sensor is not None:
             self.lines["front"] = Line(Path(config.arm.front_sensor.port), hold_open=False)
         self.bus = ServoBus(servos, self.plant, self.faults, self._sender("bus"), config.settings.adapter_latency)
-        self.scanner = Scip2Device(robot.laser, self.plant, self.faults, self._sender("scanner"))
+        self.scanner = Scip2Device(robot.laser, self.plant, self.faults, self._sender("scanner"), self.log.event)
         self.front = FrontDevice(self.plant, self.faults, self._sender("front"), config.settings.boot_time)
         self._outgoing: list[_Outgoing] = []
         self._count, self._start, self._orders = 0, time.monotonic(), b""
@@ -118,7 +121,7 @@ class Server:
             for order in orders:
                 self._obey(json.loads(order))
             if not data:
-                self._ends = self._now + (AFTERLIFE if self._holds() else 0.0)
+                self._ends = self._now + (AFTERLIFE if self._holds() or self.scanner.shines else 0.0)
         return self._now < self._ends
 
     def _holds(self) -> bool:
@@ -161,6 +164,8 @@ class Server:
             self.log.event("fault", **fault.model_dump())
             if fault.fault == "unplug":
                 self.lines[fault.device].unplug()
+            elif fault.device == "scanner":
+                self.scanner.begin(fault)
             else:
                 self.bus.feel(now)
                 self.bus.begin(fault)

@@ -44,7 +44,7 @@ class EmulatedServo:
         model: model number that it gives.
     """
 
-    def __init__(self, servo: int, limits: tuple[int, int], max_torque: int) -> None:
+    def __init__(self, servo: int, limits: tuple[int, int], max_torque: int, baud: int = 1_000_000) -> None:
         self.memory = bytearray(table.TABLE_END)
         self.auto_torque_on_goal = False
         self.volts, self.heat = NOMINAL_VOLTAGE, AMBIENT
@@ -55,6 +55,7 @@ class EmulatedServo:
             self.set(register, register.initial)
         for register, value in (
             (table.ID, servo),
+            (table.BAUD, table.BAUD_VALUES[baud]),
             (table.RETURN_DELAY, 0),
             (table.CW_LIMIT, limits[0]),
             (table.CCW_LIMIT, limits[1]),
