@@ -11,7 +11,6 @@ from pipenav.backends.backend import (
     BackendOptions,
     Simulator,
     Variation,
-    Viewer,
     physics_steps,
 )
 from pipenav.backends.contact_force import Windows, strongest
@@ -33,6 +32,7 @@ from pipenav.backends.requirements import availability
 from pipenav.backends.safety import Bounds, Deadlines, Limited, Repeats, Stopped
 from pipenav.backends.simulators import DEFAULT_SIMULATOR, SimulatorSettings, load_simulator, open_simulator, open_space
 from pipenav.backends.spatial import HALVES, SpaceBackend, SpaceReading, SpaceTruth
+from pipenav.backends.viewer import HasWindow, Sight, Viewer
 from pipenav.backends.wall_boxes import OUTER_THICKNESS, PARKED, WALL_HALF_HEIGHT, Edge, WallBoxes, wall_boxes
 
 __all__ = [
@@ -55,6 +55,7 @@ __all__ = [
     "Edge",
     "Emulated",
     "Finding",
+    "HasWindow",
     "Limited",
     "NoViewer",
     "PlaneOnly",
@@ -63,6 +64,7 @@ __all__ = [
     "Recoder",
     "Repeats",
     "Sent",
+    "Sight",
     "Simulator",
     "SimulatorSettings",
     "SpaceBackend",

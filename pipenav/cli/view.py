@@ -31,7 +31,7 @@ PIPES_HELP = f"Pipe set, a route as runs-level:3, FILE.toml or d=90,angle=60; re
 ROBOT_HELP = "Robot of a behaviour (basic) or baseline, or of a trajectory whose robot is not shipped."
 EPISODE_HELP = "Number of one of the episodes that `pipenav eval` runs in each pipe, from 0."
 OUT_HELP = "Picture .png (a strip), film .gif or .mp4, or trajectory .csv; repeatable."
-LIVE_HELP = "Open the simulator's own viewer and run in real time."
+LIVE_HELP = "Open the simulator's own viewer and run in real time, with beams, forces, target and a line of text."
 
 
 PolicyOption = Annotated[str | None, typer.Option(help=POLICY_HELP, rich_help_panel=SOURCE)]
