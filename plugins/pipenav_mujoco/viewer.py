@@ -134,6 +134,7 @@ def _add(scene: Any, kind: Any, size: float, place: Floats, colour: list[float])
         return None
     geom = scene.geoms[scene.ngeom]
     mujoco.mjv_initGeom(geom, kind, np.full(3, size), place, np.eye(3).ravel(), np.array(colour, np.float32))
+    geom.emission = 0.5  # marks must be seen in the shade of walls too
     scene.ngeom += 1
     return geom
 
