@@ -12,7 +12,6 @@ from pipenav.backends.backend import (
     BackendOptions,
     Simulator,
     Variation,
-    Viewer,
     physics_steps,
 )
 from pipenav.backends.contact_force import Windows, strongest
@@ -34,6 +33,7 @@ from pipenav.backends.requirements import availability
 from pipenav.backends.safety import Bounds, Deadlines, Limited, Repeats, Stopped, TorqueUnconfirmed
 from pipenav.backends.simulators import DEFAULT_SIMULATOR, SimulatorSettings, load_simulator, open_simulator, open_space
 from pipenav.backends.spatial import HALVES, SpaceBackend, SpaceReading, SpaceTruth
+from pipenav.backends.viewer import HasWindow, Sight, Viewer
 from pipenav.backends.wall_boxes import OUTER_THICKNESS, PARKED, WALL_HALF_HEIGHT, Edge, WallBoxes, wall_boxes
 from pipenav.processes.children import Worker, WorkerEnded, start_python, start_worker, worker_end
 from pipenav.processes.temporary import temporary_folder
@@ -59,6 +59,7 @@ __all__ = [
     "Edge",
     "Emulated",
     "Finding",
+    "HasWindow",
     "Limited",
     "NoViewer",
     "PlaneOnly",
@@ -67,6 +68,7 @@ __all__ = [
     "Recoder",
     "Repeats",
     "Sent",
+    "Sight",
     "Simulator",
     "SimulatorSettings",
     "SpaceBackend",

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import ClassVar, NamedTuple, Protocol
+from typing import ClassVar, NamedTuple
 
 from pipenav.arrays import Floats, Ints, Table
 from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.backends.refusals import CannotIncline, CannotVary, NoViewer, PlaneOnly, UnevenTimestep
 from pipenav.backends.spatial import SpaceBackend
+from pipenav.backends.viewer import Viewer
 from pipenav.pipes.pipe import Pipe
 from pipenav.robots.robot import RobotSpec
 
@@ -93,18 +94,6 @@ class Variation(NamedTuple):
     def part(self, rows: Ints) -> Variation:
         """Variation of some of the robots, by their rows."""
         return Variation(*(column[rows] for column in self))
-
-
-class Viewer(Protocol):
-    """A window on a backend's first robot."""
-
-    def show(self) -> bool:
-        """Show the present state; False once the person has closed the window."""
-        ...
-
-    def close(self) -> None:
-        """Close the window; closing twice is harmless."""
-        ...
 
 
 class Simulator(Backend):

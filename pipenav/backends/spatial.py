@@ -12,6 +12,8 @@ from typing import NamedTuple
 
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.messages import Reading
+from pipenav.backends.refusals import NoViewer
+from pipenav.backends.viewer import Viewer
 from pipenav.pipes.route import PipeRoute
 
 HALVES = 2
@@ -94,6 +96,15 @@ class SpaceBackend(ABC):
     @abstractmethod
     def truth(self) -> SpaceTruth:
         """State of the world now, and contacts of the last control period."""
+
+    def open_viewer(self) -> Viewer:
+        """Open the simulator's own window on the first robot.
+
+        Raises:
+            NoViewer: the simulator has none.
+            PipenavError: no window can be opened on this display.
+        """
+        raise NoViewer(self)
 
     @abstractmethod
     def close(self) -> None:

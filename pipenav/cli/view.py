@@ -32,7 +32,7 @@ ROBOT_HELP = "Robot of a behaviour (basic) or baseline, or of a trajectory whose
 EPISODE_HELP = "Number of one of the episodes that `pipenav eval` runs in each pipe, from 0."
 OUT_HELP = "Picture .png (a strip), film .gif or .mp4, or trajectory .csv; repeatable."
 RECORDED = "a trajectory is recorded already and brings its own pipe"
-LIVE_HELP = "Open the simulator's own viewer and run in real time."
+LIVE_HELP = "Open the simulator's own viewer and run in real time, with beams, forces, target and a line of text."
 
 
 PolicyOption = Annotated[str | None, typer.Option(help=POLICY_HELP, rich_help_panel=SOURCE)]

@@ -11,9 +11,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from pipenav.arrays import Floats, Ints
-from pipenav.backends.backend import Simulator, Variation, Viewer
+from pipenav.backends.backend import Simulator, Variation
 from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.backends.refusals import CannotVary
+from pipenav.backends.viewer import Viewer
 from pipenav.disturbances.disturbance import MAX_LATENCY, Disturbance
 from pipenav.pipes.pipe import Pipe
 from pipenav.robots import laser

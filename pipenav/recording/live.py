@@ -8,10 +8,11 @@ from contextlib import closing, contextmanager
 
 import numpy as np
 
-from pipenav.backends.backend import CONTROL_PERIOD, Simulator, Viewer
+from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.simulators import open_simulator
+from pipenav.backends.viewer import HasWindow, Sight, Viewer
 from pipenav.motions.trajectory import Trajectory
-from pipenav.recording.record import RecordingSettings
+from pipenav.recording.record import RecordingSettings, live_text
 
 Clock = Callable[[], float]
 Sleep = Callable[[float], None]
@@ -27,23 +28,24 @@ class Window:
 
     def __init__(self, clock: Clock = time.monotonic, sleep: Sleep = time.sleep) -> None:
         self._clock, self._sleep = clock, sleep
-        self._backend: Simulator | None = None
+        self._backend: HasWindow | None = None
         self._viewer: Viewer | None = None
-        self._due = 0.0
+        self._due, self._sight = 0.0, Sight()
 
-    def __call__(self, backend: Simulator) -> None:
+    def __call__(self, backend: HasWindow, sight: Sight) -> None:
         """Show the backend's first robot, one control period after the call before."""
+        self._sight = sight
         if backend is not self._backend:
             self.close()
             self._backend, self._viewer = backend, backend.open_viewer()
             self._due = self._clock()
-        if self._viewer is not None and self._viewer.show():
+        if self._viewer is not None and self._viewer.show(sight):
             self._due += CONTROL_PERIOD
             self._sleep(max(0.0, self._due - self._clock()))
 
     def wait(self) -> None:
         """Stay until the window is closed."""
-        while self._viewer is not None and self._viewer.show():
+        while self._viewer is not None and self._viewer.show(self._sight):
             self._sleep(CONTROL_PERIOD)
 
     def close(self) -> None:
@@ -69,7 +71,7 @@ def play(trajectories: Sequence[Trajectory], simulator: RecordingSettings) -> No
         header = one.header
         opened = open_simulator(simulator.backend, one.robot, 1, simulator.options, len(header.pipe.segments))
         with closing(opened) as backend:
-            for q in one.q:
+            for seconds, q in zip(one.time, one.q, strict=True):
                 backend.reset(np.arange(1), [header.pipe], q[None], np.array([header.base_m]))
                 if simulator.watch is not None:
-                    simulator.watch(backend)
+                    simulator.watch(backend, Sight(live_text(header.pipe.label, seconds), header.goal_m))

@@ -10,8 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipenav.arrays import Floats
-from pipenav.backends.backend import Simulator
+from pipenav.backends.backend import CONTROL_PERIOD, Simulator
 from pipenav.backends.simulators import open_simulator
+from pipenav.backends.viewer import HasWindow, Sight
 from pipenav.evaluation.episode_runner import random_start
 from pipenav.evaluation.locate_stage import LocateStage
 from pipenav.evaluation.rear_stage import RearStage
@@ -29,8 +30,8 @@ from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.reach.episode import ReachEpisodes
 from pipenav.tasks.registry import task_of
 
-Onlooker = Callable[[Simulator], None]
-"""Called with the simulator at the start and after every control step, to show it."""
+Onlooker = Callable[[HasWindow, Sight], None]
+"""Called at the start and after every control step with the simulator and what to show beside its robot."""
 
 
 class RecordingSettings(NamedTuple):
@@ -83,21 +84,30 @@ def record(
         start: configuration in which the episode starts, (coordinates,).
         watch: see `Onlooker`.
     """
-    look = watch or (lambda _: None)
+    look = watch or (lambda _, __: None)
+    label, target = header.pipe.label, header.goal_m
     q, force, links = [start], [0.0], [np.zeros((len(stage.robot.links), 2))]
     outcome = Outcome.RUNNING
     with closing(stage):
         stage.start(np.arange(1))
-        look(backend)
+        look(backend, Sight(live_text(label, 0.0), target))
         while outcome is Outcome.RUNNING:
             step = stage.step()
-            look(backend)
             outcome = Outcome(step.outcome[0])
+            seconds = CONTROL_PERIOD * len(q)
+            look(backend, Sight(live_text(label, seconds, float(step.truth.contact_force[0]), outcome), target))
             q.append(step.q[0])
             force.append(float(step.truth.contact_force[0]))
             links.append(step.truth.link_forces[0])
     ended = header.model_copy(update={"outcome": outcome.label})
     return Trajectory(ended, stage.robot, np.array(q), np.array(force), np.array(links))
+
+
+def live_text(label: str, seconds: float, force: float | None = None, outcome: Outcome = Outcome.RUNNING) -> str:
+    """Line of text in a window: pipe, time, and once they are known contact force and outcome."""
+    touched = "" if force is None else f", contact {force:.1f} N"
+    ended = "" if outcome is Outcome.RUNNING else f", {outcome.label}"
+    return f"{label}, {seconds:.1f} s{touched}{ended}"
 
 
 def record_task(
@@ -168,17 +178,20 @@ def record_locate(
     stage = LocateStage(seeing, LOCATORS[variant](seeing, LocateConfig(), 1), task, backend, lambda _: one)
     ranges, beams = [], []
 
-    def look(backend: Simulator) -> None:
+    def look(backend: HasWindow, sight: Sight) -> None:
         ranges.append(stage.reading.ranges[0].copy())
         beams.append(int(stage.beam[0]))
         if simulator.watch is not None:
-            simulator.watch(backend)
+            simulator.watch(backend, sight._replace(target=found_target() if beams[-1] >= 0 else None))
+
+    def found_target() -> tuple[float, float]:
+        x, y = frames.robot_to_pipe(frames.canonical_to_robot(stage.target[0], one.turn_sign[0]), one.base[0])
+        return float(x), float(y)
 
     trajectory = record(stage, backend, header, one.q[0], look)
     if beams[-1] < 0:
         return Located(trajectory, np.array(ranges), None, None)
-    x, y = frames.robot_to_pipe(frames.canonical_to_robot(stage.target[0], one.turn_sign[0]), one.base[0])
-    header = trajectory.header.model_copy(update={"goal_m": (float(x), float(y))})
+    header = trajectory.header.model_copy(update={"goal_m": found_target()})
     found = int(np.argmax(np.array(beams) >= 0)) - 1  # a step decides on the scan before it
     return Located(replace(trajectory, header=header), np.array(ranges), found, beams[-1])
 

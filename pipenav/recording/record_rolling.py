@@ -10,13 +10,13 @@ import numpy as np
 from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.simulators import open_space
-from pipenav.errors import PipenavError
+from pipenav.backends.viewer import Sight
 from pipenav.evaluation.episode_runner import random_start
 from pipenav.evaluation.rolling_stage import check_in_space, gravity_of
 from pipenav.evaluation.stage import TaskStage
 from pipenav.pipes.route import PipeRoute
 from pipenav.policies.controller import AnyController
-from pipenav.recording.record import RecordingSettings
+from pipenav.recording.record import RecordingSettings, live_text
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.rolling.batch import RollingBatch
@@ -67,21 +67,20 @@ def record_in_space(
     The arguments are those of `record_task`.
 
     Raises:
-        PipenavError: a robot or a backend that cannot roll, or a live window, which there is not.
+        PipenavError: a robot or a backend that cannot roll, or a live window that cannot open.
     """
     robot, task = controller.robot, controller.task
     check_in_space(robot, simulator.backend)
-    if simulator.watch is not None:
-        raise PipenavError("--live shows robots in a plane: give --out a name ending in .gif or .mp4 for a film.")
     assert isinstance(task, TraverseConfig)  # no other task takes such routes
     one = random_start(robot, task, [route], episode + 1, seed)(episode)
     world = open_space(simulator.backend, robot, 1, simulator.options, gravity_of(task))
     batch = RollingBatch(robot, task, world, 1, lambda _: one)
-    outcome = Outcome.RUNNING
+    look, outcome = simulator.watch or (lambda _, __: None), Outcome.RUNNING
     with closing(TaskStage(batch, controller)) as stage:
         stage.start(np.arange(1))
         truth = batch.truth()
         points, normals, force, doing = [truth.points[0]], [truth.normals[0]], [0.0], [batch.doing[0]]
+        look(world, Sight(f"{live_text(route.label, 0.0)}, {doing[0]}"))
         while outcome is Outcome.RUNNING:
             outcome = Outcome(stage.step().outcome[0])
             truth = batch.truth()
@@ -89,6 +88,8 @@ def record_in_space(
             normals.append(truth.normals[0])
             force.append(float(truth.contact_force[0]))
             doing.append(batch.doing[0])
+            told = live_text(route.label, CONTROL_PERIOD * (len(points) - 1), force[-1], outcome)
+            look(world, Sight(f"{told}, {doing[-1]}"))
     long = batch.pipes[0]
     arrays = np.array(points), np.array(normals), np.array(force)
     return SpaceRecording(long, robot, name, simulator.backend, outcome.label, *arrays, tuple(doing))

@@ -28,7 +28,7 @@ from pipenav.pipes import Pipe
 from pipenav.robots import BASE, RobotSpec, kinematics, laser
 from pipenav_mujoco.model import Contact, build_spec
 from pipenav_mujoco.space import MujocoSpace, SpaceSettings
-from pipenav_mujoco.viewer import MujocoViewer
+from pipenav_mujoco.viewer import FROM_ABOVE, Marks, MujocoViewer
 
 
 class MujocoOptions(BackendOptions):
@@ -208,7 +208,21 @@ class MujocoBackend(Simulator):
         model.geom_size[first : first + self._slots] = self._wall_half_size[0]
         live = {"qpos": self._state, "qvel": self._speeds, "ctrl": self._ctrl}
         walls = {"mocap_pos": self._wall_position, "mocap_quat": self._wall_quaternion}
-        return MujocoViewer(model, {name: values[0] for name, values in (live | walls).items()})
+        states = {name: values[0] for name, values in (live | walls).items()}
+        return MujocoViewer(model, states, self._marks, FROM_ABOVE)
+
+    def _marks(self) -> Marks:
+        """Beams and forces of the first robot."""
+        pose, lengths = self._own_pose(), self._robot.lengths[:, None]
+        beams = pose.headings[0, -1] + self._robot.laser.angles
+        ends = pose.tip[0] + self._ranges[0, :, None] * np.stack([np.cos(beams), np.sin(beams)], axis=1)
+        along = np.stack([np.cos(pose.headings[0]), np.sin(pose.headings[0])], axis=1)
+        middles = pose.joints[0] + lengths / 2 * along
+        tip, ends, middles, forces = (
+            np.pad(part, [(0, 0)] * (part.ndim - 1) + [(0, 1)])
+            for part in (pose.tip[0], ends, middles, self._link_forces[0])
+        )
+        return Marks(tip, ends, middles, forces, float(self._base[0]))
 
     def close(self) -> None:
         self.__dict__.pop("_batch", None)

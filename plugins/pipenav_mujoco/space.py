@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -17,9 +18,14 @@ from pipenav.pipes import PipeRoute, about_x
 from pipenav.robots import BASE, RobotSpec, laser
 from pipenav_mujoco.model import Contact
 from pipenav_mujoco.space_model import FRONT, WALL_GROUP, space_spec
+from pipenav_mujoco.viewer import ASLANT, Marks, MujocoViewer
 
 SEEN = np.array([group == WALL_GROUP for group in range(mujoco.mjNGROUP)], np.uint8)
 """Flags of the geom groups that beams meet."""
+
+
+CLEAR = [0.7, 0.72, 0.75, 0.25]
+"""Colour of walls in the viewer: red, green, blue, opacity."""
 
 
 class SpaceSettings(NamedTuple):
@@ -65,6 +71,10 @@ class MujocoSpace(SpaceBackend):
 
     def truth(self) -> SpaceTruth:
         return SpaceTruth(*map(np.array, zip(*(world.truth() for world in self._placed()), strict=True)))
+
+    def open_viewer(self) -> MujocoViewer:
+        """Open MuJoCo's own viewer on the first robot, in a route whose walls can be seen through."""
+        return self._placed()[0].open_viewer()
 
     def _placed(self) -> list[_World]:
         return [world for world in self._worlds if world is not None]
@@ -131,10 +141,26 @@ class _World:
         forces[:, :, self._bearing] += means[:, :, links + 1 :]  # a wheel's force is its link's
         self._forces = -strongest(forces)[0]  # the sensors give what the link does to the wall
 
+    def open_viewer(self) -> MujocoViewer:
+        model, data = copy.copy(self._model), self._data
+        walls = model.geom_bodyid == 0
+        model.geom_matid[walls], model.geom_rgba[walls] = -1, CLEAR
+        return MujocoViewer(model, {"qpos": data.qpos, "qvel": data.qvel, "ctrl": data.ctrl}, self._marks, ASLANT)
+
+    def _marks(self) -> Marks:
+        data = self._data
+        tip = data.site("tip").xpos.copy()
+        ends = tip + self._ranges[:, None] * self._beams()
+        return Marks(tip, ends, data.xipos[self._links].copy(), self._forces, 0.0)
+
+    def _beams(self) -> Floats:
+        """Directions of the laser beams, (beams, 3)."""
+        axes, angles = self._data.site("tip").xmat.reshape(3, 3), self._robot.laser.angles
+        return np.asarray(np.stack([np.cos(angles), np.sin(angles)], axis=1) @ axes[:, :2].T)
+
     def _scan(self) -> None:
         data, tip = self._data, self._data.site("tip")
-        axes = tip.xmat.reshape(3, 3)
-        beams = np.stack([np.cos(self._robot.laser.angles), np.sin(self._robot.laser.angles)], axis=1) @ axes[:, :2].T
+        beams = self._beams()
         geom = np.zeros(1, np.int32)
         met = [mujoco.mj_ray(self._model, data, tip.xpos, beam, SEEN, 1, -1, geom, None) for beam in beams]
         distances = np.array(met)

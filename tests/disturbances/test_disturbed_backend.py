@@ -10,8 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipenav.arrays import Floats, Ints
-from pipenav.backends.backend import Backend, BackendOptions, Variation, Viewer
+from pipenav.backends.backend import Backend, BackendOptions, Variation
 from pipenav.backends.messages import Command, Control, Reading
+from pipenav.backends.viewer import Viewer
 from pipenav.disturbances.disturbance import UNDISTURBED, Disturbance
 from pipenav.disturbances.disturbed_backend import DisturbedSimulator, disturbed
 from pipenav.errors import PipenavError

@@ -58,7 +58,7 @@ def test_forces_on_links_explain_the_contact_force(fronts: list[Trajectory]) -> 
 def test_who_looks_on_sees_the_start_and_every_step() -> None:
     seen: list[float] = []
 
-    def watch(backend: Backend) -> None:
+    def watch(backend: Backend, _: object) -> None:
         seen.append(float(backend.read().time[0]))
 
     front = record_task(open_controller("arm"), "arm", PIPE, 5, 0, RecordingSettings("mujoco", OPTIONS, watch))
