@@ -134,6 +134,7 @@ class _Training:
 
 def _new_training(recipe: _Recipe, out: Path | None, start: Path | None) -> _Training:
     """A new training in a folder of its own."""
+    from pipenav.learning.rehearsal import rehearse
     from pipenav.learning.training_folder import TrainingFolder, default_training_path
 
     preset = preset_below(recipe.preset, recipe.file)
@@ -141,6 +142,7 @@ def _new_training(recipe: _Recipe, out: Path | None, start: Path | None) -> _Tra
     _check_names(config)
     if start is not None:
         _check_start(start, config)
+    rehearse(config)
     command = shlex.join(["pipenav", *sys.argv[1:]])
     folder = TrainingFolder.create(out or default_training_path(preset), config, command)
     return _Training(preset, folder, config, start=start)
@@ -162,7 +164,6 @@ def _resumed_training(path: Path, given: list[Any], options: dict[str, Any]) -> 
     folder, config = TrainingFolder.open(path)
     if options["steps"] is not None:
         config = validate_config(config.model_dump() | {"steps": options["steps"]}, "--steps")
-        folder.write_config(config)
     return _Training(str(path), folder, config, resumed=True)
 
 
