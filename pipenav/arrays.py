@@ -1,9 +1,9 @@
-"""Types that every module shares: arrays of numbers, and the strict table for settings and descriptions."""
+"""Types that every module shares: arrays of numbers, the strict table for settings and descriptions, ranges."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,20 @@ from pydantic import BaseModel, ConfigDict
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
 Flags = NDArray[np.bool_]
+
+
+Number = TypeVar("Number", int, float)
+
+
+def ordered(span: tuple[Number, Number]) -> tuple[Number, Number]:
+    """A range, checked; for pydantic.
+
+    Raises:
+        ValueError: its ends are the wrong way round.
+    """
+    if span[0] > span[1]:
+        raise ValueError(f"a range is written as [smallest, largest], given [{span[0]:g}, {span[1]:g}]")
+    return span
 
 
 class Table(BaseModel):

@@ -150,6 +150,7 @@ class _Training:
 
 def _new_path(recipe: _Recipe, out: Path | None, start: Path | None) -> Path:
     """The folder of a new training that has been checked; nothing has been made yet."""
+    from pipenav.learning.rehearsal import rehearse
     from pipenav.learning.training_folder import TrainingFolder, default_training_path
 
     config = recipe.config()
@@ -158,6 +159,7 @@ def _new_path(recipe: _Recipe, out: Path | None, start: Path | None) -> Path:
         _check_start(start, config)
     path = out or default_training_path(recipe.name)
     TrainingFolder(path).refuse_other_training()
+    rehearse(config)
     return path
 
 
@@ -189,7 +191,6 @@ def _resumed_training(recipe: _Recipe, path: Path) -> _Training:
     folder, config = TrainingFolder.open(path)
     if recipe.options["steps"] is not None:
         config = validate_config(config.model_dump() | {"steps": recipe.options["steps"]}, "--steps")
-        folder.write_config(config)
     return _Training(str(path), folder, config, resumed=True)
 
 

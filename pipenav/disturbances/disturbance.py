@@ -7,30 +7,23 @@ from typing import Annotated, TypeVar
 
 from pydantic import AfterValidator, BaseModel, Field, ValidationError
 
-from pipenav.arrays import Table
+from pipenav.arrays import Table, ordered
 from pipenav.errors import ConfigError, PipenavError, UnknownName
 from pipenav.storage import shipped
 from pipenav.storage.text_files import read_toml
 
-Number = TypeVar("Number", int, float)
 Task = TypeVar("Task", bound=BaseModel)
 
 MAX_LATENCY = 5
 """Largest latency that can be set [control steps]: half a second is more than any bus needs."""
 
 
-def _ordered(span: tuple[Number, Number]) -> tuple[Number, Number]:
-    if span[0] > span[1]:
-        raise ValueError(f"a range is written as [smallest, largest], given [{span[0]:g}, {span[1]:g}]")
-    return span
-
-
 _Factor = Annotated[float, Field(gt=0, le=10)]
 _Share = Annotated[float, Field(ge=0, le=1)]
 _Steps = Annotated[int, Field(ge=0, le=MAX_LATENCY)]
-Factors = Annotated[tuple[_Factor, _Factor], AfterValidator(_ordered), Field(strict=False)]
-Shares = Annotated[tuple[_Share, _Share], AfterValidator(_ordered), Field(strict=False)]
-Steps = Annotated[tuple[_Steps, _Steps], AfterValidator(_ordered), Field(strict=False)]
+Factors = Annotated[tuple[_Factor, _Factor], AfterValidator(ordered), Field(strict=False)]
+Shares = Annotated[tuple[_Share, _Share], AfterValidator(ordered), Field(strict=False)]
+Steps = Annotated[tuple[_Steps, _Steps], AfterValidator(ordered), Field(strict=False)]
 
 
 class Disturbance(Table):

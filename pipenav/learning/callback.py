@@ -176,7 +176,11 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         """Write last.zip, the checkpoint that `--resume` needs, and progress.csv."""
         folder, model = self._folder, self.model
         save_policy(folder.last, model, self._header())
-        save_checkpoint(folder.checkpoint, model, Checkpoint(model.num_timesteps, self.seconds, self.best_success))
+        save_checkpoint(
+            folder.checkpoint,
+            model,
+            Checkpoint(steps=model.num_timesteps, seconds=self.seconds, best_success=self.best_success),
+        )
         folder.write_progress()
         self._last_saved = time.monotonic()
 

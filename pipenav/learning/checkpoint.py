@@ -7,29 +7,31 @@ from pathlib import Path
 from typing import NamedTuple
 
 import torch
+from pydantic import Field
 from safetensors import SafetensorError, safe_open
 from safetensors.torch import save
 from stable_baselines3 import PPO
 
-from pipenav.errors import PipenavError
+from pipenav.arrays import Table
+from pipenav.errors import PipenavError, shown
+from pipenav.learning.config import MOST_STEPS
 from pipenav.storage.atomic_files import atomic_write
+from pipenav.storage.text_files import parse_json, read_bytes
 
-UNREADABLE = (OSError, SafetensorError, RuntimeError, KeyError, TypeError, ValueError)
+UNREADABLE = (PipenavError, OSError, SafetensorError, RuntimeError, LookupError, TypeError, ValueError)
 """Exceptions that a corrupt file, or one of another network, may raise."""
 
 
-class Checkpoint(NamedTuple):
-    """Progress of a training, kept beside its weights.
+LARGEST_FILE = 256 << 20
+"""Largest checkpoint [bytes]: three times the weights and the optimiser's state of the largest networks."""
 
-    Attributes:
-        steps: control steps.
-        seconds: seconds of training.
-        best_success: success of the best check; -1 before any.
-    """
 
-    steps: int = 0
-    seconds: float = 0.0
-    best_success: float = -1.0
+class Checkpoint(Table):
+    """Progress of a training, kept beside its weights."""
+
+    steps: int = Field(0, ge=0, le=MOST_STEPS, description="control steps")
+    seconds: float = Field(0.0, ge=0, description="seconds of training")
+    best_success: float = Field(-1.0, ge=-1, le=1, description="success of the best check; -1 before any")
 
 
 def save_checkpoint(path: Path, model: PPO, checkpoint: Checkpoint) -> None:
@@ -37,7 +39,7 @@ def save_checkpoint(path: Path, model: PPO, checkpoint: Checkpoint) -> None:
     tensors = {f"policy.{name}": value for name, value in model.policy.state_dict().items()}
     for index, slots in model.policy.optimizer.state_dict()["state"].items():
         tensors |= {f"optimizer.{index}.{name}": torch.as_tensor(value) for name, value in slots.items()}
-    metadata = {"pipenav": json.dumps(checkpoint._asdict())}
+    metadata = {"pipenav": json.dumps(checkpoint.model_dump())}
     contiguous = {name: value.detach().contiguous().clone() for name, value in tensors.items()}
     atomic_write(path, save(contiguous, metadata))
 
@@ -53,7 +55,7 @@ def load_checkpoint(path: Path, model: PPO) -> Checkpoint:
         _load_policy(model, tensors)
         _load_optimizer(model, tensors)
     except UNREADABLE as error:
-        raise PipenavError(f"{path} cannot be resumed from: {error}.") from error
+        raise PipenavError(f"{path} cannot be resumed from: {_first_line(error)}.") from error
     model.num_timesteps = checkpoint.steps
     return checkpoint
 
@@ -67,7 +69,13 @@ def load_weights(path: Path, model: PPO) -> None:
     try:
         _load_policy(model, _read(path).tensors)
     except UNREADABLE as error:
-        raise PipenavError(f"{path} cannot be started from: {error}.") from error
+        raise PipenavError(f"{path} cannot be started from: {_first_line(error)}.") from error
+
+
+def _first_line(error: BaseException) -> str:
+    """The problem in short: PyTorch names every tensor that does not fit."""
+    text = " ".join(str(error).split())
+    return shown(text, quoted=False, longest=300).rstrip(".")
 
 
 class _Contents(NamedTuple):
@@ -76,9 +84,14 @@ class _Contents(NamedTuple):
 
 
 def _read(path: Path) -> _Contents:
+    read_bytes(path, LARGEST_FILE)
     with safe_open(path, framework="pt") as file:
-        checkpoint = Checkpoint(**json.loads(file.metadata()["pipenav"]))
+        metadata = parse_json((file.metadata() or {})["pipenav"], "its header")
+        checkpoint = Checkpoint.model_validate(metadata)
         tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118  # safe_open is no dict
+    for name, tensor in tensors.items():
+        if tensor.dtype != torch.float32 or not torch.isfinite(tensor).all():
+            raise ValueError(f"{shown(name)} holds numbers that are not finite or of another kind than float32")
     return _Contents(checkpoint, tensors)
 
 
@@ -94,5 +107,23 @@ def _load_optimizer(model: PPO, tensors: dict[str, torch.Tensor]) -> None:
         if name.startswith("optimizer."):
             _, index, slot = name.split(".", 2)
             slots.setdefault(int(index), {})[slot] = value
+    _check_slots(slots, [parameter for group in model.policy.optimizer.param_groups for parameter in group["params"]])
     whole["state"] = slots
     model.policy.optimizer.load_state_dict(whole)
+
+
+def _check_slots(slots: dict[int, dict[str, torch.Tensor]], parameters: list[torch.nn.Parameter]) -> None:
+    """Refuse a state of the optimiser that is not that of these parameters.
+
+    Raises:
+        ValueError: with the first parameter whose state does not fit.
+    """
+    for index, given in slots.items():
+        if not 0 <= index < len(parameters):
+            raise ValueError(f"it holds the state of {index + 1} parameters, the network has {len(parameters)}")
+        shapes = {name: tensor.shape for name, tensor in given.items()}
+        moments, shape = ("exp_avg", "exp_avg_sq"), parameters[index].shape
+        if shapes != {"step": torch.Size([])} | dict.fromkeys(moments, shape) or given["step"] < 0:
+            raise ValueError(f"the state of parameter {index} does not fit the network")
+        if (given["exp_avg_sq"] < 0).any():
+            raise ValueError(f"the state of parameter {index} has a negative square")

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, get_args
 
@@ -28,31 +29,53 @@ DEFAULT_PRESET = "arm"
 EXTENDS = "extends"
 """Key by which a preset or a file names the preset that it differs from."""
 
+MOST_STEPS = 10**12
+"""Most control steps of a training: years on any machine."""
+
 _Widths = tuple[Annotated[int, Field(ge=1, le=4096)], ...]
+
+
+MOST_WEIGHTS = 1 << 20
+"""Most weights between hidden layers: with four bytes each, they fit into a policy file."""
+
+MOST_SAMPLES = 1 << 20
+"""Most control steps between two updates: the learner keeps an observation of each."""
 
 
 class NetworkConfig(Table):
     """Fully connected tanh networks, widths from input to output."""
 
-    policy: _Widths = Field((64, 64), strict=False, description="hidden layers of the policy")
-    value: _Widths = Field((64, 64), strict=False, description="hidden layers of the value function")
+    policy: _Widths = Field((64, 64), strict=False, max_length=16, description="hidden layers of the policy")
+    value: _Widths = Field((64, 64), strict=False, max_length=16, description="hidden layers of the value function")
+
+    @model_validator(mode="after")
+    def _small(self) -> NetworkConfig:
+        for name, widths in (("policy", self.policy), ("value", self.value)):
+            weights = sum(a * b for a, b in pairwise(widths))
+            if weights > MOST_WEIGHTS:
+                problem = f"{name} has {weights:,} weights between its layers, at most {MOST_WEIGHTS:,} fit into a file"
+                raise PydanticCustomError("weights", problem)
+        return self
 
 
 class LearnerConfig(Table):
     """PPO (clip) with generalised advantage estimation."""
 
     robots: int = Field(192, ge=1, le=4096, description="robots that are stepped together")
-    rollout_steps: int = Field(16, ge=2, description="control steps of each robot between two updates")
-    batch_size: int = Field(512, ge=2, description="samples of a gradient step")
-    epochs: int = Field(8, ge=1, description="passes over a rollout")
-    learning_rate: float = Field(1e-3, gt=0, description="learning rate at the start; falls linearly to a twentieth")
-    gamma: float = Field(0.98, gt=0, le=1, description="discount per control step")
+    rollout_steps: int = Field(16, ge=2, le=100_000, description="control steps of each robot between two updates")
+    batch_size: int = Field(512, ge=2, le=MOST_SAMPLES, description="samples of a gradient step")
+    epochs: int = Field(8, ge=1, le=1000, description="passes over a rollout")
+    learning_rate: float = Field(
+        1e-3, ge=1e-12, description="learning rate at the start; falls linearly to a twentieth"
+    )
+    gamma: float = Field(0.98, ge=0, le=1, description="discount per control step")
     gae_lambda: float = Field(0.95, ge=0, le=1, description="lambda of the advantage estimate")
-    clip: float = Field(0.2, gt=0, description="clip range of the probability ratio")
-    noise_start: float = Field(0.6, gt=0, description="standard deviation of exploration at the start")
+    clip: float = Field(0.2, ge=1e-6, le=100, description="clip range of the probability ratio")
+    noise_start: float = Field(0.6, ge=1e-6, le=100, description="standard deviation of exploration at the start")
     noise_stop: float = Field(
         0.1,
-        gt=0,
+        ge=1e-6,
+        le=100,
         description="standard deviation from nine tenths of the steps on: the noise falls linearly, so that the policy "
         "ends up precise by itself instead of leaning on its own noise",
     )
@@ -63,14 +86,19 @@ class LearnerConfig(Table):
             samples = self.robots * self.rollout_steps
             problem = f"batch_size {self.batch_size} must divide robots x rollout_steps = {samples}"
             raise PydanticCustomError("batch_size", problem)
+        if self.robots * self.rollout_steps > MOST_SAMPLES:
+            problem = f"robots x rollout_steps = {self.robots * self.rollout_steps:,}, at most {MOST_SAMPLES:,} fit"
+            raise PydanticCustomError("samples", problem)
         return self
 
 
 class CheckConfig(Table):
     """Checks during training: the noise-free policy on some episodes; the best one becomes best.zip."""
 
-    every: int = Field(60_000, ge=1, description="control steps between two checks")
-    episodes: int = Field(200, ge=1, description="episodes of a check, spread evenly over the training pipes")
+    every: int = Field(60_000, ge=1, le=MOST_STEPS, description="control steps between two checks")
+    episodes: int = Field(
+        200, ge=1, le=100_000, description="episodes of a check, spread evenly over the training pipes"
+    )
 
 
 class TrainConfig(Table):
@@ -80,8 +108,10 @@ class TrainConfig(Table):
     robot: str = Field("basic", description="robot, by name or as the path of its robot.toml")
     backend: str = Field("mujoco", description="simulator backend")
     options: dict[str, Any] = Field(default_factory=dict, description="the backend's own settings")
-    pipes: tuple[str, ...] = Field(("thesis-train",), strict=False, min_length=1, description="pipe sets to train in")
-    steps: int = Field(120_000, ge=1, description="control steps of all robots together")
+    pipes: tuple[str, ...] = Field(
+        ("thesis-train",), strict=False, min_length=1, max_length=100, description="pipe sets to train in"
+    )
+    steps: int = Field(120_000, ge=1, le=MOST_STEPS, description="control steps of all robots together")
     seed: int = Field(0, ge=0, lt=2**32, description="seed of everything random")
     task: TaskConfig = ReachConfig()
     network: NetworkConfig = NetworkConfig()

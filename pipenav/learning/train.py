@@ -72,6 +72,8 @@ def train(
     try:
         model = new_model(config, env)
         checkpoint = load_checkpoint(folder.checkpoint, model) if resumed else Checkpoint()
+        if resumed:
+            folder.write_config(config)  # its number of steps may have changed
         if start is not None:
             load_weights(TrainingFolder.open(start).folder.checkpoint, model)
         if resumed:  # other episodes than those that the training has had already

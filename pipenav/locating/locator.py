@@ -108,6 +108,12 @@ def require_arm(robot: RobotSpec) -> None:
     if robot.hinges[0] or not robot.hinges[1:].all() or len(robot.hinges) < 2:
         kinds = ", ".join(joint.type for joint in robot.joints)
         raise PipenavError(f"approach I drives a slide followed by hinges; robot {robot.name!r} has {kinds}.")
+    front = LocateConfig().front
+    if not (np.abs(robot.laser.angles) <= front).any():
+        raise PipenavError(
+            f"approach I looks ahead, and robot {robot.name!r} has no beam within {np.degrees(front):.0f} deg of its "
+            "tip's axis: give its laser more beams."
+        )
 
 
 def robot_for(robot: RobotSpec, variant: Variant) -> RobotSpec:

@@ -21,6 +21,13 @@ MAX_STEPS = 1000
 """Most steps of a range: more is a slip of the keyboard."""
 
 
+MAX_CORNERS = 10_000
+"""Most corners of a set: several times the largest that is shipped."""
+
+MAX_TURNS = 100
+"""Most entries in a list of turns."""
+
+
 class _Range(BaseModel):
     """Evenly spaced values, both ends included."""
 
@@ -46,7 +53,7 @@ class _Range(BaseModel):
         return [round(float(x), 6) for x in np.linspace(self.start, self.stop, count)]
 
 
-_List = Annotated[list[float], Field(min_length=1)]
+_List = Annotated[list[float], Field(min_length=1, max_length=MAX_STEPS + 1)]
 Values = Annotated[
     Annotated[_List, Tag("list")] | Annotated[_Range, Tag("range")],
     Discriminator(lambda given: "range" if isinstance(given, dict | _Range) else "list"),
@@ -62,12 +69,14 @@ class CornerSetFile(BaseModel):
     description: str
     diameters_mm: Values
     angles_deg: Values
-    turns: list[str] = Field(["left"], min_length=1)
+    turns: list[str] = Field(["left"], min_length=1, max_length=MAX_TURNS)
     bend_radius_mm: float = 0.0
 
     def make(self) -> list[PipeCorner]:
         """The corners: every diameter with every angle, first to one side, then to the other."""
         diameters, angles = values_of(self.diameters_mm), values_of(self.angles_deg)
+        if (count := len(diameters) * len(angles) * len(self.turns)) > MAX_CORNERS:
+            raise ConfigError(f"a set of {count:,} corners is too large: give it {MAX_CORNERS:,} at most.")
         return [
             PipeCorner.of(d, a, turn, self.bend_radius_mm) for turn in self.turns for d in diameters for a in angles
         ]

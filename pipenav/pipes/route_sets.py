@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Literal, NamedTuple, TypeVar
@@ -11,7 +11,7 @@ from typing import Literal, NamedTuple, TypeVar
 from pydantic import BaseModel, ConfigDict, Field
 
 from pipenav.errors import ConfigError, PipenavError, UnknownName, shown
-from pipenav.pipes.corner_sets import Values, corner_set_names, parse_corners, read_as, values_of
+from pipenav.pipes.corner_sets import MAX_TURNS, Values, corner_set_names, parse_corners, read_as, values_of
 from pipenav.pipes.pipe import DEFAULT_WALL, Pipe
 from pipenav.pipes.route import PipeRoute, as_route
 from pipenav.pipes.route_checks import MAX_CORNERS, CrossesItself
@@ -26,6 +26,10 @@ MAX_ROUTES = 1000
 
 MAX_DRAWS = 1000
 """Draws of a route that crosses itself, until its set is refused."""
+
+
+MAX_WORK = 100_000
+"""Draws of a whole set times the square of its corners, as the time of a draw grows: some seconds."""
 
 
 class CornerEntry(BaseModel):
@@ -74,7 +78,7 @@ class RouteSetFile(BaseModel):
     corners: int = Field(ge=1, le=MAX_CORNERS)
     diameters_mm: Values
     angles_deg: Values
-    turns: list[str] = Field(["left", "right"], min_length=1)
+    turns: list[str] = Field(["left", "right"], min_length=1, max_length=MAX_TURNS)
     rolls_deg: Values = [0.0]
     straights_mm: Values
     ends_mm: float
@@ -89,14 +93,20 @@ class RouteSetFile(BaseModel):
         """
         draw = random.Random(self.seed).random  # the one stream that Python promises never to change
         diameters = values_of(self.diameters_mm)
-        return [self._draw_one(diameters[i % len(diameters)], draw) for i in range(self.routes)]
+        draws = iter(range(MAX_WORK // self.corners**2))
+        return [self._draw_one(diameters[i % len(diameters)], draw, draws) for i in range(self.routes)]
 
-    def _draw_one(self, diameter_mm: float, draw: Callable[[], float]) -> PipeRoute:
+    def _draw_one(self, diameter_mm: float, draw: Callable[[], float], draws: Iterator[int]) -> PipeRoute:
         def one_of(values: Sequence[T]) -> T:
             return values[int(draw() * len(values))]
 
         angles, rolls, straights = (values_of(given) for given in (self.angles_deg, self.rolls_deg, self.straights_mm))
         for _ in range(MAX_DRAWS):
+            if next(draws, None) is None:
+                raise PipenavError(
+                    f"a set of {self.routes} routes of {self.corners} corners takes too many draws: choose fewer "
+                    "routes or corners, or wider angles, with which fewer routes cross themselves."
+                )
             bends = [(one_of(angles), one_of(self.turns), one_of(rolls)) for _ in range(self.corners)]
             bends[0] = (*bends[0][:2], 0.0)  # the first corner's plane is the x-y plane
             lengths = [self.ends_mm, *(one_of(straights) for _ in bends[1:]), self.ends_mm]

@@ -12,6 +12,23 @@ from pydantic import Field, model_validator
 
 from pipenav.arrays import Floats, Table
 
+LONGEST = 20.0
+"""Largest joint position [rad, or m]: three turns, or the longest leg of a pipe."""
+
+LEAST_TRAVEL = 0.001
+"""Least travel of a joint [rad, or m]: less cannot be told from play."""
+
+MOST_PARTS = 50
+"""Most parts of a link."""
+
+# Pipes are 40 to 300 mm wide and their legs 20 m long at most. What is thinner than a screw, lighter than a coin, or
+# fits no pipe is a slip of the unit.
+Name = Annotated[str, Field(pattern=r"^\w[\w.+ -]{0,63}$")]
+Length = Annotated[float, Field(ge=1e-3, le=2)]
+Thickness = Annotated[float, Field(ge=1e-3, le=0.3)]
+Place = Annotated[float, Field(ge=-2, le=2)]
+Mass = Annotated[float, Field(ge=1e-3, le=50)]
+
 
 class Actuator(Table):
     """A geared DC motor under a voltage limit: effort = limit * (duty - speed / speed limit), duty in [-1, 1].
@@ -22,15 +39,18 @@ class Actuator(Table):
     """
 
     source: str
-    stall_effort: float = Field(gt=0, description="effort at standstill under full voltage [N m, or N for a slide]")
-    noload_speed: float = Field(gt=0, description="speed without load under full voltage [rad/s, or m/s]")
-    output_limit: float = Field(gt=0, le=1, description="share of full voltage that the driver allows")
+    stall_effort: float = Field(
+        ge=1e-4, le=1000, description="effort at standstill under full voltage [N m, or N for a slide]"
+    )
+    noload_speed: float = Field(ge=1e-3, le=1000, description="speed without load under full voltage [rad/s, or m/s]")
+    output_limit: float = Field(ge=0.01, le=1, description="share of full voltage that the driver allows")
     full_drive_error: float = Field(
-        gt=0,
+        ge=1e-4,
+        le=100,
         description="error at which the controller asks for full voltage: of position [rad, or m], of a wheel's speed "
         "[rad/s]",
     )
-    armature: float = Field(ge=0, description="inertia of rotor and gear seen at the joint [kg m^2, or kg]")
+    armature: float = Field(ge=0, le=1000, description="inertia of rotor and gear seen at the joint [kg m^2, or kg]")
 
     @property
     def effort_limit(self) -> float:
@@ -56,10 +76,10 @@ class Actuator(Table):
 class Joint(Table):
     """A joint and its actuator; a slide moves along the x axis of the link before it, a hinge turns about z."""
 
-    name: str
+    name: Name
     type: Literal["slide", "hinge"]
-    lower: float = Field(description="smallest position [rad, or m]")
-    upper: float = Field(description="largest position [rad, or m]")
+    lower: float = Field(ge=-LONGEST, description="smallest position [rad, or m]")
+    upper: float = Field(le=LONGEST, description="largest position [rad, or m]")
     limit_source: str
     actuator: str = Field(description="key of the actuator in the file's [actuators]")
 
@@ -67,6 +87,8 @@ class Joint(Table):
     def _ordered(self) -> Self:
         if not self.lower < 0 < self.upper:
             raise ValueError("the straight start pose, 0, must lie strictly between lower and upper")
+        if self.upper - self.lower < LEAST_TRAVEL:
+            raise ValueError(f"a joint needs a travel of {LEAST_TRAVEL:g} at least between lower and upper")
         return self
 
 
@@ -74,11 +96,11 @@ class BoxPart(Table):
     """A box, its sides along the link's axes."""
 
     shape: Literal["box"] = "box"
-    x: float = Field(description="position of the middle along the link, from the link's joint [m]")
-    y: float = Field(0.0, description="position of the middle to the left [m]")
-    length: float = Field(gt=0, description="size along x [m]")
-    width: float = Field(gt=0, description="size along y, in the robot's plane [m]")
-    height: float = Field(gt=0, description="size across the robot's plane, half of it on either side [m]")
+    x: Place = Field(description="position of the middle along the link, from the link's joint [m]")
+    y: Place = Field(0.0, description="position of the middle to the left [m]")
+    length: Length = Field(description="size along x [m]")
+    width: Thickness = Field(description="size along y, in the robot's plane [m]")
+    height: Thickness = Field(description="size across the robot's plane, half of it on either side [m]")
 
     @property
     def volume(self) -> float:
@@ -90,10 +112,10 @@ class DiscPart(Table):
     """A round part, its axis across the robot's plane: a wheel, or the end of a link around a joint."""
 
     shape: Literal["disc"]
-    x: float = Field(description="position of the middle along the link, from the link's joint [m]")
-    y: float = Field(0.0, description="position of the middle to the left [m]")
-    diameter: float = Field(gt=0, description="diameter in the robot's plane [m]")
-    height: float = Field(gt=0, description="size across the robot's plane, half of it on either side [m]")
+    x: Place = Field(description="position of the middle along the link, from the link's joint [m]")
+    y: Place = Field(0.0, description="position of the middle to the left [m]")
+    diameter: Thickness = Field(description="diameter in the robot's plane [m]")
+    height: Thickness = Field(description="size across the robot's plane, half of it on either side [m]")
 
     @property
     def volume(self) -> float:
@@ -109,11 +131,11 @@ class DiscPart(Table):
 class Wheel(Table):
     """A driven wheel, its axle across the robot's plane; its on-board controller keeps a speed."""
 
-    name: str
-    x: float = Field(0.0, description="position of the axle along the link, from the link's joint [m]")
-    diameter: float = Field(gt=0, description="diameter [m]")
-    height: float = Field(gt=0, description="height of the tread, across the robot's plane [m]")
-    mass: float = Field(gt=0, description="mass [kg]")
+    name: Name
+    x: Place = Field(0.0, description="position of the axle along the link, from the link's joint [m]")
+    diameter: Thickness = Field(description="diameter [m]")
+    height: Thickness = Field(description="height of the tread, across the robot's plane [m]")
+    mass: Mass = Field(description="mass [kg]")
     friction: float = Field(ge=0, le=2, description="Coulomb friction coefficient between tread and pipe")
     friction_source: str
     actuator: str = Field(description="key of the actuator in the file's [actuators]")
@@ -135,17 +157,20 @@ Part = Annotated[BoxPart | DiscPart, Field(discriminator="shape")]
 class Link(Table):
     """A link from its joint (x = 0) to the next joint (x = length): its parts, or one box where none are given."""
 
-    name: str
-    length: float = Field(gt=0, description="length along x, to the next joint or the tip [m]")
-    width: float = Field(gt=0, description="width across the link, in the robot's plane; no part is wider [m]")
-    height: float = Field(gt=0, description="height across the robot's plane; no part is higher [m]")
-    mass: float = Field(gt=0, description="mass [kg]")
+    name: Name
+    length: Length = Field(description="length along x, to the next joint or the tip [m]")
+    width: Thickness = Field(description="width across the link, in the robot's plane; no part is wider [m]")
+    height: Thickness = Field(description="height across the robot's plane; no part is higher [m]")
+    mass: Mass = Field(description="mass [kg]")
     joint: Joint | None = Field(
         None, description="joint at the rear end; only the first link of a robot without a mount has none"
     )
     wheel: Wheel | None = None
     shape: tuple[Part, ...] = Field(
-        (), strict=False, description="parts of the link; one box of the link's size where none are given"
+        (),
+        strict=False,
+        max_length=MOST_PARTS,
+        description="parts of the link; one box of the link's size where none are given",
     )
 
     @model_validator(mode="after")
@@ -174,7 +199,7 @@ class Roll(Table):
     """
 
     link: str = Field(description="name of the link that the joint divides")
-    x: float = Field(ge=0, description="position along that link, from the link's joint [m]")
+    x: float = Field(ge=0, le=2, description="position along that link, from the link's joint [m]")
     joint: Joint
 
 
@@ -183,13 +208,19 @@ class Laser(Table):
 
     source: str
     beams: int = Field(ge=2, le=1081, description="number of beams")
-    fan_deg: float = Field(gt=0, le=360, description="width of the fan [deg]")
+    fan_deg: float = Field(ge=1, le=360, description="width of the fan [deg]")
     fan: Literal["centred", "printed"] = Field(
         "centred", description="beams at the centres of equal sectors, or as the thesis's eq 3.16 prints them"
     )
     range_min: float = Field(ge=0, description="smallest reading [m]")
-    range_max: float = Field(gt=0, description="largest reading, which a beam that meets nothing has too [m]")
-    resolution: float = Field(gt=0, description="step between two readings [m]")
+    range_max: float = Field(le=100, description="largest reading, which a beam that meets nothing has too [m]")
+    resolution: float = Field(ge=1e-6, description="step between two readings [m]")
+
+    @model_validator(mode="after")
+    def _spans(self) -> Self:
+        if not self.range_min + self.resolution <= self.range_max:
+            raise ValueError("range_max must be larger than range_min, by resolution at least")
+        return self
 
     @cached_property
     def angles(self) -> Floats:

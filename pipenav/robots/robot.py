@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import cached_property
 from pathlib import Path
 from typing import Literal, Self
@@ -12,12 +13,19 @@ from pydantic import BaseModel, Field, ValidationError, model_validator
 from pipenav.arrays import Flags, Floats, Table
 from pipenav.errors import ConfigError, UnknownName
 from pipenav.robots.joint_types import resolve_types
-from pipenav.robots.parts import Actuator, Joint, Laser, Link, Roll, Wheel, constant
+from pipenav.robots.parts import Actuator, Joint, Laser, Link, Name, Roll, Wheel, constant
 from pipenav.storage import shipped
 from pipenav.storage.text_files import read_toml
 
 BASE = ("x", "y", "heading")
 """Coordinates that a free robot has before its joints: pose of the rear end of its first link [m, m, rad]."""
+
+
+MOST_LINKS = 40
+"""Most links of a robot: several times the longest that goes through pipes."""
+
+TAKEN_NAMES = re.compile(r"world|tip|wall\d*|base_\w*|\w*_(seen|\d+)")
+"""Names that models give to parts of their own."""
 
 
 class RobotSpec(Table):
@@ -29,12 +37,12 @@ class RobotSpec(Table):
     """
 
     schema_version: Literal[1]
-    name: str
+    name: Name
     description: str
     source: str
     friction: float = Field(ge=0, le=2, description="Coulomb friction coefficient between robot and pipe")
     friction_source: str
-    links: tuple[Link, ...] = Field(min_length=1, strict=False)
+    links: tuple[Link, ...] = Field(min_length=1, max_length=MOST_LINKS, strict=False)
     roll: Roll | None = None
     actuators: dict[str, Actuator]
     laser: Laser
@@ -48,8 +56,16 @@ class RobotSpec(Table):
                 raise ValueError(f"{kind} {part.name!r} names actuator {part.actuator!r}, which is not described")
         if len({part.name for part in driven}) < len(driven):
             raise ValueError("joint names must differ")
+        bodies = [link.name for link in self.links] + [wheel.name for wheel in self.wheels]
+        if len(set(bodies)) < len(bodies):
+            raise ValueError("names of links and wheels must differ")
+        for name in [*bodies, *(part.name for part in driven)]:
+            if TAKEN_NAMES.fullmatch(name):
+                raise ValueError(f"the name {name!r} is taken by a part of the models: choose another")
         if self.roll and self.roll.link not in [link.name for link in self.links]:
             raise ValueError(f"the roll joint divides link {self.roll.link!r}, which is not described")
+        if self.roll and any(link.name == self.roll.link and self.roll.x > link.length for link in self.links):
+            raise ValueError(f"the roll joint lies {self.roll.x:g} m along link {self.roll.link!r}, which is shorter")
         return self
 
     @model_validator(mode="after")

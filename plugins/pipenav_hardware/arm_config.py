@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
 from pipenav.arrays import Floats, Table
 from pipenav.backends import read_toml
-from pipenav.errors import ConfigError, FileProblem
+from pipenav.errors import ConfigError, FileProblem, shown
 from pipenav.robots import Actuator, Joint, RobotSpec
 from pipenav.units import m_to_mm, rad_to_deg
 from pipenav_hardware.servo_config import Servo, reachable
@@ -20,13 +20,16 @@ from pipenav_hardware.table import BAUD_VALUES, CENTRE, COUNT
 DEFAULT_ARM = Path("arm.toml")
 """Where an arm's description lies unless told otherwise."""
 
+Port = Annotated[str, Field(max_length=1000, pattern=r"^[^\x00-\x1f]*$")]
+"""Name of a device, which no control character is part of."""
+
 
 class ScannerConfig(Table):
     """The range scanner at the tip."""
 
     driver: Literal["scip2", "realsense"]
-    port: str = Field("", description="device of a serial scanner; empty for one that the driver finds itself")
-    baud: int = Field(115_200, gt=0, description="speed of a serial scanner; without meaning on USB")
+    port: Port = Field("", description="device of a serial scanner; empty for one that the driver finds itself")
+    baud: int = Field(115_200, ge=300, le=12_000_000, description="speed of a serial scanner; without meaning on USB")
     mounting_deg: float = Field(
         0.0, ge=-180, le=180, description="direction of its middle beam, left of the tip link's axis"
     )
@@ -36,7 +39,7 @@ class ScannerConfig(Table):
 class FrontSensorConfig(Table):
     """The front distance sensor on its Arduino."""
 
-    port: str
+    port: Port
     offset_mm: float = Field(0.0, ge=-200, le=200, description="how far the sensor stands behind the tip")
 
 
@@ -45,7 +48,7 @@ class ArmConfig(Table):
 
     schema_version: Literal[1]
     robot: str = Field(description="name of the robot whose joints these are")
-    port: str = Field(description="device of the servo bus")
+    port: Port = Field(description="device of the servo bus")
     baud: int = Field(1_000_000, description="speed of the servo bus")
     servos: tuple[Servo, ...] = Field(min_length=1, strict=False)
     scanner: ScannerConfig
@@ -81,10 +84,13 @@ class ArmConfig(Table):
             ConfigError: another robot, other joints, or limits beyond the robot's own.
         """
         if robot.name != self.robot:
-            raise ConfigError(f"this arm is a {self.robot!r}, not a {robot.name!r}: use a policy for {self.robot!r}.")
+            raise ConfigError(
+                f"this arm is a {shown(self.robot)}, not a {robot.name!r}: use a policy for {self.robot!r}."
+            )
         named, known = [servo.joint for servo in self.servos], [joint.name for joint in robot.joints]
         if named != known:
-            raise ConfigError(f"the arm's servos move {', '.join(named)}, robot {robot.name!r} has {', '.join(known)}.")
+            given = shown(", ".join(named), quoted=False, longest=300)
+            raise ConfigError(f"the arm's servos move {given}, robot {robot.name!r} has {', '.join(known)}.")
         for servo, joint in zip(self.servos, robot.joints, strict=True):
             if (servo.drive == "pinion") != (joint.type == "slide"):
                 raise ConfigError(f"joint {joint.name!r} is a {joint.type}, its servo is described as {servo.drive}.")

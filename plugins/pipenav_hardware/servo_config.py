@@ -19,6 +19,10 @@ PINION_TRAVEL = TRAVEL - 2 * STOP_MARGIN * COUNT
 cannot count turns: it has no reading in 60 of 360 deg."""
 
 
+LONGEST_RACK = 20_000.0
+"""Largest position of a rack [mm]: the longest leg of a pipe."""
+
+
 class _Servo(Table):
     """A servo and how it is mounted."""
 
@@ -26,7 +30,7 @@ class _Servo(Table):
     id: int = Field(ge=0, le=252, description="ID of the servo")
     sign: Literal[1, -1] = Field(description="1: the joint's positive direction is the servo's counter-clockwise")
     zero_count: float = Field(ge=0, le=COUNTS, description="position count where the joint is at 0")
-    torque_limit_percent: float = Field(gt=0, lt=100, description="allowed share of the servo's torque")
+    torque_limit_percent: float = Field(ge=0.1, lt=100, description="allowed share of the servo's torque")
 
     @property
     def unit(self) -> float:
@@ -79,8 +83,8 @@ class HingeServo(_Servo):
     """A servo whose horn turns the joint."""
 
     drive: Literal["hinge"]
-    lower_deg: float
-    upper_deg: float
+    lower_deg: float = Field(ge=-360, le=360)
+    upper_deg: float = Field(ge=-360, le=360)
 
     @property
     def unit(self) -> float:
@@ -95,9 +99,9 @@ class PinionServo(_Servo):
     """A servo that moves the arm along a rack by a pinion, within a single turn."""
 
     drive: Literal["pinion"]
-    pinion_radius_mm: float = Field(gt=0, le=1000)
-    lower_mm: float
-    upper_mm: float
+    pinion_radius_mm: float = Field(ge=0.1, le=1000)
+    lower_mm: float = Field(ge=-LONGEST_RACK, le=LONGEST_RACK)
+    upper_mm: float = Field(ge=-LONGEST_RACK, le=LONGEST_RACK)
 
     @property
     def unit(self) -> float:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Sequence
+from typing import Annotated
 
 import mujoco
 import mujoco.batch
 import numpy as np
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from pipenav.arrays import Floats, Ints
 from pipenav.backends import (
@@ -26,23 +27,32 @@ from pipenav.backends import (
 )
 from pipenav.pipes import Pipe
 from pipenav.robots import BASE, RobotSpec, kinematics, laser
-from pipenav_mujoco.model import Contact, build_spec
+from pipenav_mujoco.model import Contact, build_spec, compiled
 from pipenav_mujoco.space import MujocoSpace, SpaceSettings
 from pipenav_mujoco.viewer import FROM_ABOVE, Marks, MujocoViewer
+
+Impedance = Annotated[float, Field(ge=1e-4, le=0.9999)]
+"""Impedance of a contact; MuJoCo itself clips it to this range (mjMINIMP, mjMAXIMP)."""
 
 
 class MujocoOptions(BackendOptions):
     """Settings of the MuJoCo backend."""
 
-    timestep: float = Field(0.0025, gt=0, le=0.01, description="physics step [s]; must divide the control period")
+    timestep: float = Field(0.0025, ge=1e-4, le=0.01, description="physics step [s]; must divide the control period")
     threads: int = Field(0, ge=0, le=1024, description="threads that step the robots; 0 uses every core")
-    contact_time_constant: float = Field(0.005, gt=0, le=0.1, description="solref time constant of contacts [s]")
+    contact_time_constant: float = Field(0.005, ge=1e-4, le=0.1, description="solref time constant of contacts [s]")
     gravity: float | None = Field(
         None, ge=0, le=20, description="gravity downwards in routes that leave the plane [m/s^2]; default: the task's"
     )
-    contact_impedance: tuple[float, float, float] = Field(
+    contact_impedance: tuple[Impedance, Impedance, Annotated[float, Field(ge=1e-9, le=1)]] = Field(
         (0.95, 0.99, 0.001), strict=False, description="solimp d0, d_width [1] and width [m] of contacts"
     )
+
+    @field_validator("timestep")
+    @classmethod
+    def _divides_the_control_period(cls, timestep: float) -> float:
+        physics_steps(timestep)
+        return timestep
 
 
 class MujocoBackend(Simulator):
@@ -58,7 +68,7 @@ class MujocoBackend(Simulator):
         self._slots = wall_segments
         self._substeps = physics_steps(options.timestep)
         contact = Contact(options.contact_time_constant, options.contact_impedance)
-        self._model = build_spec(robot, wall_segments, options.timestep, contact).compile()
+        self._model = compiled(build_spec(robot, wall_segments, options.timestep, contact), robot)
         self._batch = mujoco.batch.Batch(self._model, n, options.threads)
         self._segments = np.full((2, 2, wall_segments, n), np.inf).T  # robots last in memory: see laser.cast
         self._base = np.zeros(n)

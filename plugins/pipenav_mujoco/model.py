@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from pipenav.backends import OUTER_THICKNESS, PARKED, WALL_HALF_HEIGHT, wall_boxes
+from pipenav.errors import ConfigError, shown
 from pipenav.pipes import PipeCorner
 from pipenav.robots import BASE, Actuator, BoxPart, DiscPart, Joint, Link, RobotSpec, Wheel
 
@@ -46,6 +47,19 @@ def new_spec(robot: RobotSpec, timestep: float) -> Any:
     spec.compiler.degree = False
     spec.add_material(name="wall", rgba=[0.7, 0.72, 0.75, 1.0])
     return spec
+
+
+def compiled(spec: Any, robot: RobotSpec) -> Any:
+    """The model of a specification.
+
+    Raises:
+        ConfigError: MuJoCo refuses the robot.
+    """
+    try:
+        return spec.compile()
+    except (ValueError, mujoco.FatalError) as error:
+        problem = shown(error, quoted=False, longest=300).rstrip(".")
+        raise ConfigError(f"robot {robot.name!r} cannot be simulated by MuJoCo: {problem}.") from error
 
 
 def build_spec(robot: RobotSpec, slots: int, timestep: float, contact: Contact) -> Any:

@@ -16,7 +16,7 @@ from pipenav.arrays import Floats, Ints
 from pipenav.backends import CONTROL_PERIOD, HALVES, Reading, SpaceBackend, SpaceReading, SpaceTruth, Windows, strongest
 from pipenav.pipes import PipeRoute, about_x
 from pipenav.robots import BASE, RobotSpec, laser
-from pipenav_mujoco.model import Contact
+from pipenav_mujoco.model import Contact, compiled
 from pipenav_mujoco.space_model import FRONT, WALL_GROUP, space_spec
 from pipenav_mujoco.viewer import ASLANT, Marks, MujocoViewer
 
@@ -53,7 +53,9 @@ class MujocoSpace(SpaceBackend):
 
     def _compile(self, route: PipeRoute) -> Any:
         settings = self._settings
-        return space_spec(self._robot, route, settings.timestep, settings.contact, settings.gravity).compile()
+        return compiled(
+            space_spec(self._robot, route, settings.timestep, settings.contact, settings.gravity), self._robot
+        )
 
     def reset(self, indices: Ints, routes: Sequence[PipeRoute], q: Floats, base: Floats, plane: Floats) -> SpaceReading:
         for robot, route, *start in zip(indices, routes, q, base, plane, strict=True):

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from pipenav.arrays import Floats, Ints
 from pipenav.backends import (
@@ -32,13 +32,19 @@ class PybulletOptions(BackendOptions):
     """Settings of the PyBullet backend."""
 
     timestep: float = Field(
-        0.0025, gt=0, le=0.0025, description="physics step [s]; must divide the control period; motors need it short"
+        0.0025, ge=1e-4, le=0.0025, description="physics step [s]; must divide the control period; motors need it short"
     )
     processes: int = Field(0, ge=0, le=1024, description="processes that share the robots; 0 uses every core")
     solver_iterations: int = Field(
         50, ge=1, le=1000, description="iterations of the constraint solver in a physics step"
     )
     contact_erp: float = Field(0.2, ge=0, le=1, description="share of an overlap that a physics step undoes")
+
+    @field_validator("timestep")
+    @classmethod
+    def _divides_the_control_period(cls, timestep: float) -> float:
+        physics_steps(timestep)
+        return timestep
 
 
 class PybulletBackend(Simulator):

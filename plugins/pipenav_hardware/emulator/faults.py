@@ -10,7 +10,7 @@ from typing import Any, Literal
 from pydantic import Field, ValidationError
 
 from pipenav.arrays import Table
-from pipenav.errors import ConfigError, PipenavError
+from pipenav.errors import ConfigError, OutOfRange, PipenavError
 
 BUS_FAULTS = {
     "drop": "an answer is not sent",
@@ -67,18 +67,39 @@ ONCE = {
 """Faults that change something once, when they begin."""
 
 
+VALUES = {
+    "bare_error": (0.0, 255.0),
+    "delay": (0.0, 3600.0),
+    "duplicate": (0.0, 253.0),
+    "late": (0.0, 3600.0),
+    "model": (0.0, 65_535.0),
+    "noise": (0.0, 10.0),
+    "overheat": (0.0, 255.0),
+    "return_level": (0.0, 2.0),
+    "voltage": (0.0, 25.5),
+}
+"""Smallest and largest `value` of a fault that has one: what its register holds, an hour, or the scanner's range."""
+
+LONGEST, MOST = 1e6, 10**9
+"""Longest time [s], and most ticks and times."""
+
+
 class Fault(Table):
     """Entry of a fault script."""
 
-    fault: str = Field(description="name of the fault, see `FAULTS`")
+    fault: str = Field(max_length=50, description="name of the fault, see `FAULTS`")
     device: Literal["bus", "scanner", "front"] = "bus"
-    servo: int | None = Field(None, description="id of the servo concerned; all servos where none is named")
-    at: float = Field(0.0, ge=0, description="when it begins, after the emulator's start [s]")
-    tick: int | None = Field(None, ge=0, description="goal packet with which it begins, instead of a time")
-    span: float | None = Field(None, gt=0, description="how long it lasts [s]; for ever where nothing is given")
-    count: int | None = Field(None, ge=1, description="how many times it happens at most")
+    servo: int | None = Field(
+        None, ge=0, le=253, description="id of the servo concerned; all servos where none is named"
+    )
+    at: float = Field(0.0, ge=0, le=LONGEST, description="when it begins, after the emulator's start [s]")
+    tick: int | None = Field(None, ge=0, le=MOST, description="goal packet with which it begins, instead of a time")
+    span: float | None = Field(
+        None, gt=0, le=LONGEST, description="how long it lasts [s]; for ever where nothing is given"
+    )
+    count: int | None = Field(None, ge=1, le=MOST, description="how many times it happens at most")
     probability: float = Field(1.0, ge=0, le=1, description="probability for each answer, scan or reading concerned")
-    value: float = Field(0.0, description="how much goes wrong; `FAULTS` says what it stands for")
+    value: float = Field(0.0, ge=0, le=65_535, description="how much goes wrong; `FAULTS` says what it stands for")
 
     def require_known(self) -> None:
         """Refuse a fault that its device does not have.
@@ -88,6 +109,9 @@ class Fault(Table):
         """
         if self.fault not in FAULTS[self.device]:
             raise PipenavError(f"{self.device} has no fault {self.fault!r}: choose {', '.join(FAULTS[self.device])}.")
+        low, high = VALUES.get(self.fault, (0.0, 65_535.0))
+        if not low <= self.value <= high:
+            raise OutOfRange(f"value of the fault {self.fault!r}", self.value, low, high)
 
 
 def fault_script(entries: Sequence[Mapping[str, Any]]) -> tuple[Fault, ...]:
