@@ -5,6 +5,8 @@ from __future__ import annotations
 import shlex
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -98,11 +100,7 @@ def train(
         f"training folder {training.folder.path}"
     )
     with stop_signals() as stopped:
-        try:
-            summary = _run(console, training, stopped)
-        except Interrupted:
-            training.folder.remove_unsaved()
-            raise
+        summary = _run(console, training, stopped)
         _conclude(console, training.folder, summary)
     if summary.stopped:
         raise typer.Exit(stopped.exit_code)
@@ -208,7 +206,7 @@ def _interface(config: TrainConfig) -> tuple[object, ...]:
 
 def _run(console: Console, training: _Training, stopped: StopRequest) -> TrainingSummary:
     config = training.config
-    with percentage_bar(console) as bar:
+    with _removed_if_unsaved(training.folder), percentage_bar(console) as bar:
         task = bar.add_task("loading the learner", total=config.steps)
         from pipenav.learning.train import train as run_training
 
@@ -226,6 +224,16 @@ def _run(console: Console, training: _Training, stopped: StopRequest) -> Trainin
                 console.print(f"{progress.steps:>9,} of {config.steps:,} steps: {text}")
 
         return run_training(config, training.folder, training.resumed, report, stopped, training.start)
+
+
+@contextmanager
+def _removed_if_unsaved(folder: TrainingFolder) -> Iterator[None]:
+    """An interrupt before the first saving leaves no folder behind."""
+    try:
+        yield
+    except Interrupted:
+        folder.remove_unsaved()
+        raise
 
 
 def _conclude(console: Console, folder: TrainingFolder, summary: TrainingSummary) -> None:
