@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import shlex
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -100,11 +102,7 @@ def train(
             f"training folder {training.folder.path}"
         )
         with stop_signals() as stopped:
-            try:
-                summary = _run(progress_console(), training, stopped)
-            except Interrupted:
-                training.folder.remove_unsaved()
-                raise
+            summary = _run(progress_console(), training, stopped)
             _conclude(training.folder, summary)
     if summary.stopped:
         raise typer.Exit(stopped.exit_code)
@@ -231,7 +229,7 @@ def _interface(config: TrainConfig) -> tuple[object, ...]:
 
 def _run(console: Console, training: _Training, stopped: StopRequest) -> TrainingSummary:
     config = training.config
-    with percentage_bar(console) as bar:
+    with _removed_if_unsaved(training.folder), percentage_bar(console) as bar:
         task = bar.add_task("loading the learner", total=config.steps)
         from pipenav.learning.train import train as run_training
 
@@ -253,6 +251,16 @@ def progress_text(progress: TrainingProgress) -> str:
     success = "no episode over yet" if math.isnan(progress.success) else f"success {progress.success:.1%}"
     least = f"least laser reading {progress.min_range * 1e3:.0f} mm"
     return f"{progress.steps_per_s:,.0f} steps/s, {success}, {least}"
+
+
+@contextmanager
+def _removed_if_unsaved(folder: TrainingFolder) -> Iterator[None]:
+    """An interrupt before the first saving leaves no folder behind."""
+    try:
+        yield
+    except Interrupted:
+        folder.remove_unsaved()
+        raise
 
 
 def _conclude(folder: TrainingFolder, summary: TrainingSummary) -> None:

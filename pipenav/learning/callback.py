@@ -226,11 +226,12 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         }
         return header_for(load_robot(config.robot), config.task, list(config.pipes), training)
 
-    def require_sound(self, rollout: bool = False) -> None:
+    def require_sound(self, rollout: bool = False, overflow: bool = False) -> None:
         """Make sure that the policy is finite.
 
         Args:
             rollout: look at what it answers to every observation of the last rollout, not only to the last ones.
+            overflow: whether an update has ended at a number that is too large already.
 
         Raises:
             TrainingDiverged: it is not; the last control step has been saved.
@@ -238,7 +239,7 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         seen = [np.asarray(self.model._last_obs)]
         if rollout:
             seen.append(self.model.rollout_buffer.observations.reshape(-1, seen[0].shape[-1]))
-        if not is_sound(self.model.policy, np.concatenate(seen)):
+        if overflow or not is_sound(self.model.policy, np.concatenate(seen)):
             self._diverge()
 
     def _diverge(self) -> None:

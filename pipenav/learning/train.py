@@ -84,8 +84,11 @@ def train(
         env.batch.stagger(rng)
         try:
             model.learn(max(config.steps - checkpoint.steps, 0), callback=callback, reset_num_timesteps=False)
-        except ValueError:  # a distribution refuses parameters that are not finite
-            callback.require_sound(rollout=True)
+        except (
+            ValueError,
+            RuntimeError,
+        ) as error:  # what is not finite is refused by a distribution, or by the learner
+            callback.require_sound(rollout=True, overflow="overflow" in str(error))
             raise
         callback.finish()
         return TrainingSummary(model.num_timesteps, callback.seconds, callback.stopped, callback.best_success)
