@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import csv
 import io
 import json
@@ -41,12 +40,10 @@ class TrainingFolder:
         return folder
 
     def remove_unsaved(self) -> None:
-        """Remove the folder of a training that never came to save, unless it holds anything else."""
+        """Empty the folder of a training that never came to save."""
         if not self.checkpoint.exists():
             self.config.unlink(missing_ok=True)
             self.command.unlink(missing_ok=True)
-            with contextlib.suppress(OSError):
-                self.path.rmdir()
 
     @classmethod
     def open(cls, path: Path) -> OpenedTraining:
