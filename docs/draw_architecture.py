@@ -40,6 +40,7 @@ LEFT = {
     "pipes": 2.6,
     "robots": 5.8,
     "storage": 7.0,
+    "processes": 9.3,
     "units": 2.4,
     "arrays": 4.8,
     "errors": 8.0,

@@ -42,6 +42,7 @@ RUNS: dict[str, tuple[str, ...]] = {
     "compare-backends": ("compare-backends", "--robot", "basic", "--other", "mujoco", "--out", "compared"),
     "robots": ("robots",),
     "presets": ("presets",),
+    "list": ("list", "presets"),
 }
 
 
