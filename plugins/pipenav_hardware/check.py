@@ -153,4 +153,6 @@ def _latency(arm: ArmConfig, bus: Bus, allow_slow: bool) -> Finding:
         times.append(time.monotonic() - start)
     waiting = statistics.median(times) - wire_time(PING_BYTES, arm.baud)
     finding = latency_finding(waiting, allow_slow)
-    return finding if finding.level == "problem" else speed_flaw(arm, waiting) or finding
+    if finding.level == "problem" or allow_slow:
+        return finding
+    return speed_flaw(arm, waiting) or finding

@@ -96,14 +96,15 @@ def speed_flaw(arm: ArmConfig, waiting: float = 0.0) -> Finding | None:
         arm: the arm's description.
         waiting: time from a question to its answer, beside that of their bytes [s].
     """
-    count = len(arm.servos)
-    size = tick_bytes(count)
-    need, allowed = wire_time(size, arm.baud) + count * waiting, CONTROL_PERIOD
-    if need <= allowed:
+    count, size, allowed = len(arm.servos), tick_bytes(len(arm.servos)), CONTROL_PERIOD
+    parts = {
+        f"{size} bytes a tick take": wire_time(size, arm.baud),
+        "a question asked once more": wire_time(READ_BYTES, arm.baud),
+        f"{count} waits for answers": count * waiting,
+    }
+    if sum(parts.values()) <= allowed:
         return None
-    sum_of = f"{size} bytes a tick take {wire_time(size, arm.baud) * 1e3:.0f} ms"
-    if waiting:
-        sum_of += f" and {count} answers {count * waiting * 1e3:.0f} ms more"
+    sum_of = ", ".join(f"{part} {time * 1e3:.0f} ms" for part, time in parts.items() if time)
     what = f"{arm.baud} baud is too slow for the arm: {sum_of}, a tick has {allowed * 1e3:.0f} ms"
     return Finding("problem", what, "set the servos (register 4 to 1) and baud in arm.toml to 1000000")
 
