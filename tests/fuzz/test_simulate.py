@@ -1,4 +1,4 @@
-"""A short part of `python tests/fuzz/simulate.py 250`: what is accepted can be simulated, what is not leaves nothing."""
+"""A short part of `python tests/fuzz/simulate.py 250`: what is accepted runs, what is refused leaves nothing."""
 
 from __future__ import annotations
 
