@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import shutil
 import zipfile
 from collections.abc import Callable
@@ -14,6 +15,8 @@ import numpy as np
 import pytest
 import safetensors.numpy
 import torch
+from safetensors import safe_open
+from safetensors.torch import save
 
 from pipenav.cli import main
 from pipenav.errors import PipenavError
@@ -157,9 +160,9 @@ def test_a_training_that_starts_from_another_has_its_weights_and_its_own_count(
     ("name", "content", "message"),
     [
         ("resume.safetensors", b"half", "cannot be resumed from"),
-        ("config.json", b"{", "config.json cannot be read"),
+        ("config.json", b"{", "config.json is not valid JSON"),
         ("config.json", b"{}", "description: field required"),
-        ("progress.csv", b"\xff\xfe", "progress.csv cannot be read"),
+        ("progress.csv", b"\xff\xfe", "progress.csv is not text"),
         ("resume.safetensors", None, "holds no training"),
     ],
 )
@@ -173,6 +176,50 @@ def test_a_spoilt_training_folder_is_refused(
     with pytest.raises(PipenavError, match=message):
         folder, config = TrainingFolder.open(copied.path)
         train(config, folder, resumed=True)
+
+
+SPOILT_PROGRESS: list[dict[str, Any]] = [
+    {"steps": -1},
+    {"steps": 10**30},
+    {"steps": 1.5},
+    {"seconds": math.nan},
+    {"seconds": -1.0},
+    {"seconds": "1"},
+    {"best_success": 2.0},
+    {"best_success": math.inf},
+    {"more": 1},
+]
+
+
+@pytest.mark.parametrize("spoilt", SPOILT_PROGRESS, ids=str)
+def test_a_checkpoint_of_impossible_progress_is_refused(copied: TrainingFolder, spoilt: dict[str, Any]) -> None:
+    with safe_open(copied.checkpoint, framework="pt") as file:
+        progress = json.loads(file.metadata()["pipenav"]) | spoilt
+        tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118  # safe_open is no dict
+    copied.checkpoint.write_bytes(save(tensors, {"pipenav": json.dumps(progress)}))
+    with pytest.raises(PipenavError, match="cannot be resumed from"):
+        train(TrainingFolder.open(copied.path).config, copied, resumed=True)
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda t: t.double(),
+        lambda t: t * math.nan,
+        lambda t: torch.cat([t.flatten(), t.flatten()]),
+    ],
+)
+@pytest.mark.parametrize("name", ["policy.action_net.weight", "optimizer.1.exp_avg", "optimizer.1.step"])
+def test_a_checkpoint_of_other_numbers_is_refused(copied: TrainingFolder, spoil: Any, name: str) -> None:
+    with safe_open(copied.checkpoint, framework="pt") as file:
+        metadata = file.metadata()
+        tensors = {key: file.get_tensor(key) for key in file.keys()}  # noqa: SIM118  # safe_open is no dict
+    assert name in tensors, sorted(tensors)
+    tensors[name] = spoil(tensors[name]).contiguous()
+    copied.checkpoint.write_bytes(save(tensors, metadata))
+    with pytest.raises(PipenavError, match="cannot be resumed from") as refused:
+        train(TrainingFolder.open(copied.path).config, copied, resumed=True)
+    assert len(str(refused.value)) < 600
 
 
 class Poisoned:
