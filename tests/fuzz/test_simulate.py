@@ -1,8 +1,4 @@
-<<<<<<< HEAD
-"""A short part of `python tests/fuzz/simulate.py 250`: what is accepted can be simulated, the rest leaves nothing."""
-=======
 """A short part of `python tests/fuzz/simulate.py 250`: what is accepted runs, what is refused leaves nothing."""
->>>>>>> refs/heads/inputs
 
 from __future__ import annotations
 
