@@ -15,6 +15,8 @@ from pipenav.errors import PipenavError
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from pipenav.cli.view_drawings import Drawing
+    from pipenav.cli.view_sources import Wanted
     from pipenav.recording.film import Progress
 
 TABLE = ".csv"
@@ -91,9 +93,9 @@ def view(
     wanted = sources.Wanted(pipes or [DEFAULT_PIPE], robot, seed or 0, episode or 0, outputs)
     if trajectory:
         refuse_ignored({"--pipes": pipes, "--seed": seed, "--episode": episode}, RECORDED)
-        if not live:
-            refuse_ignored({"--backend": backend, "--option": option}, RECORDED)
+        refuse_ignored({} if live else {"--backend": backend, "--option": option}, RECORDED)
         _check_for_files(outputs, live)
+    source = policy or behaviour or " ".join(path.stem for path in trajectory or [])
     with sources.opened_simulator(backend or DEFAULT_BACKEND, option or [], live) as simulator:
         if trajectory:
             drawing = sources.from_files(trajectory, robot, simulator)
@@ -103,10 +105,29 @@ def view(
             drawing = sources.of_policy(policy or "", wanted, simulator)
         for sentence in drawing.sentences:
             say(sentence)
-    for path in outputs or ([] if live else [Path(f"view-{drawing.name}.png")]):
+    if not (outputs or live):
+        outputs = [_default_picture(drawing.name, source, wanted, [backend or DEFAULT_BACKEND, *(option or [])])]
+    _write(drawing, outputs)
+
+
+def _write(drawing: Drawing, paths: Sequence[Path]) -> None:
+    for path in paths:
         with _drawing_bar(path) as progress:
             drawing.write(path, progress)
         say(f"written: {path}")
+
+
+def _default_picture(pipe: str, source: str, wanted: Wanted, simulator: Sequence[str]) -> Path:
+    """A name for a picture that nobody named, in which everything stands that sets it apart from others."""
+    from pipenav.evaluation.folder import label
+
+    parts = ["view", source.removesuffix(".zip").removeprefix("./"), pipe]
+    if len(wanted.pipes) > 1:
+        parts += [f"and-{len(wanted.pipes) - 1}-more"]
+    parts += [wanted.robot] if wanted.robot else []
+    parts += [f"seed{wanted.seed}"] if wanted.seed else []
+    parts += [f"episode{wanted.episode}"] if wanted.episode else []
+    return Path(f"{label([*parts, *(part for part in simulator if part != DEFAULT_BACKEND)])}.png")
 
 
 def _check_one_source(*sources: object) -> None:

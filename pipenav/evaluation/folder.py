@@ -38,14 +38,14 @@ def default_folder(config: EvaluationConfig) -> Path:
     Its name has everything in which the evaluation differs from one with default settings. A shipped policy has the
     folder `shipped-NAME`, so that it never meets a training of one's own that is called NAME.
     """
-    name = _label(["eval", *_parts(config)])
+    name = label(["eval", *_parts(config)])
     if config.policy is None:
-        return RUNS / _label(["locate", config.robot or DEFAULT_ROBOT, config.variant]) / name
+        return RUNS / label(["locate", config.robot or DEFAULT_ROBOT, config.variant]) / name
     if config.policy.startswith(BASELINE):
-        return RUNS / _label([config.policy]) / name
+        return RUNS / label([config.policy]) / name
     file = resolve_policy(config.policy)
     if file.resolve().is_relative_to(policies_dir().resolve()):
-        return RUNS / _label(["shipped", file.resolve().parent.name]) / name
+        return RUNS / label(["shipped", file.resolve().parent.name]) / name
     return file.parent / name
 
 
@@ -136,8 +136,8 @@ def _named(text: str) -> str:
     return Path(text).stem if text.endswith(".toml") else text
 
 
-def _label(parts: list[str]) -> str:
-    """Parts as the name of a folder: letters, digits and a few signs, and not too long for a file system."""
+def label(parts: list[str]) -> str:
+    """Parts as the name of a file or a folder: letters, digits and a few signs, and not too long."""
     given = "-".join(parts)
     name = re.sub(r"[^\w.+-]+", "-", given.replace("=", "").replace("/", "-")).strip("-")
     if len(name) <= MOST_NAME:

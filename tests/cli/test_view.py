@@ -35,8 +35,9 @@ def front(here: Path, capsys: pytest.CaptureFixture[str]) -> Path:
 
 def test_a_picture_where_none_was_asked_for(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run("view", "--policy", "baseline:centreline", *FAST) == 0
-    assert "written: view-corner-d90-a60-left.png" in capsys.readouterr().out
-    assert Image.open(here / "view-corner-d90-a60-left.png").size[0] > 1000
+    picture = "view-baseline-centreline-corner-d90-a60-left-timestep0.005-threads1.png"
+    assert f"written: {picture}" in capsys.readouterr().out
+    assert Image.open(here / picture).size[0] > 1000
 
 
 def test_a_recording_can_be_drawn_and_mirrored(front: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -142,3 +143,12 @@ def test_what_cannot_be_mirrored(front: Path, capsys: pytest.CaptureFixture[str]
     assert run("mirror-rear", "--trajectory", "front.csv", "--option", "timestep=0.001") == 1
     assert "--option would be ignored here: they set the simulator of --replay." in capsys.readouterr().err
     assert not Path("rear.csv").exists()
+
+
+def test_pictures_that_nobody_named_do_not_replace_each_other(front: Path) -> None:
+    pipe = ("--pipes", "d=100,angle=90", *FAST)
+    for source in (["--policy", "arm"], ["--policy", "baseline:centreline"], ["--policy", "arm", "--episode", "2"]):
+        assert run("view", *source, *pipe) == 0
+    assert run("view", "--policy", "arm", *pipe, "--seed", "1") == 0
+    assert run("view", "--trajectory", str(front)) == 0
+    assert len(list(Path().glob("view-*.png"))) == 5
