@@ -130,3 +130,10 @@ def test_an_evaluation_under_an_unknown_disturbance_writes_nothing(
     assert left.value.code == 1
     assert "unknown disturbance 'storm'" in capsys.readouterr().err
     assert not (tmp_path / "x").exists()
+
+
+@pytest.mark.parametrize("text", ["", "# nothing yet\n", "friction = [1.0, 1.0]\nlatency = [0, 0]\n"])
+def test_a_file_that_disturbs_nothing_is_refused(text: str, tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text(text)
+    with pytest.raises(PipenavError, match=r"mine.toml disturbs nothing: set one of friction, mass, strength"):
+        load_disturbance(str(tmp_path / "mine.toml"))

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from pipenav.errors import FileProblem
-from pipenav.storage.atomic_files import atomic_write, atomic_write_all, prepare_folder
+from pipenav.errors import FileProblem, PipenavError
+from pipenav.storage.atomic_files import atomic_write, atomic_write_all, check_outputs, prepare_folder
 
 
 def _no_space(*_: object) -> None:
@@ -121,3 +121,20 @@ def test_prepare_folder_notices_a_read_only_folder(tmp_path: Path, monkeypatch: 
     monkeypatch.setattr(Path, "touch", read_only)  # permissions would not stop a test that runs as root
     with pytest.raises(FileProblem, match=r"cannot write into .*: Read-only file system"):
         prepare_folder(tmp_path)
+
+
+def test_outputs_are_refused_before_the_work(tmp_path: Path) -> None:
+    read, link, new = tmp_path / "front.csv", tmp_path / "link.csv", tmp_path / "rear.csv"
+    read.write_text("front")
+    link.symlink_to(read)
+    for output in (read, link, tmp_path / "." / ".." / tmp_path.name / "front.csv"):
+        with pytest.raises(PipenavError, match=r"is read and would be written over: give the result another name"):
+            check_outputs([output], inputs=[read])
+    with pytest.raises(PipenavError, match=r"rear.csv is named for two results"):
+        check_outputs([new, tmp_path / "." / "rear.csv"])
+    with pytest.raises(PipenavError, match=r"there is no folder .*nowhere for a.csv: make it first"):
+        check_outputs([tmp_path / "nowhere" / "a.csv"])
+    with pytest.raises(FileProblem, match="it is a folder"):
+        check_outputs([tmp_path])
+    check_outputs([new], inputs=[read])
+    assert {path.name for path in tmp_path.iterdir()} == {"front.csv", "link.csv"}
