@@ -71,8 +71,6 @@ def _named_faults(name: str | None) -> list[dict[str, Any]]:
         loaded = read_json(Path(name), MAX_SETTINGS)
     except FileProblem as problem:
         raise PipenavError(f"{str(problem).rstrip('.')}: for --faults choose thesis or a JSON file.") from problem
-    except ValueError as error:
-        raise PipenavError(f"{name} is not valid JSON: {error}.") from error
     if not isinstance(loaded, list):
         raise PipenavError(f"{name} is no list of faults: see docs/guides/the-arm.md, Faults.")
     return loaded

@@ -266,7 +266,7 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
             "--arm would be ignored here: --emulate needs",
         ),
         (("--policy", "arm", "--faults", "thesis"), "give --emulate too"),
-        (("--policy", "arm", "--emulate", "--faults", "none.json"), "cannot read faults none.json"),
+        (("--policy", "arm", "--emulate", "--faults", "none.json"), "cannot read none.json: No such file"),
         (("--policy", "arm", "--emulate", "--faults", "explode.json"), "bus has no fault 'explode': choose drop, "),
         (("--policy", "arm", "--emulate", "--faults", "odd.json"), "fault 1: unknown key 'servoo': did you mean"),
     ],

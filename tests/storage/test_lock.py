@@ -59,7 +59,17 @@ def test_this_process_is_refused_too_and_leaves_no_file(tmp_path: Path) -> None:
             pass
     with one_writer(folder):
         assert [path.name for path in folder.iterdir()] == [LOCK_FILE]
-    assert list(folder.iterdir()) == []
+    assert list(tmp_path.iterdir()) == [], "folders that were made for it and are empty go with it"
+
+
+def test_folders_that_were_there_or_hold_anything_stay(tmp_path: Path) -> None:
+    mine = tmp_path / "mine"
+    mine.mkdir()
+    with one_writer(mine):
+        pass
+    with one_writer(mine / "deep" / "folder"):
+        (mine / "deep" / "result").touch()
+    assert [path.name for path in mine.rglob("*")] == ["deep", "result"]
 
 
 def test_of_many_that_start_together_one_writes(tmp_path: Path) -> None:
