@@ -11,7 +11,7 @@ from helpers.command import run
 import pipenav
 from pipenav import cli
 from pipenav.backends import plugins
-from pipenav.cli import COMMANDS, LazyCommand, main
+from pipenav.cli import COMMANDS, LazyCommand
 from pipenav.errors import PipenavError
 
 
@@ -89,12 +89,6 @@ def test_an_interrupt_is_quiet(monkeypatch: pytest.MonkeyPatch, capsys: pytest.C
     command_that_raises(monkeypatch, KeyboardInterrupt())
     assert run("robots") == 130
     assert capsys.readouterr() == ("", "")
-
-
-def test_a_bug_keeps_its_traceback(monkeypatch: pytest.MonkeyPatch) -> None:
-    command_that_raises(monkeypatch, ZeroDivisionError())
-    with pytest.raises(ZeroDivisionError):
-        main(["robots"])
 
 
 def test_a_command_whose_module_is_missing_says_so(
