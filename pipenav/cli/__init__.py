@@ -153,7 +153,8 @@ def _fault(error: Exception) -> str:
         report = f"a report is in {write_report(error)}; please send it to those who gave you pipenav"
     except OSError as problem:
         report = f"no report could be written ({problem.strerror})"
-    return f"a fault of pipenav itself, not yours, {type(error).__name__}: {shown(error, quoted=False)}; {report}."
+    what = ": ".join(filter(None, [type(error).__name__, shown(error, quoted=False)]))
+    return f"a fault of pipenav itself, not yours, {what}; {report}."
 
 
 def _version(wanted: bool) -> None:
