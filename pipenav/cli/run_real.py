@@ -62,7 +62,7 @@ def run_real(
     from pipenav.deployment.plan import MissionPlan, free_folder
 
     if emulation_options.emulate:
-        refuse_ignored({"--arm": arm_options.arm, "--yes": arm_options.yes}, "--emulate needs no real arm")
+        refuse_ignored({"--arm": arm_options.arm}, "--emulate needs no real arm")
     loaded = policy_for(policy, arm_options.robot)
     pipe = _pipe(pipe_options, emulation_options.emulate)
     target, turn = _target(pipe_options.target, loaded.header.robot), _turn(pipe_options.turn)
