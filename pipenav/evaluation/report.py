@@ -12,11 +12,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from pipenav.drawing.style import png
 from pipenav.errors import FileProblem
-from pipenav.evaluation import figures
 from pipenav.evaluation.folder import RECORD
 from pipenav.evaluation.interval import wilson
+from pipenav.evaluation.map_figure import map_figure
 from pipenav.evaluation.pipe_results import DiameterRecord, PipeRecord, by_diameter
 from pipenav.evaluation.results import Evaluation
+from pipenav.evaluation.success_figure import success_figure
+from pipenav.evaluation.summary import circumstances, headline, percent, route_corners
 from pipenav.storage.atomic_files import atomic_write_all, prepare_folder
 from pipenav.storage.atomic_folder import write_folder
 from pipenav.units import m_to_mm
@@ -28,16 +30,13 @@ if TYPE_CHECKING:
 FILES = {
     "eval.json": "everything, for programs",
     "eval.csv": "one row per pipe",
-    "success.png": "success over the corner angle, one line per diameter",
-    "map.png": "success by diameter and angle",
+    "success.png": "success over the corner angle, a panel per diameter; of every route, a row each",
+    "map.png": "success by diameter and angle, or by diameter and route",
 }
 """Files of an evaluation folder, each with one line that says what it is."""
 
 WORST_PIPES = 8
 """Most pipes in the list of the worst ones."""
-
-SHOWN_CORNERS = 5
-"""Corners of a route that are written out in a table."""
 
 MISSING = "-"
 
@@ -56,8 +55,8 @@ def write_evaluation(folder: Path, evaluation: Evaluation) -> None:
     contents = {
         "eval.json": evaluation.to_json().encode("utf-8"),
         "eval.csv": pipes_csv(evaluation.pipes).encode("utf-8"),
-        "success.png": png(figures.success_figure(evaluation)),
-        "map.png": png(figures.map_figure(evaluation)),
+        "success.png": png(success_figure(evaluation)),
+        "map.png": png(map_figure(evaluation)),
     }
     prepare_folder(folder)
     files = {name: contents[name] for name in FILES}
@@ -99,13 +98,13 @@ def evaluation_table(evaluation: Evaluation) -> RenderableType:
     from rich.padding import Padding
     from rich.text import Text
 
-    headline = Text(figures.headline(evaluation), style="bold")
-    where = Text(figures.circumstances(evaluation), style="dim")
+    title = Text(headline(evaluation), style="bold")
+    where = Text(circumstances(evaluation), style="dim")
     p99 = evaluation.penetration_p99_m
     if p99 is not None:
         where.append(f"\noverlap with the wall at most {m_to_mm(p99):.2f} mm in 99 % of the episodes")
     parts = (where, _successes(evaluation), _contacts(evaluation), _worst(evaluation.pipes))
-    return Group(headline, *(Padding(part, (0, 0, 1, 0), expand=False) for part in parts))
+    return Group(title, *(Padding(part, (0, 0, 1, 0), expand=False) for part in parts))
 
 
 class _Column(NamedTuple):
@@ -241,9 +240,7 @@ class _CornerCells(NamedTuple):
 def _corner_cells(record: PipeRecord) -> _CornerCells:
     """Angle and turn of a corner; for a route its first corners, as its name has them."""
     if record.route is not None:
-        corners = record.route.split("-")[2:]
-        shown = "-".join([*corners[:SHOWN_CORNERS], *(["..."] if len(corners) > SHOWN_CORNERS else [])])
-        return _CornerCells("route", shown)
+        return _CornerCells("route", route_corners(record))
     return _CornerCells(f"{record.angle_deg:g}", str(record.turn))
 
 
@@ -254,7 +251,7 @@ def _weighted_mean(values: Sequence[tuple[float, int]]) -> float | None:
 
 
 def _percent(share: float | None) -> str:
-    return MISSING if share is None else figures.percent(share)
+    return MISSING if share is None else percent(share)
 
 
 def _interval(low: float | None, high: float | None) -> str:
