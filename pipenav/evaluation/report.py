@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.drawing.style import png
 from pipenav.errors import FileProblem
 from pipenav.evaluation.folder import RECORD
@@ -37,6 +38,13 @@ FILES = {
 
 WORST_PIPES = 8
 """Most pipes in the list of the worst ones."""
+
+CONTACT_NOTE = (
+    "Mean steps and time: of successful episodes. Least range: smallest reading of\n"
+    "the laser at the tip, which can be large while another part of the robot\n"
+    "touches. Overlap: how deep a part sinks into the simulated wall."
+)
+"""Text below the table of motion and contact."""
 
 MISSING = "-"
 
@@ -103,7 +111,8 @@ def evaluation_table(evaluation: Evaluation) -> RenderableType:
     p99 = evaluation.penetration_p99_m
     if p99 is not None:
         where.append(f"\noverlap with the wall at most {m_to_mm(p99):.2f} mm in 99 % of the episodes")
-    parts = (where, _successes(evaluation), _contacts(evaluation), _worst(evaluation.pipes))
+    note = Text(CONTACT_NOTE, style="dim")
+    parts = (where, _successes(evaluation), Group(_contacts(evaluation), note), _worst(evaluation.pipes))
     return Group(title, *(Padding(part, (0, 0, 1, 0), expand=False) for part in parts))
 
 
@@ -160,7 +169,7 @@ def _successes(evaluation: Evaluation) -> Table:
 
 def _contacts(evaluation: Evaluation) -> Table:
     """Steps and contact of the episodes of each diameter, and the pipe in which most of them failed."""
-    headings = ["diameter\nmm", "mean steps\nof successes", "least\nrange mm", "peak\nforce N"]
+    headings = ["diameter\nmm", "mean\nsteps", "mean\ntime s", "least\nrange mm", "peak\nforce N"]
     headings += ["contact\n% of time", "deepest\noverlap mm"]
     table = _table("Motion and contact by diameter", headings, ["worst pipe and\nits success"])
     for diameter, records in by_diameter(evaluation.pipes).items():
@@ -168,7 +177,7 @@ def _contacts(evaluation: Evaluation) -> Table:
         contact = [(r.contact_time_share, r.episodes) for r in records if r.contact_time_share is not None]
         table.add_row(
             f"{diameter:g}",
-            _number(_weighted_mean(steps), 1),
+            *_steps_and_seconds(_weighted_mean(steps)),
             _number(_extreme(min, [r.min_range_m for r in records]), 1, 1000),
             _number(_extreme(max, [r.peak_force_n for r in records]), 1),
             _percent(_weighted_mean(contact)),
@@ -242,6 +251,11 @@ def _corner_cells(record: PipeRecord) -> _CornerCells:
     if record.route is not None:
         return _CornerCells("route", route_corners(record))
     return _CornerCells(f"{record.angle_deg:g}", str(record.turn))
+
+
+def _steps_and_seconds(steps: float | None) -> list[str]:
+    """Control steps, and the same in seconds."""
+    return [_number(steps, 1), _number(steps, 1, CONTROL_PERIOD)]
 
 
 def _weighted_mean(values: Sequence[tuple[float, int]]) -> float | None:
