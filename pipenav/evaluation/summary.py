@@ -8,9 +8,6 @@ from pipenav.evaluation.results import Evaluation
 SHOWN_CORNERS = 5
 """Corners of a route that are written out."""
 
-SHOWN_SETS = 3
-"""Pipes, as they were named, that are written out."""
-
 
 def headline(evaluation: Evaluation) -> str:
     """Subject and success of an evaluation, in one line."""
@@ -24,12 +21,12 @@ def headline(evaluation: Evaluation) -> str:
 def circumstances(evaluation: Evaluation) -> str:
     """Circumstances of an evaluation in two lines: what was run, then backend, settings, disturbances and seed."""
     config, pipes = evaluation.config, len(evaluation.pipes)
-    named = [*config.pipes[:SHOWN_SETS], *(["..."] if len(config.pipes) > SHOWN_SETS else [])]
+    more = f" and {len(config.pipes) - 1} more" if len(config.pipes) > 1 else ""
     located = f", variant {config.variant}" if evaluation.stage in ("locate", "passage") else ""
     settings = ", ".join(f"{name} {value}" for name, value in evaluation.options.items())
     return (
         f"stage {evaluation.stage}{located}, {pipes} pipe{'s' if pipes > 1 else ''} × {evaluation.episodes_per_pipe} "
-        f"episodes, pipes {' '.join(named)}, {evaluation.robot} robot\n"
+        f"episodes, {config.pipes[0]}{more}, {evaluation.robot} robot\n"
         f"backend {evaluation.backend} ({settings or 'default settings'}), "
         f"disturbances {evaluation.disturb or 'none'}, seed {evaluation.seed}"
     )

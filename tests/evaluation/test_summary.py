@@ -25,7 +25,7 @@ def test_only_perfect_shares_read_perfect(share: float, decimals: int, text: str
             {"disturb": "real-world", "seed": 7, "options": {"timestep": 0.005}},
             "backend mujoco (timestep 0.005), disturbances real-world, seed 7",
         ),
-        ({"pipes": ("a", "b", "c", "d")}, "pipes a b c ..., basic robot"),
+        ({"pipes": ("a", "b", "c", "d")}, "episodes, a and 3 more, basic robot"),
     ],
 )
 def test_circumstances_name_all_that_was_set(given: dict[str, object], said: str) -> None:
