@@ -1,4 +1,4 @@
-# make demo: a pipe, a trained policy and its evaluation, in demo/
+# make demo: a pipe, a trained policy, its evaluation, and pictures of robots in the pipe, in demo/
 # make test: what continuous integration runs
 # make quick: the tests that take neither seconds nor real time, in less than a minute
 # make clean: remove everything that these make
@@ -14,9 +14,12 @@ demo: .venv/installed
 	$(BIN)/pipenav gen-pipe --d 100 --angle 75 --out demo
 	$(BIN)/pipenav train --backend mujoco --out demo/run
 	$(BIN)/pipenav eval --policy demo/run/best.zip --out demo/eval
+	$(BIN)/pipenav view --policy demo/run/best.zip --pipes d=100,angle=75 --out demo/front-half.png
+	$(BIN)/pipenav view --policy pirate --pipes d=100,angle=75 --out demo/passing.png
 	@echo
-	@echo "The pictures:"
-	@find demo -name '*.png' | sort | sed 's/^/  /'
+	@echo "The pictures, the last one of a whole robot passing the corner:"
+	@find demo -name '*.png' ! -name passing.png | sort | sed 's/^/  /'
+	@echo "  demo/passing.png"
 
 test: .venv/installed-dev
 	$(BIN)/ruff check .

@@ -134,16 +134,23 @@ def _draw_force(axes: Axes, point: Floats, force: Floats) -> None:
     axes.add_patch(arrow)
 
 
-def legend_handles() -> list[Artist]:
-    """Legend of the colours and marks; `draw_force_key` gives the arrows' scale."""
+def legend_handles(target: bool, forces: bool) -> list[Artist]:
+    """Legend of the colours and marks; `draw_force_key` gives the arrows' scale.
+
+    Args:
+        target: whether there is a target.
+        forces: whether there are contact forces.
+    """
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
+    star = Line2D([], [], linestyle="", color=TARGET, marker="*", markersize=12, label="target")
+    arrow = Line2D([], [], linestyle="", color=FORCE, marker=">", markersize=8, label="contact force")
     return [
         Patch(facecolor=LINK, edgecolor=LINK_EDGE, label="robot"),
-        Line2D([], [], linestyle="", color=TARGET, marker="*", markersize=12, label="target"),
+        *([star] if target else []),
         Line2D([], [], color=BEAM, linewidth=1.2, marker=".", label="laser beam"),
-        Line2D([], [], linestyle="", color=FORCE, marker=">", markersize=8, label="contact force"),
+        *([arrow] if forces else []),
     ]
 
 

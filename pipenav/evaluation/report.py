@@ -10,13 +10,16 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.drawing.style import png
 from pipenav.errors import FileProblem
-from pipenav.evaluation import figures
 from pipenav.evaluation.folder import RECORD
 from pipenav.evaluation.interval import wilson
+from pipenav.evaluation.map_figure import map_figure
 from pipenav.evaluation.pipe_results import DiameterRecord, PipeRecord, by_diameter
 from pipenav.evaluation.results import Evaluation
+from pipenav.evaluation.success_figure import success_figure
+from pipenav.evaluation.summary import circumstances, headline, percent, route_corners
 from pipenav.storage.atomic_files import atomic_write_all, prepare_folder
 from pipenav.storage.atomic_folder import write_folder
 from pipenav.units import m_to_mm
@@ -28,16 +31,20 @@ if TYPE_CHECKING:
 FILES = {
     "eval.json": "everything, for programs",
     "eval.csv": "one row per pipe",
-    "success.png": "success over the corner angle, one line per diameter",
-    "map.png": "success by diameter and angle",
+    "success.png": "success over the corner angle, a panel per diameter; of every route, a row each",
+    "map.png": "success by diameter and angle, or by diameter and route",
 }
 """Files of an evaluation folder, each with one line that says what it is."""
 
 WORST_PIPES = 8
 """Most pipes in the list of the worst ones."""
 
-SHOWN_CORNERS = 5
-"""Corners of a route that are written out in a table."""
+CONTACT_NOTE = (
+    "Mean steps and time: of successful episodes. Least range: smallest reading of\n"
+    "the laser at the tip, which can be large while another part of the robot\n"
+    "touches. Overlap: how deep a part sinks into the simulated wall."
+)
+"""Text below the table of motion and contact."""
 
 MISSING = "-"
 
@@ -56,8 +63,8 @@ def write_evaluation(folder: Path, evaluation: Evaluation) -> None:
     contents = {
         "eval.json": evaluation.to_json().encode("utf-8"),
         "eval.csv": pipes_csv(evaluation.pipes).encode("utf-8"),
-        "success.png": png(figures.success_figure(evaluation)),
-        "map.png": png(figures.map_figure(evaluation)),
+        "success.png": png(success_figure(evaluation)),
+        "map.png": png(map_figure(evaluation)),
     }
     prepare_folder(folder)
     files = {name: contents[name] for name in FILES}
@@ -99,13 +106,14 @@ def evaluation_table(evaluation: Evaluation) -> RenderableType:
     from rich.padding import Padding
     from rich.text import Text
 
-    headline = Text(figures.headline(evaluation), style="bold")
-    where = Text(figures.circumstances(evaluation), style="dim")
+    title = Text(headline(evaluation), style="bold")
+    where = Text(circumstances(evaluation), style="dim")
     p99 = evaluation.penetration_p99_m
     if p99 is not None:
         where.append(f"\noverlap with the wall at most {m_to_mm(p99):.2f} mm in 99 % of the episodes")
-    parts = (where, _successes(evaluation), _contacts(evaluation), _worst(evaluation.pipes))
-    return Group(headline, *(Padding(part, (0, 0, 1, 0), expand=False) for part in parts))
+    note = Text(CONTACT_NOTE, style="dim")
+    parts = (where, _successes(evaluation), Group(_contacts(evaluation), note), _worst(evaluation.pipes))
+    return Group(title, *(Padding(part, (0, 0, 1, 0), expand=False) for part in parts))
 
 
 class _Column(NamedTuple):
@@ -161,7 +169,7 @@ def _successes(evaluation: Evaluation) -> Table:
 
 def _contacts(evaluation: Evaluation) -> Table:
     """Steps and contact of the episodes of each diameter, and the pipe in which most of them failed."""
-    headings = ["diameter\nmm", "mean steps\nof successes", "least\nrange mm", "peak\nforce N"]
+    headings = ["diameter\nmm", "mean\nsteps", "mean\ntime s", "least\nrange mm", "peak\nforce N"]
     headings += ["contact\n% of time", "deepest\noverlap mm"]
     table = _table("Motion and contact by diameter", headings, ["worst pipe and\nits success"])
     for diameter, records in by_diameter(evaluation.pipes).items():
@@ -169,7 +177,7 @@ def _contacts(evaluation: Evaluation) -> Table:
         contact = [(r.contact_time_share, r.episodes) for r in records if r.contact_time_share is not None]
         table.add_row(
             f"{diameter:g}",
-            _number(_weighted_mean(steps), 1),
+            *_steps_and_seconds(_weighted_mean(steps)),
             _number(_extreme(min, [r.min_range_m for r in records]), 1, 1000),
             _number(_extreme(max, [r.peak_force_n for r in records]), 1),
             _percent(_weighted_mean(contact)),
@@ -241,10 +249,13 @@ class _CornerCells(NamedTuple):
 def _corner_cells(record: PipeRecord) -> _CornerCells:
     """Angle and turn of a corner; for a route its first corners, as its name has them."""
     if record.route is not None:
-        corners = record.route.split("-")[2:]
-        shown = "-".join([*corners[:SHOWN_CORNERS], *(["..."] if len(corners) > SHOWN_CORNERS else [])])
-        return _CornerCells("route", shown)
+        return _CornerCells("route", route_corners(record))
     return _CornerCells(f"{record.angle_deg:g}", str(record.turn))
+
+
+def _steps_and_seconds(steps: float | None) -> list[str]:
+    """Control steps, and the same in seconds."""
+    return [_number(steps, 1), _number(steps, 1, CONTROL_PERIOD)]
 
 
 def _weighted_mean(values: Sequence[tuple[float, int]]) -> float | None:
@@ -254,7 +265,7 @@ def _weighted_mean(values: Sequence[tuple[float, int]]) -> float | None:
 
 
 def _percent(share: float | None) -> str:
-    return MISSING if share is None else figures.percent(share)
+    return MISSING if share is None else percent(share)
 
 
 def _interval(low: float | None, high: float | None) -> str:

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from pipenav.drawing.dimensions import INK
-from pipenav.drawing.scene import Scene, draw_force_key, draw_scene, legend_handles
+from pipenav.drawing.scene import LEAST_FORCE, Scene, draw_force_key, draw_scene, legend_handles
 from pipenav.errors import PipenavError
 from pipenav.motions.trajectory import Trajectory
+from pipenav.recording.caption import Caption, caption_of, details_of, draw_caption, draw_scale
 from pipenav.recording.film_files import Frames, check_suffix, write_frames
 from pipenav.robots import kinematics, laser
 from pipenav.robots.outline import link_outlines
@@ -43,6 +44,11 @@ MOST_IN_STRIP = MAX_ROWS // (PANELS // COLUMNS)
 
 FRAME_IN = 8.0
 """Width of a film's frame [in]."""
+
+FOOT_IN = 0.45
+"""Height of the legend [in]."""
+
+REAL_TIME = "film in real time"
 
 DPI = 100
 
@@ -119,23 +125,30 @@ def _strip(trajectories: Sequence[Trajectory], report_progress: Progress) -> byt
             ".gif or .mp4."
         )
     boxes = [box_of(motion) for motion in trajectories]
-    heads, foot = 0.45, 0.45  # inches above each motion, and below all
-    heights = [count * (PANEL_IN * box.aspect + TEXT_IN) + heads for count, box in zip(lines, boxes, strict=True)]
-    figure = Figure(figsize=(COLUMNS * PANEL_IN, sum(heights) + foot), dpi=DPI, facecolor="white")
+    width = COLUMNS * PANEL_IN
+    captions = [_caption(motion, width) for motion in trajectories]
+    heights = [
+        count * (PANEL_IN * box.aspect + TEXT_IN) + caption.height
+        for count, box, caption in zip(lines, boxes, captions, strict=True)
+    ]
+    figure = Figure(figsize=(width, sum(heights) + FOOT_IN), dpi=DPI, facecolor="white")
     FigureCanvasAgg(figure)
-    grids: Any = figure.subfigures(len(trajectories) + 1, 1, height_ratios=[*heights, foot], squeeze=False)[:, 0]
+    grids: Any = figure.subfigures(len(trajectories) + 1, 1, height_ratios=[*heights, FOOT_IN], squeeze=False)[:, 0]
     drawn, total = 0, sum(map(len, rows))
-    for motion, chosen, box, height, grid in zip(trajectories, rows, boxes, heights, grids[:-1], strict=True):
-        _title(grid, motion, 1 - 0.24 / height)
+    for motion, chosen, box, grid, caption, height in zip(
+        trajectories, rows, boxes, grids[:-1], captions, heights, strict=True
+    ):
+        draw_caption(grid, caption, width, height)
         panels = grid.subplots(-(-len(chosen) // COLUMNS), COLUMNS, squeeze=False)
-        grid.subplots_adjust(left=0.005, right=0.995, bottom=0.0, top=1 - (heads + TEXT_IN) / height, wspace=0.03)
+        top = 1 - (caption.height + TEXT_IN) / height
+        grid.subplots_adjust(left=0.005, right=0.995, bottom=0.0, top=top, wspace=0.03)
         grid.subplots_adjust(hspace=TEXT_IN / (PANEL_IN * box.aspect))
         for axes in panels.flat[len(chosen) :]:
             axes.set_axis_off()
         for axes, row in zip(panels.flat, chosen, strict=False):
             _frame(axes, motion, int(row), box, size=8.5)
             report_progress(drawn := drawn + 1, total)
-    _legend(grids[-1])
+    _legend(grids[-1], trajectories)
     picture = io.BytesIO()
     figure.savefig(picture, format="png", dpi=DPI)
     return picture.getvalue()
@@ -147,20 +160,21 @@ def _frames(trajectories: Sequence[Trajectory], report_progress: Progress) -> Fr
     from matplotlib.figure import Figure
 
     boxes = [box_of(motion) for motion in trajectories]
-    head, foot = 0.5, 0.45
-    height = max(FRAME_IN * box.aspect for box in boxes) + head + TEXT_IN + foot
+    captions = [_caption(motion, FRAME_IN, REAL_TIME) for motion in trajectories]
+    head = max(caption.height for caption in captions)
+    height = max(FRAME_IN * box.aspect for box in boxes) + head + TEXT_IN + FOOT_IN
     height = 2 * round(height * DPI / 2) / DPI
     total, drawn = sum(len(motion.q) for motion in trajectories), 0
-    for motion, box in zip(trajectories, boxes, strict=True):
+    for motion, box, caption in zip(trajectories, boxes, captions, strict=True):
         for row in range(len(motion.q)):
             figure = Figure(figsize=(FRAME_IN, height), dpi=DPI, facecolor="white")
             canvas = FigureCanvasAgg(figure)
-            bands: Any = figure.subfigures(3, 1, height_ratios=[head, height - head - foot, foot])
+            bands: Any = figure.subfigures(3, 1, height_ratios=[head, height - head - FOOT_IN, FOOT_IN])
             top, middle, bottom = bands
-            _title(top, motion, 0.5)
-            axes = middle.add_axes((0.01, 0.0, 0.98, 1 - TEXT_IN / (height - head - foot)))
+            draw_caption(top, caption, FRAME_IN, head)
+            axes = middle.add_axes((0.01, 0.0, 0.98, 1 - TEXT_IN / (height - head - FOOT_IN)))
             _frame(axes, motion, row, box, size=11)
-            _legend(bottom)
+            _legend(bottom, [motion])
             canvas.draw()
             yield np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
             report_progress(drawn := drawn + 1, total)
@@ -169,9 +183,11 @@ def _frames(trajectories: Sequence[Trajectory], report_progress: Progress) -> Fr
 def _frame(axes: Axes, trajectory: Trajectory, row: int, box: Box, size: float) -> None:
     """Draw a panel: the scene, above it time, largest contact force and, at the end, the outcome."""
     draw_scene(axes, scene_of(trajectory, row))
-    if trajectory.link_forces is not None:
-        width = box.right - box.left
-        draw_force_key(axes, box.left + 0.03 * width, box.bottom + 0.04 * width, size)
+    width = box.right - box.left
+    low = box.bottom + 0.04 * width
+    if _touches(trajectory):
+        draw_force_key(axes, box.left + 0.03 * width, low, size)
+    draw_scale(axes, box.left + (0.3 if _touches(trajectory) else 0.03) * width, low, width, size)
     axes.set(xlim=(box.left, box.right), ylim=(box.bottom, box.top), aspect="equal", xticks=[], yticks=[])
     for spine in axes.spines.values():
         spine.set_color("#d5dbe1")
@@ -194,17 +210,25 @@ STAGE_WORDS = {
 }
 
 
-def _title(figure: Any, trajectory: Trajectory, y: float) -> None:
+def _caption(trajectory: Trajectory, width: float, speed: str = "") -> Caption:
+    """Pipe and stage, what acted and with which settings, and a film's speed, in lines of a width [in]."""
     header = trajectory.header
-    stage = STAGE_WORDS[header.stage]
-    by = " · ".join(part for part in (header.controller, header.robot, header.backend) if part)
-    figure.text(0.012, y, f"{header.pipe.label}: {stage}", fontsize=12, fontweight="bold", color=INK, va="center")
-    figure.text(0.988, y, by, fontsize=9.5, color=INK, ha="right", va="center")
+    details = details_of(header.controller, header.robot, header.backend, header.options, header.seed)
+    title = f"{header.pipe.label}: {STAGE_WORDS[header.stage]}"
+    return caption_of(title, " · ".join(part for part in (details, speed) if part), width)
 
 
-def _legend(figure: Any) -> None:
-    """Draw the meaning of the marks, in one line."""
-    figure.legend(handles=legend_handles(), loc="center", ncols=4, frameon=False, fontsize=9.5, labelcolor=INK)
+def _touches(trajectory: Trajectory) -> bool:
+    """Whether the motion has a contact force that is drawn."""
+    forces = trajectory.link_forces
+    return forces is not None and bool((np.linalg.norm(forces, axis=2) >= LEAST_FORCE).any())
+
+
+def _legend(figure: Any, trajectories: Sequence[Trajectory]) -> None:
+    """Draw the meaning of the marks that some motion has, in one line."""
+    target = any(motion.header.goal_m is not None for motion in trajectories)
+    handles = legend_handles(target=target, forces=any(map(_touches, trajectories)))
+    figure.legend(handles=handles, loc="center", ncols=4, frameon=False, fontsize=9.5, labelcolor=INK)
 
 
 def scene_of(trajectory: Trajectory, row: int) -> Scene:

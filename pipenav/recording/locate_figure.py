@@ -8,6 +8,8 @@ from matplotlib.figure import Figure
 from pipenav.arrays import Floats
 from pipenav.drawing.dimensions import INK
 from pipenav.drawing.scene import Scene, draw_scene, legend_handles
+from pipenav.drawing.style import heading
+from pipenav.recording.caption import details_of
 from pipenav.recording.film import box_of
 from pipenav.recording.record import Located
 from pipenav.robots import kinematics
@@ -35,10 +37,10 @@ def locate_figure(located: Located) -> Figure:
     axes.plot(*m_to_mm(1.0) * _met(located, row).T, ".", color=MET, markersize=4, zorder=3)
     axes.set(xlim=(box.left, box.right), ylim=(box.bottom, box.top), aspect="equal", xticks=[], yticks=[])
     said = "no target found" if located.found is None else f"target found after {trajectory.time[row]:.1f} s"
-    axes.set_title(f"{header.pipe.label}: {said}", loc="left", fontsize=12, fontweight="bold", color=INK)
-    axes.set_title(f"{header.controller} · {header.robot} · {header.backend}", loc="right", fontsize=9.5, color=INK)
+    details = details_of(header.controller, header.robot, header.backend, header.options, header.seed)
+    heading(axes, f"{header.pipe.label}: {said}", details)
     met = Line2D([], [], linestyle="", color=MET, marker=".", markersize=7, label="met by earlier scans")
-    handles = [*legend_handles()[:3], met]
+    handles = [*legend_handles(target=target is not None, forces=False), met]
     axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=4, frameon=False, labelcolor=INK)
     return figure
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -37,6 +39,8 @@ class SpaceRecording:
         normals: normals of the halves' planes, (rows, halves, 3).
         contact_force: largest net force of the pipe on any one link, (rows,) [N].
         doing: what drives the robot in each row, a `Mode` in words.
+        options: settings of the backend.
+        seed: seed of the episode; None where it is not known.
     """
 
     route: PipeRoute
@@ -48,6 +52,8 @@ class SpaceRecording:
     normals: Floats
     contact_force: Floats
     doing: tuple[str, ...]
+    options: Mapping[str, Any] = field(default_factory=dict)
+    seed: int | None = None
 
     @property
     def time(self) -> Floats:
@@ -92,4 +98,5 @@ def record_in_space(
             look(world, Sight(f"{told}, {doing[-1]}"))
     long = batch.pipes[0]
     arrays = np.array(points), np.array(normals), np.array(force)
-    return SpaceRecording(long, robot, name, simulator.backend, outcome.label, *arrays, tuple(doing))
+    settings = simulator.options, seed
+    return SpaceRecording(long, robot, name, simulator.backend, outcome.label, *arrays, tuple(doing), *settings)

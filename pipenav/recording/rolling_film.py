@@ -16,6 +16,7 @@ from pipenav.arrays import Floats
 from pipenav.drawing.dimensions import INK
 from pipenav.drawing.projection import View, wall_quads
 from pipenav.drawing.scene import FORCE
+from pipenav.recording.caption import Caption, caption_of, details_of, draw_caption, draw_scale
 from pipenav.recording.film import DPI, FAILED, SUCCEEDED
 from pipenav.recording.film_files import Frames, write_frames
 from pipenav.recording.record_rolling import SpaceRecording
@@ -38,6 +39,11 @@ REACH = 0.36
 
 SKIP = 5
 """Control steps between two frames of a film, which therefore runs five times as fast as the robot."""
+
+SPEED = f"film {SKIP} times as fast as the robot"
+
+FRAME_IN = (9.6, 4.6)
+"""Width of a film's frame, and its height below the caption [in]."""
 
 SIDES = 12
 """Sides of the polygon that a wheel is drawn as."""
@@ -119,7 +125,12 @@ def _strip(recording: SpaceRecording, view: View, report_progress: Progress) -> 
     rows = np.unique(np.linspace(0, len(recording.points) - 1, PANELS).round().astype(int))
     lines = -(-len(rows) // COLUMNS)
     width = COLUMNS * PANEL_IN
-    figure = Figure(figsize=(width, 0.36 * width + lines * (PANEL_IN + 0.3)), facecolor="white", layout="constrained")
+    caption = _caption(recording, width)
+    height = 0.36 * width + lines * (PANEL_IN + 0.3) + caption.height
+    figure = Figure(figsize=(width, height), facecolor="white", layout="constrained")
+    draw_caption(figure, caption, width, height)
+    engine: Any = figure.get_layout_engine()
+    engine.set(rect=(0, 0, 1, 1 - caption.height / height))
     grid = figure.add_gridspec(lines + 1, COLUMNS, height_ratios=[0.36 * width, *[PANEL_IN + 0.3] * lines])
     _overview(figure.add_subplot(grid[0, :]), recording, view, len(recording.points) - 1, rows)
     for number, row in enumerate(rows):
@@ -133,11 +144,16 @@ def _frames(recording: SpaceRecording, view: View, rows: Floats, report_progress
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
+    width, below = FRAME_IN
+    caption = _caption(recording, width, SPEED)
+    height = 2 * round((below + caption.height) * DPI / 2) / DPI
+    share = (below - 0.4) / height  # room for the close-up's text, and below
     for number, row in enumerate(rows):
-        figure = Figure(figsize=(9.6, 5.2), dpi=DPI, facecolor="white")
+        figure = Figure(figsize=(width, height), dpi=DPI, facecolor="white")
         canvas = FigureCanvasAgg(figure)
-        _overview(figure.add_axes((0.01, 0.02, 0.44, 0.86)), recording, view, int(row), rows[:0])
-        _close_up(figure.add_axes((0.48, 0.02, 0.51, 0.86)), recording, view, int(row))
+        draw_caption(figure, caption, width, height)
+        _overview(figure.add_axes((0.01, 0.02, 0.44, share)), recording, view, int(row), rows[:0])
+        _close_up(figure.add_axes((0.48, 0.02, 0.51, share)), recording, view, int(row))
         canvas.draw()
         yield np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
         report_progress(number + 1, len(rows))
@@ -156,12 +172,17 @@ def _overview(axes: Axes, recording: SpaceRecording, view: View, row: int, marke
         axes.plot(*path[-1], "o", color=FORCE, markersize=7, zorder=8)
     axes.set(aspect="equal")
     axes.set_axis_off()
-    outcome = f"{recording.outcome} after {recording.time[-1]:.1f} s"
-    colour = SUCCEEDED if recording.succeeded else FAILED
-    axes.set_title(recording.route.label.replace(", ", "  ·  "), loc="left", fontsize=8, color=INK)
-    axes.text(
-        0.0, 0.0, f"{recording.controller} · {recording.backend}: {outcome}", transform=axes.transAxes, color=colour
-    )
+    if row == len(recording.points) - 1:
+        outcome = f"{recording.outcome} after {recording.time[-1]:.1f} s"
+        colour = SUCCEEDED if recording.succeeded else FAILED
+        axes.text(0.0, 0.0, outcome, transform=axes.transAxes, color=colour, fontweight="bold")
+
+
+def _caption(recording: SpaceRecording, width: float, speed: str = "") -> Caption:
+    """Route, what acted and with which settings, colours, and a film's speed, in lines of a width [in]."""
+    acted = details_of(recording.controller, recording.robot.name, recording.backend, recording.options, recording.seed)
+    parts = (acted, "rear half blue, front half orange", speed)
+    return caption_of(f"{recording.route.label}: whole robot", " · ".join(part for part in parts if part), width)
 
 
 def _badge() -> dict[str, Any]:
@@ -185,6 +206,7 @@ def _close_up(axes: Axes, recording: SpaceRecording, view: View, row: int) -> No
     x, y = m_to_mm(1.0) * view.flat(middle)
     reach = m_to_mm(REACH)
     axes.set(xlim=(x - reach, x + reach), ylim=(y - reach, y + reach), aspect="equal", xticks=[], yticks=[])
+    draw_scale(axes, x - 0.94 * reach, y - 0.9 * reach, 2 * reach, fontsize=8)
     axes.set_title(f"{recording.time[row]:.1f} s   {recording.doing[row]}", loc="left", fontsize=9, color=INK)
 
 

@@ -66,13 +66,26 @@ def test_tables_fit_into_100_columns_without_cut_words(case: str) -> None:
 
 def test_tables_say_what_was_measured() -> None:
     text = shown(GRID)
-    for fact in ("some-policy: 85.0 % of 600 episodes", "stage reach, 60 pipes × 10 episodes", "1.11 mm"):
+    for fact in (
+        "some-policy: 85.0 % of 600 episodes",
+        "stage reach, 60 pipes × 10 episodes",
+        "1.11 mm",
+        "disturbances none",
+    ):
         assert fact in text
     narrow = next(line for line in text.splitlines() if line.split()[:1] == ["90"])
     assert narrow.split()[:5] == ["90", "300", "70.0", "64.6-74.9", "89"]
     assert "limit 90" in narrow
     assert "The 8 worst of 30 pipes with failures" in text
     assert "Every episode succeeded" in shown(CASES["perfect"])
+
+
+def test_tables_say_seconds_beside_steps_and_what_range_and_overlap_are() -> None:
+    text = shown(GRID)
+    assert any(line.split()[:3] == ["90", "25.0", "2.5"] for line in text.splitlines())
+    words = " ".join(text.split())
+    assert "smallest reading of the laser at the tip" in words
+    assert "how deep a part sinks into the simulated wall" in words
 
 
 def test_tables_show_only_the_stages_that_were_run() -> None:

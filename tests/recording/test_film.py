@@ -12,9 +12,11 @@ import numpy as np
 import pytest
 from helpers.checkout import ROOT
 from helpers.films import ROBOT, TWO, motion
+from matplotlib.figure import Figure
 from PIL import Image
 
 from pipenav.errors import FileProblem, PipenavError
+from pipenav.motions.trajectory import Trajectory
 from pipenav.pipes.corner import PipeCorner
 from pipenav.recording import film, film_files
 from pipenav.recording.film import box_of, write_film
@@ -87,6 +89,26 @@ def test_frames_of_one_film_differ_and_are_of_one_size() -> None:
     pictures = list(film._frames(TWO, lambda *_: None))
     assert len({picture.shape for picture in pictures}) == 1
     assert all((one != two).any() for one, two in pairwise(pictures))
+
+
+def test_the_legend_holds_only_what_is_there() -> None:
+    def shown(motions: list[Trajectory]) -> list[str]:
+        figure = Figure()
+        film._legend(figure, motions)
+        return [text.get_text() for text in figure.legends[0].texts]
+
+    free = Trajectory(TWO[0].header.model_copy(update={"goal_m": None}), ROBOT, TWO[0].q)
+    assert shown(TWO) == ["robot", "target", "laser beam", "contact force"]
+    assert shown([free]) == ["robot", "laser beam"]
+    assert shown([free, TWO[0]]) == shown(TWO)
+
+
+def test_the_outcome_stands_in_the_last_frame_alone() -> None:
+    one = TWO[0]
+    for row in range(len(one.q)):
+        axes = Figure().add_subplot()
+        film._frame(axes, one, row, box_of(one), size=8)
+        assert axes.get_title("right") == ("reached" if row == len(one.q) - 1 else "")
 
 
 def test_other_suffixes_are_refused(tmp_path: Path) -> None:

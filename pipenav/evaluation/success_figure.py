@@ -1,0 +1,159 @@
+"""success.png: success over the corner angle in a panel for each diameter, or of each route in a row."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from pipenav.drawing.style import INK, MAIN, MUTED, SECOND, plain
+from pipenav.evaluation.cells import Cell, NumberedRoute, numbered_routes, pooled, total
+from pipenav.evaluation.interval import wilson
+from pipenav.evaluation.pipe_results import by_diameter
+from pipenav.evaluation.results import Evaluation
+from pipenav.evaluation.success_axis import SUCCESS_LABEL, limits, widen
+from pipenav.evaluation.summary import circumstances, headline, percent, route_corners
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+CORNER_AXIS = "interior corner angle [deg] (smaller is sharper)"
+
+KEY = "bars: Wilson 95 % intervals; orange: with failures; the axis widens towards 100 %"
+
+COLUMNS = 3
+PANEL_IN = (3.5, 2.5)
+"""Width and height of a panel [in]."""
+
+HEADING_IN = 1.15
+"""Height of title and circumstances [in]."""
+
+MOST_TICKS = 8
+"""Most angles along a panel that are all written on it."""
+
+MOST_ROUTES = 60
+"""Most routes in a picture; of more, the ones in which most episodes failed are shown."""
+
+ROUTE_IN = 0.24
+"""Height of a route's row [in]."""
+
+
+def success_figure(evaluation: Evaluation) -> Figure:
+    """Success with Wilson 95 % intervals: a panel for each diameter, or where only routes were run a row for each."""
+    corners = [record for record in evaluation.pipes if record.route is None]
+    if not corners:
+        return _routes_figure(evaluation)
+    given = {record.turn for record in corners}
+    turns = "left and right turns together" if len(given) > 1 else f"{given.pop()} turns"
+    more = "; routes: see map.png" if len(corners) < len(evaluation.pipes) else ""
+    lines = {diameter: pooled(records) for diameter, records in by_diameter(corners).items()}
+    return _corners_figure(
+        evaluation,
+        lines,
+        f"{turns}; {KEY}{more}",
+    )
+
+
+def _corners_figure(evaluation: Evaluation, lines: dict[float, dict[float, Cell]], note: str) -> Figure:
+    from matplotlib.figure import Figure
+
+    columns = 2 if len(lines) == 4 else min(COLUMNS, len(lines))
+    rows = math.ceil(len(lines) / columns)
+    width, height = max(columns * PANEL_IN[0], 8.5), rows * PANEL_IN[1] + HEADING_IN + 0.4
+    figure = Figure((width, height), facecolor="white", layout="constrained")
+    panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).flat
+    lowest = min(100 * wilson(*cell).low for line in lines.values() for cell in line.values())
+    for axes, (diameter, line) in zip(panels, lines.items(), strict=False):
+        plain(axes)
+        _panel_title(axes, f"{diameter:g} mm", total(line.values()))
+        _draw_cells(axes, list(line), list(line.values()))
+    angles = sorted({angle for line in lines.values() for angle in line})
+    first = figure.axes[0]
+    margin = 0.04 * (angles[-1] - angles[0]) or 5.0
+    for axes in figure.axes:
+        widen(axes, lowest)
+    first.set(ylim=limits(lowest), xlim=(angles[0] - margin, angles[-1] + margin))
+    ticks = angles[:: math.ceil(len(angles) / MOST_TICKS)]
+    first.set_xticks(ticks, [f"{angle:g}" for angle in ticks])
+    for number, axes in enumerate(figure.axes):
+        axes.set_visible(number < len(lines))
+        axes.tick_params(labelbottom=number + columns >= len(lines))
+        axes.set_ylabel("" if number % columns else SUCCESS_LABEL, color=INK)
+    figure.supxlabel(CORNER_AXIS, fontsize=10, color=INK)
+    _heading(figure, "Success over the corner angle", evaluation, note)
+    return figure
+
+
+def _draw_cells(axes: Axes, places: Sequence[float], cells: Sequence[Cell], across: bool = False) -> None:
+    """Draw shares with their intervals, upwards or, for routes, to the right."""
+    shares = [100 * cell.share for cell in cells]
+    if not across and len(cells) > 1:
+        axes.plot(places, shares, color=MAIN, linewidth=1.2, alpha=0.45, zorder=2)
+    for colour, failed in ((MAIN, False), (SECOND, True)):
+        chosen = [i for i, cell in enumerate(cells) if (cell.successes < cell.episodes) is failed]
+        at, share = [places[i] for i in chosen], [shares[i] for i in chosen]
+        ends = [wilson(*cells[i]) for i in chosen]
+        error = [
+            [max(0.0, y - 100 * end.low) for y, end in zip(share, ends, strict=True)],
+            [max(0.0, 100 * end.high - y) for y, end in zip(share, ends, strict=True)],
+        ]
+        style: dict[str, Any] = {"fmt": "D" if failed else "o", "color": colour, "markersize": 4.5, "elinewidth": 1.0}
+        if across:
+            axes.errorbar(share, at, xerr=error, **style)
+        elif chosen:
+            axes.errorbar(at, share, yerr=error, **style)
+
+
+def _panel_title(axes: Axes, name: str, cell: Cell) -> None:
+    failed = cell.episodes - cell.successes
+    axes.set_title(name, loc="left", fontsize=11, fontweight="bold", color=INK)
+    text = f"{percent(cell.share)} %, {failed:,} of {cell.episodes:,} failed"
+    axes.set_title(text, loc="right", fontsize=9, color=SECOND if failed else MUTED)
+
+
+def _routes_figure(evaluation: Evaluation) -> Figure:
+    """A row for each route, with its corners, in a panel for each diameter."""
+    from matplotlib.figure import Figure
+
+    groups = numbered_routes(evaluation)
+    routes = [route for group in groups.values() for route in group]
+    note = f"named by corners and number; {KEY}"
+    if len(routes) > MOST_ROUTES:
+        worst = sorted(routes, key=lambda route: route.cell.share)[:MOST_ROUTES]
+        shown = {route.number for route in worst}
+        groups = {d: [route for route in group if route.number in shown] for d, group in groups.items()}
+        groups = {d: group for d, group in groups.items() if group}
+        note += f"; the {MOST_ROUTES} worst of {len(routes)} routes"
+    rows = [len(group) for group in groups.values()]
+    heights = [count * ROUTE_IN + 0.42 for count in rows]
+    figure = Figure((9.0, sum(heights) + HEADING_IN + 0.5), facecolor="white", layout="constrained")
+    panels = figure.subplots(len(groups), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
+    lowest = min(100 * wilson(*route.cell).low for route in routes)
+    for axes, (diameter, group) in zip(panels, groups.items(), strict=True):
+        plain(axes)
+        _panel_title(axes, f"{diameter:g} mm", total(route.cell for route in group))
+        _draw_routes(axes, group)
+    for axes in panels:
+        widen(axes, lowest, across=True)
+    panels[-1].set(xlim=limits(lowest))
+    panels[-1].set_xlabel(SUCCESS_LABEL, color=INK)
+    _heading(figure, "Success of every route", evaluation, note)
+    return figure
+
+
+def _draw_routes(axes: Axes, group: Sequence[NumberedRoute]) -> None:
+    places = range(len(group))
+    _draw_cells(axes, places, [route.cell for route in group], across=True)
+    axes.set_yticks(places, [f"{route_corners(route.record)}  {route.number:>3}" for route in group])
+    axes.set_ylim(len(group) - 0.5, -0.5)
+
+
+def _heading(figure: Figure, title: str, evaluation: Evaluation, note: str) -> None:
+    """Write title, subject, circumstances and a note above all panels."""
+    text = f"{headline(evaluation)}\n{circumstances(evaluation)}\n{note}"
+    height = figure.get_figheight()
+    figure.text(0.01, 1 - 0.08 / height, title, fontsize=14, fontweight="bold", color=INK, va="top")
+    figure.text(0.01, 1 - 0.36 / height, text, fontsize=9.5, color=MUTED, va="top", linespacing=1.35)
+    engine: Any = figure.get_layout_engine()
+    engine.set(rect=(0, 0, 1, 1 - HEADING_IN / height), hspace=0.03)
