@@ -108,7 +108,7 @@ class LazyCommand(TyperCommand):
             from pipenav.errors import PipenavError
 
             missing = f"command {self.name!r} needs Python module {error.name!r}, which is not installed"
-            raise PipenavError(f"{missing}: reinstall pipenav with pip install --force-reinstall pipenav.") from error
+            raise PipenavError(f"{missing}: bring it with pip install pipenav.") from error
         single = typer.Typer(add_completion=False, context_settings=_SETTINGS)
         single.command(self.name)(callback)
         return typer.main.get_command(single)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -56,7 +57,7 @@ def calibrate(
         _calibrate(calibrator, spec, arm, write_servos)
     finally:
         calibrator.close()
-    typer.echo(f"next: pipenav hw-check --arm {arm}")
+    typer.echo(f"next: {shlex.join(['pipenav', 'hw-check', '--arm', str(arm)])}")
 
 
 def _calibrate(calibrator: Calibrator, robot: RobotSpec, arm: Path, write_servos: bool) -> None:
@@ -74,8 +75,10 @@ def _calibrate(calibrator: Calibrator, robot: RobotSpec, arm: Path, write_servos
             for line in calibrator.write_servos():
                 typer.echo(line)
         except PipenavError as error:
-            again = f"your answers are kept in {arm}; store them by pipenav calibrate --store-only --arm {arm}"
-            raise PipenavError(f"{error} Not all is stored: {again}.") from error
+            command = shlex.join(["pipenav", "calibrate", "--store-only", "--arm", str(arm)])
+            raise PipenavError(
+                f"{error} Not all is stored: your answers are kept in {arm}; store them by {command}"
+            ) from error
 
 
 def _store(arm: Path) -> None:

@@ -55,7 +55,7 @@ def locate_target(
 
     Exit code 1 where no target was found, or one outside the second leg.
 
-    `pipenav eval --stage locate` measures it over many starts; docs/guides/locating-a-target.md says how it works.
+    `pipenav eval --stage locate` measures it over many starts.
 
     Examples:
 

@@ -123,7 +123,9 @@ def _state_flaws(servo: Servo, name: str, state: table.State, alarms: table.Alar
         yield Finding("problem", f"{name} is at {state.temperature} deg C", "let it cool for 20 minutes")
     if alarms:
         names = ", ".join(str(bit.name).lower() for bit in table.Alarm if bit & alarms)
-        yield Finding("problem", f"{name} reports {names}", "see docs/guides/the-arm.md, Trips")
+        yield Finding(
+            "problem", f"{name} reports {names}", "look for what holds or heats it, then switch the supply off and on"
+        )
 
 
 def _missing(arm: ArmConfig, servo: Servo, elsewhere: list[Stray]) -> Finding:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -33,7 +34,7 @@ def named(servo: Servo) -> str:
 
 def storing(path: Path) -> str:
     """How to store an arm's settings in its servos, as advice that works as typed."""
-    where = "" if path == DEFAULT_ARM else f" --arm {path}"
+    where = "" if path == DEFAULT_ARM else f" --arm {shlex.quote(str(path))}"
     return f"store the arm's settings in the servos: pipenav calibrate --store-only{where}"
 
 

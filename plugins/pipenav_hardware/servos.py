@@ -47,7 +47,9 @@ def latency_finding(waiting: float, allow_slow: bool) -> Finding:
     """
     what = f"servos answer after {waiting * 1e3:.1f} ms (median of {PINGS})"
     if waiting > TOO_SLOW and not allow_slow:
-        return Finding("problem", f"{what}, which is too slow", f"{LATENCY_REMEDY}, or --allow-slow-bus")
+        return Finding(
+            "problem", f"{what}, which is too slow", f"{LATENCY_REMEDY}, or add --allow-slow-bus to pipenav run-real"
+        )
     return Finding("warning", what, LATENCY_REMEDY) if waiting > SLOW else Finding("ok", what)
 
 

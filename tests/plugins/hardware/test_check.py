@@ -50,7 +50,7 @@ def test_a_check_of_a_healthy_arm_finds_nothing_and_changes_nothing(
         ({"fault": "dead", "servo": 3}, "servo 3 (theta2) does not answer", "the cable from servo 2 (theta1) to it"),
         ({"fault": "wheel", "servo": 1}, "in wheel mode", "pipenav calibrate --store-only"),
         ({"fault": "voltage", "value": 8.0}, "gets 8.0 V", "supply 9 to 12.6 V"),
-        ({"fault": "overload", "servo": 2}, "reports overload", "docs/guides/the-arm.md"),
+        ({"fault": "overload", "servo": 2}, "reports overload", "switch the supply off and on"),
         ({"fault": "duplicate", "servo": 3, "value": 7.0}, "does not answer", "the one with id 7"),
         ({"fault": "duplicate", "servo": 3, "value": 200.0}, "does not answer", "the one with id 200"),
         ({"fault": "unplug", "device": "scanner"}, "there is no port", ""),
