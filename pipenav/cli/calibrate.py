@@ -103,5 +103,5 @@ def _ask(calibrator: Calibrator, robot: RobotSpec) -> None:
         positive = typer.confirm(f"Did {joint.name} move {'forwards, into the pipe' if slide else 'to the left'}?")
         moved = typer.prompt("By how many mm?", type=float) if slide else None
         if moved is not None and not 0.5 <= abs(moved) <= 500:
-            raise PipenavError(f"{moved:g} mm is no possible travel of the carriage: measure again, 0.5 to 500 mm.")
+            raise PipenavError(f"{moved:g} mm is not a possible travel of the carriage: measure again, 0.5 to 500 mm.")
         calibrator.set_direction(joint.name, positive, moved)

@@ -132,7 +132,7 @@ def _required_share(text: str | None) -> float | None:
     except ValueError:
         percent = math.nan
     if not 0 <= percent <= 100 or (0 < percent <= 1 and not text.endswith("%")):
-        raise PipenavError(f"--require {text} is no percentage: write it as 99% or 99.5%.")
+        raise PipenavError(f"--require {text} is not a percentage: write it as 99% or 99.5%.")
     return percent / 100
 
 

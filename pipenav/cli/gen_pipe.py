@@ -105,7 +105,7 @@ def _refuse_corner_options(context: typer.Context) -> None:
         f"--{name.replace('_', '-')}" for name, source in sources.items() if source and source.name == "COMMANDLINE"
     ]
     if given:
-        raise typer.BadParameter(f"--route takes all of a route from its file: leave out {', '.join(given)}.")
+        raise typer.BadParameter(f"--route reads the whole route from its file: leave out {', '.join(given)}.")
 
 
 def _make_route(text: str, out: Path) -> None:

@@ -21,7 +21,7 @@ DIAMETER_HELP = "Inner diameter of the pipe in mm."
 ANGLE_HELP = "Interior angle between its legs in deg; small is sharp."
 TURN_HELP = "Side that it turns to: left, the default, or right."
 VARIANT_HELP = "map: the beams' ends are fitted to a corner; thesis: the method exactly as printed, eq 3.16 to 3.19."
-PIPES_HELP = "Instead: shipped set, FILE.toml or d=90,angle=60[,turn=right]; repeatable."
+PIPES_HELP = "Instead of --d and --angle: shipped set, FILE.toml or d=90,angle=60[,turn=right]; repeatable."
 OUT_HELP = "Folder for each pipe's trajectory (.csv) and picture of what the laser saw (.png)."
 PIPE, BEHAVIOUR, OUTPUT = "Which pipe", "Who looks, and how", "Output"
 
@@ -138,7 +138,7 @@ def _cells(located: Located) -> list[str]:
 NOTES = (
     "mm, in the pipe's frame: from the corner, the first leg along -x",
     "mm, to the left",
-    "from the right, on or nearest to which the target lies",
+    "number, from the right, of the beam on the target or nearest to it",
     "control steps before it was known, 0.1 s each",
     "",
     "N, of the pipe on any one link",

@@ -95,7 +95,7 @@ class Servos:
         self.warnings: list[str] = []
         if bus.echoes():
             raise PipenavError(
-                f"the adapter on {bus.name} sends back what is sent: use one that switches direction by itself "
+                f"the adapter on {bus.name} echoes what is sent: use one that switches direction by itself "
                 "(USB2Dynamixel, U2D2), or wire its receiver so that it is off while it sends."
             )
         for index, servo in enumerate(arm.servos):
