@@ -178,6 +178,7 @@ RULES: dict[str, Callable[[Options], Options]] = {
     "experiment": _experiment,
     "gen-pipe": _as_it_stands,
     "hw-check": _as_it_stands,
+    "list": _as_it_stands,
     "locate-target": _as_it_stands,
     "mirror-rear": _as_it_stands,
     "presets": _as_it_stands,
