@@ -53,7 +53,7 @@ def locate_target(
 ) -> None:
     """Let the robot find a target around the corner by itself (approach I), knowing only the turn's side.
 
-    Exit code 1 where no target was found, or one outside the second leg.
+    Exit code 1 if no target was found, or one outside the second leg.
 
     `pipenav eval --stage locate` measures it over many starts.
 

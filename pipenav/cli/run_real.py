@@ -56,6 +56,9 @@ def run_real(
     The arm: pipenav run-real --policy best.zip --arm arm.toml --turn left
 
     Look before you move: pipenav run-real --policy best.zip --dry-run
+
+    With a policy of your own: pipenav train --preset real-setup, then pipenav calibrate --port /dev/ttyUSB0, then
+    pipenav run-real --policy runs/real-setup/best.zip
     """
     from pipenav.cli.run_real_summary import conclude
     from pipenav.deployment.arm_policy import policy_for
