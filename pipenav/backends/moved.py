@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-GUIDE = "docs/guides/write-a-backend.md"
-"""Page that shows a plugin author how a backend is written today."""
-
-UPDATE = f"update it, see {GUIDE}"
+UPDATE = "update it, as pipenav's guide 'Write a backend' shows"
 """Remedy for a plugin that was written for an older pipenav."""
 
 MOVED = {

@@ -41,7 +41,7 @@ class CannotIncline(PipenavError):
     """A simulator in which nothing has weight in the plane of the pipe."""
 
     def __init__(self, simulator: object) -> None:
-        super().__init__(f"{type(simulator).__name__} knows no gravity along the pipe: choose --backend mujoco.")
+        super().__init__(f"{type(simulator).__name__} cannot simulate gravity along the pipe: choose --backend mujoco.")
 
 
 class NoViewer(PipenavError):
@@ -57,6 +57,6 @@ class PlaneOnly(PipenavError):
 
     def __init__(self, name: str) -> None:
         super().__init__(
-            f"backend {name!r} moves robots in a plane alone: choose --backend mujoco, or routes without rolls, such "
+            f"backend {name!r} moves robots only in a plane: choose --backend mujoco, or routes without rolls, such "
             "as runs-level."
         )

@@ -19,11 +19,11 @@ def load_simulator(name: str) -> type[Simulator]:
 
     Raises:
         UnknownName: no installed distribution declares it.
-        BackendUnavailable: it cannot be loaded, or it is no simulator.
+        BackendUnavailable: it cannot be loaded, or it is not a simulator.
     """
     kind = load_backend(name)
     if not issubclass(kind, Simulator):
-        raise BackendUnavailable(name, "it is no simulator", "choose --backend mujoco; see pipenav backends")
+        raise BackendUnavailable(name, "it is not a simulator", "choose --backend mujoco; see pipenav backends")
     return kind
 
 

@@ -48,7 +48,7 @@ COMMANDS = {
     ),
     "run-real": (
         "pipenav.cli.run_real:run_real",
-        "Drive the arm by a policy: locate a target, reach it, back out; safe to stop at any moment.",
+        "Drive the arm with a policy: locate a target, reach it, back out; safe to stop at any moment.",
     ),
     "hw-check": (
         "pipenav.cli.hw_check:hw_check",
@@ -60,7 +60,7 @@ COMMANDS = {
     ),
     "replay": (
         "pipenav.cli.replay:replay",
-        "Do a recorded mission's arithmetic again: every reading, action and packet must come out bit for bit.",
+        "Repeat a recorded mission's arithmetic and compare every reading, action and packet bit for bit.",
     ),
     "backends": ("pipenav.cli.backends:backends", "List the installed backends, or the settings of one."),
     "compare-backends": (
@@ -108,7 +108,7 @@ class LazyCommand(TyperCommand):
             from pipenav.errors import PipenavError
 
             missing = f"command {self.name!r} needs Python module {error.name!r}, which is not installed"
-            raise PipenavError(f"{missing}: reinstall pipenav with pip install --force-reinstall pipenav.") from error
+            raise PipenavError(f"{missing}: bring it with pip install pipenav.") from error
         single = typer.Typer(add_completion=False, context_settings=_SETTINGS)
         single.command(self.name)(callback)
         return typer.main.get_command(single)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -56,7 +57,7 @@ def calibrate(
         _calibrate(calibrator, spec, arm, write_servos)
     finally:
         calibrator.close()
-    typer.echo(f"next: pipenav hw-check --arm {arm}")
+    typer.echo(f"next: {shlex.join(['pipenav', 'hw-check', '--arm', str(arm)])}")
 
 
 def _calibrate(calibrator: Calibrator, robot: RobotSpec, arm: Path, write_servos: bool) -> None:
@@ -74,8 +75,10 @@ def _calibrate(calibrator: Calibrator, robot: RobotSpec, arm: Path, write_servos
             for line in calibrator.write_servos():
                 typer.echo(line)
         except PipenavError as error:
-            again = f"your answers are kept in {arm}; store them by pipenav calibrate --store-only --arm {arm}"
-            raise PipenavError(f"{error} Not all is stored: {again}.") from error
+            command = shlex.join(["pipenav", "calibrate", "--store-only", "--arm", str(arm)])
+            raise PipenavError(
+                f"{error} Not all is stored: your answers are kept in {arm}; store them by {command}"
+            ) from error
 
 
 def _store(arm: Path) -> None:
@@ -100,5 +103,5 @@ def _ask(calibrator: Calibrator, robot: RobotSpec) -> None:
         positive = typer.confirm(f"Did {joint.name} move {'forwards, into the pipe' if slide else 'to the left'}?")
         moved = typer.prompt("By how many mm?", type=float) if slide else None
         if moved is not None and not 0.5 <= abs(moved) <= 500:
-            raise PipenavError(f"{moved:g} mm is no possible travel of the carriage: measure again, 0.5 to 500 mm.")
+            raise PipenavError(f"{moved:g} mm is not a possible travel of the carriage: measure again, 0.5 to 500 mm.")
         calibrator.set_direction(joint.name, positive, moved)

@@ -25,7 +25,7 @@ def compare_backends(
 ) -> None:
     """Show how far two simulators agree: free motion, laser, passages and contact, as a table and pictures.
 
-    Exit code 1 where a difference is larger than allowed. docs/results/transfer.md explains what is compared.
+    The table names the allowed size of each difference. Exit code 1 if one is larger.
 
     Examples:
 

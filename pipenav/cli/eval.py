@@ -31,7 +31,7 @@ ROBOT_HELP = "Robot of --stage locate (basic) or of a baseline; a policy brings 
 PIPES_HELP = (
     "Shipped set, FILE.toml or d=90,angle=60[,turn=right]; for a whole robot also sets and files of routes; repeatable."
 )
-DISTURB_HELP = "Disturbances, by name (docs/guides/disturbances.md) or as FILE.toml."
+DISTURB_HELP = "Disturbances, by name or as FILE.toml; see `pipenav list disturbances`."
 SUBJECT, EPISODES, RESULT = "What is measured", "In which episodes", "Result"
 
 PolicyOption = Annotated[str | None, typer.Option(help=POLICY_HELP, rich_help_panel=SUBJECT)]
@@ -132,7 +132,7 @@ def _required_share(text: str | None) -> float | None:
     except ValueError:
         percent = math.nan
     if not 0 <= percent <= 100 or (0 < percent <= 1 and not text.endswith("%")):
-        raise PipenavError(f"--require {text} is no percentage: write it as 99% or 99.5%.")
+        raise PipenavError(f"--require {text} is not a percentage: write it as 99% or 99.5%.")
     return percent / 100
 
 

@@ -79,7 +79,7 @@ def experiment(
 ) -> None:
     """Train and evaluate the thesis's experiments (a)-(f), and report them beside its tables.
 
-    What is there already is kept: after Ctrl-C the same command goes on where it was stopped.
+    Finished parts are kept: after Ctrl-C the same command continues where it stopped.
 
     Examples:
 

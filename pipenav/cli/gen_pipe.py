@@ -34,8 +34,8 @@ LEG_HELP = (
 )
 WALL_HELP = f"Wall thickness in mm, {WALL_RANGE_MM[0]:g} to {WALL_RANGE_MM[1]:g}."
 ROUTE_HELP = (
-    "Several corners in a row instead of one: a route's TOML file (docs/formats/route-folder.md), or one of a shipped "
-    "set by its number, as runs-level:3. --run is the older name of this option."
+    "Several corners in a row instead of one: a route's TOML file, or one of a shipped set by its number, for example "
+    "runs-level:3; see `pipenav list pipes`. --run is the older name of this option."
 )
 OUT_HELP = "Folder in which the pipe's own folder is made; a pipe folder of the same name is replaced."
 
@@ -105,7 +105,7 @@ def _refuse_corner_options(context: typer.Context) -> None:
         f"--{name.replace('_', '-')}" for name, source in sources.items() if source and source.name == "COMMANDLINE"
     ]
     if given:
-        raise typer.BadParameter(f"--route takes all of a route from its file: leave out {', '.join(given)}.")
+        raise typer.BadParameter(f"--route reads the whole route from its file: leave out {', '.join(given)}.")
 
 
 def _make_route(text: str, out: Path) -> None:

@@ -21,7 +21,7 @@ DIAMETER_HELP = "Inner diameter of the pipe in mm."
 ANGLE_HELP = "Interior angle between its legs in deg; small is sharp."
 TURN_HELP = "Side that it turns to: left, the default, or right."
 VARIANT_HELP = "map: the beams' ends are fitted to a corner; thesis: the method exactly as printed, eq 3.16 to 3.19."
-PIPES_HELP = "Instead: shipped set, FILE.toml or d=90,angle=60[,turn=right]; repeatable."
+PIPES_HELP = "Instead of --d and --angle: shipped set, FILE.toml or d=90,angle=60[,turn=right]; repeatable."
 OUT_HELP = "Folder for each pipe's trajectory (.csv) and picture of what the laser saw (.png)."
 PIPE, BEHAVIOUR, OUTPUT = "Which pipe", "Who looks, and how", "Output"
 
@@ -53,9 +53,9 @@ def locate_target(
 ) -> None:
     """Let the robot find a target around the corner by itself (approach I), knowing only the turn's side.
 
-    Exit code 1 where no target was found, or one outside the second leg.
+    Exit code 1 if no target was found, or one outside the second leg.
 
-    `pipenav eval --stage locate` measures it over many starts; docs/guides/locating-a-target.md says how it works.
+    `pipenav eval --stage locate` measures it over many starts.
 
     Examples:
 
@@ -138,7 +138,7 @@ def _cells(located: Located) -> list[str]:
 NOTES = (
     "mm, in the pipe's frame: from the corner, the first leg along -x",
     "mm, to the left",
-    "from the right, on or nearest to which the target lies",
+    "number, from the right, of the beam on the target or nearest to it",
     "control steps before it was known, 0.1 s each",
     "",
     "N, of the pipe on any one link",

@@ -12,7 +12,9 @@ from pipenav.errors import PipenavError
 if TYPE_CHECKING:
     from pipenav.motions.trajectory import Trajectory
 
-TRAJECTORY_HELP = "The front half's recorded passage; of a passage in parts, give locating first and the front last."
+TRAJECTORY_HELP = (
+    "The front half's recorded passage; for a passage in parts, give the locating part first and the front part last."
+)
 PASSAGE, REPLAY = "The passage", "Replay"
 DEFAULT_BACKEND = "mujoco"
 

@@ -15,7 +15,7 @@ def replay(
     log: Annotated[Path, typer.Argument(help="telemetry.jsonl of a mission.", show_default=False)],
     draw: Annotated[Path | None, typer.Option(help="Write the mission's picture here, as PNG.")] = None,
 ) -> None:
-    """Do a recorded mission's arithmetic again: every reading, action and packet must come out bit for bit.
+    """Repeat a recorded mission's arithmetic and compare every reading, action and packet bit for bit.
 
     Examples:
 

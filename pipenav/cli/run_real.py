@@ -47,7 +47,7 @@ def run_real(
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Mission folder; default runs/real-N.")] = None,
 ) -> None:
-    """Drive the arm by a policy: locate a target, reach it, back out; safe to stop at any moment.
+    """Drive the arm with a policy: locate a target, reach it, back out; safe to stop at any moment.
 
     Without hardware: pipenav run-real --emulate --d 130 --angle 90
 
@@ -56,6 +56,9 @@ def run_real(
     The arm: pipenav run-real --policy best.zip --arm arm.toml --turn left
 
     Look before you move: pipenav run-real --policy best.zip --dry-run
+
+    With a policy of your own: pipenav train --preset real-setup, then pipenav calibrate --port /dev/ttyUSB0, then
+    pipenav run-real --policy runs/real-setup/best.zip
     """
     from pipenav.cli.run_real_summary import conclude
     from pipenav.deployment.arm_policy import policy_for
@@ -131,7 +134,7 @@ def _emulation(given: EmulationOptions, robot: RobotSpec, pipe: PipeCorner | Non
     if given.faults is not None:
         raise PipenavError("--faults are those of an emulated arm: give --emulate too.")
     if given.patience > 1:
-        raise PipenavError("--patience would let a real arm run on when it must stop: it is for --emulate alone.")
+        raise PipenavError("--patience would delay the stops of a real arm: give --emulate too, or leave it out.")
     return None
 
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from pipenav.learning.training_folder import TrainingFolder
 
 CONFIG_HELP = 'TOML file laid over the preset; extends = "PRESET" in it stands for --preset.'
-RECIPE, PLACE = "Recipe", "Where it goes on and is kept"
+RECIPE, PLACE = "Recipe", "Where it continues and is saved"
 SECONDS_BETWEEN_LINES = 10
 """Time between two lines of progress where the output is no terminal [s]."""
 
@@ -54,9 +54,9 @@ PipesOption = Annotated[
 OutOption = Annotated[Path | None, typer.Option(help="Training folder; default runs/PRESET.", rich_help_panel=PLACE)]
 StartOption = Annotated[
     Path | None,
-    typer.Option("--from", help="Training folder of which to take the weights to start from.", rich_help_panel=PLACE),
+    typer.Option("--from", help="Training folder whose weights the new training starts from.", rich_help_panel=PLACE),
 ]
-ResumeOption = Annotated[Path | None, typer.Option(help="Training folder to go on with.", rich_help_panel=PLACE)]
+ResumeOption = Annotated[Path | None, typer.Option(help="Training folder to continue.", rich_help_panel=PLACE)]
 
 
 def train(
@@ -177,7 +177,7 @@ def _path_to_resume(recipe: _Recipe, path: Path, out: Path | None, start: Path |
     given = [recipe.preset, recipe.file, out, start, *recipe.settings]
     given += [value for key, value in recipe.options.items() if key != "steps"]
     if any(value is not None for value in given):
-        raise PipenavError("--resume goes on with a training as it was configured: only --steps can be given with it.")
+        raise PipenavError("--resume continues a training with its own settings: give only --steps with it.")
     TrainingFolder.open(path)
     return path
 

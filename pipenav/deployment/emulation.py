@@ -72,5 +72,5 @@ def _named_faults(name: str | None) -> list[dict[str, Any]]:
     except FileProblem as problem:
         raise PipenavError(f"{str(problem).rstrip('.')}: for --faults choose thesis or a JSON file.") from problem
     if not isinstance(loaded, list):
-        raise PipenavError(f"{name} is no list of faults: see docs/guides/the-arm.md, Faults.")
+        raise PipenavError(f'{name} holds no list of faults: write [{{"fault": "drop"}}], for example.')
     return loaded

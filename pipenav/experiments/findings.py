@@ -89,7 +89,7 @@ def _always_located(results: Sequence[Result]) -> Finding:
     because = (
         f"as printed, the behaviour found a target inside the second leg in {printed:.1f} % of the episodes; ours did"
         f" in {ours:.1f} %. The thesis gives neither its starts nor which beams lie ahead (eq 3.18); here those within"
-        f" {rad_to_deg(LocateConfig().front):.0f} deg do; docs/guides/locating-a-target.md tells what that decides."
+        f" {rad_to_deg(LocateConfig().front):.0f} deg do, which decides where a target is found."
     )
     return Finding(printed == 100.0, because)
 

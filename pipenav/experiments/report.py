@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import html
+import shlex
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -118,7 +119,7 @@ def _settings(section: Section) -> str:
     for agent in dict.fromkeys(result.row.agent for result in section.results):
         if agent in load_agents():
             recipe = load_agents()[agent]
-            settings = "".join(f" --set {key}={value}" for key, value in recipe.settings.items())
+            settings = "".join(f" --set {shlex.quote(f'{key}={value}')}" for key, value in recipe.settings.items())
             parts.append(f"{agent}: pipenav train --preset {recipe.preset}{settings}")
     return "\n".join(parts)
 

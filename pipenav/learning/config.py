@@ -153,9 +153,11 @@ def load_config(
     for text in settings:
         key, equals, value = text.partition("=")
         if not (equals and key.strip()):
-            raise PipenavError(f"setting {shown(text)} is no setting: write it as key=value, for example seed=1.")
+            raise PipenavError(f"setting {shown(text)} is not a setting: write it as key=value, for example seed=1.")
         if key.count(".") >= MAX_DEPTH:
-            raise PipenavError(f"setting {shown(text)} has a key of more than {MAX_DEPTH} parts: see pipenav presets.")
+            raise PipenavError(
+                f"setting {shown(text)} has a key of more than {MAX_DEPTH} parts: see pipenav list training-keys."
+            )
         table = _overlay(table, _nested(key.strip(), toml_value(value.strip())))
         where = f"--set {shown(text, quoted=False)}"
     for key, value in (options or {}).items():

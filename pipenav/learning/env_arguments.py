@@ -24,7 +24,7 @@ def preset_arguments(preset: str, kind: str) -> dict[str, Any]:
     if not _fits(config, kind):
         fitting = ", ".join(name for name in preset_names() if _fits(load_config(name), kind))
         other = config.task.kind != kind
-        why = f"is of the task {config.task.kind!r}" if other else "disturbs the robot, as environments do not"
+        why = f"is of the task {config.task.kind!r}" if other else "disturbs the robot, which environments cannot do"
         raise PipenavError(f"preset {preset!r} {why}: choose one of {fitting}.")
     return {
         "robot": config.robot,

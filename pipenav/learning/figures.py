@@ -71,7 +71,7 @@ def write_training_plot(path: Path, progress_csv: Path) -> None:
 
     Raises:
         FileProblem: the one cannot be read or the other not be written.
-        ConfigError: progress.csv is no table of a training.
+        ConfigError: progress.csv is not the table of a training.
     """
     figure = training_figure(progress_columns(read_progress(progress_csv)), progress_csv.resolve().parent.name)
     atomic_write(path, png(figure))

@@ -53,7 +53,7 @@ def read_progress(path: Path) -> str:
 
     Raises:
         FileProblem: it cannot be read.
-        ConfigError: it is no table of a training: no text, or far too large.
+        ConfigError: it is not the table of a training: no text, or far too large.
     """
     text = read_text(path, MAX_TABLE)
     rows, columns = text.count("\n"), text.partition("\n")[0].count(",") + 1
@@ -64,7 +64,7 @@ def read_progress(path: Path) -> str:
     try:
         list(csv.reader(io.StringIO(text, newline="")))
     except csv.Error as error:
-        raise ConfigError(f"{path} is no table of a training: {error}.") from error
+        raise ConfigError(f"{path} is not the table of a training: {error}.") from error
     return text
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import shlex
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -68,7 +69,8 @@ class TrainingFolder:
         """
         if self.checkpoint.exists():
             raise PipenavError(
-                f"{self.path} already holds a training: go on with it by --resume {self.path}, or choose another --out."
+                f"{self.path} already holds a training: go on with it by --resume {shlex.quote(str(self.path))}, "
+                "or choose another --out."
             )
         if any(file.exists() for file in (self.best, self.last, self.diverged)):
             raise PipenavError(f"{self.path} already holds a training: choose another --out.")

@@ -133,7 +133,7 @@ def plan_rear(parts: Sequence[Trajectory]) -> Trajectory:
             )
     last = parts[-1]
     if last.header.stage is PassageStage.TRAVERSE:
-        raise PipenavError("a whole robot passes in one motion: no rear half is left to follow it.")
+        raise PipenavError("a whole robot passes in one motion: it has no rear half to follow.")
     if last.header.stage is not PassageStage.REACH:
         raise PipenavError(
             f"the passage ends with a part of stage {str(last.header.stage)!r}: give its front part last."
@@ -153,7 +153,7 @@ def _require_straight_start(robot: RobotSpec, front: Motion) -> None:
         name = robot.joints[int(hinges.argmax())].name
         raise PipenavError(
             f"the passage does not start straight: {name} is at {rad_to_deg(float(hinges.max())):.1f} deg, allowed are "
-            f"{rad_to_deg(STRAIGHT):.1f} deg; where a locating part went before, give it first."
+            f"{rad_to_deg(STRAIGHT):.1f} deg; if a locating part comes before it, give that first."
         )
     if not is_out(robot, front.pipe, front.base, front.q[:1])[0]:
         raise PipenavError(

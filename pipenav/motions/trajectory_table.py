@@ -61,9 +61,9 @@ def parse_table(path: Path, lines: list[str], robot: RobotSpec) -> dict[str, Flo
     names = lines[0].split(",") if lines else []
     _check_columns(path, names, robot)
     if len(lines) < 3:
-        raise TrajectoryFileError(path, "holds no motion, fewer than two rows")
+        raise TrajectoryFileError(path, "has fewer than two rows, so it holds no motion")
     if len(lines) - 1 > MAX_ROWS:
-        raise TrajectoryFileError(path, f"holds more than {MAX_ROWS:,} rows", "no trajectory does, give another")
+        raise TrajectoryFileError(path, f"holds more than {MAX_ROWS:,} rows", "trajectories are shorter; give another")
     values = np.array(list(_rows(path, names, lines[1:])))
     table: dict[str, Floats] = dict(zip(names, values.T, strict=True))
     _check_time(path, table[TIME])
@@ -111,7 +111,7 @@ def _check_time(path: Path, time: Floats) -> None:
     late = np.flatnonzero(np.abs(time - due) > TIME_TOLERANCE)
     if late.size:
         row = int(late[0])
-        problem = f"{time[row]:g} where {due[row]:g} is due, rows being {CONTROL_PERIOD:g} s apart from 0"
+        problem = f"{time[row]:g} instead of {due[row]:g}: rows are {CONTROL_PERIOD:g} s apart and start at 0"
         raise TrajectoryFileError(path, f"line {row + FIRST_ROW}, {TIME}: {problem}")
 
 

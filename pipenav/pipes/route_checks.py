@@ -24,7 +24,7 @@ class CrossesItself(PipenavError):
 
     def __init__(self, first: int, second: int) -> None:
         super().__init__(
-            f"the route crosses itself: straights {first} and {second} would meet or nearly so; make one of the "
+            f"the route crosses itself: straights {first} and {second} would touch or nearly touch; make one of the "
             f"straights {first} to {second} longer or shorter, or turn a corner between them the other way."
         )
 

@@ -74,7 +74,7 @@ def parse(path: Path, content: bytes) -> Contents:
         PolicyFileError: something is wrong with the file.
     """
     if len(content) > MAX_FILE:
-        raise PolicyFileError(path, f"is larger than {MAX_FILE >> 20} MiB", "no policy is; give the right file")
+        raise PolicyFileError(path, f"is larger than {MAX_FILE >> 20} MiB", "policies are smaller; give the right file")
     members = _read_members(path, content)
     header = _parse_header(path, members.header)
     tensors = _parse_weights(path, members.weights)
@@ -111,7 +111,7 @@ def _read_member(path: Path, archive: zipfile.ZipFile, name: str, limit: int) ->
     info = archive.getinfo(name)
     # Other methods than these two can unpack a few bytes to more memory than the limit before they give any out.
     if info.file_size > limit or info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-        problem = f"holds a {name} that is larger than {limit >> 20} MiB or packed in a way that no policy is"
+        problem = f"holds a {name} that is larger than {limit >> 20} MiB or is packed unlike a policy"
         raise PolicyFileError(path, problem, "do not trust it; get it from its maker again")
     with archive.open(info) as member:
         return member.read(limit + 1)

@@ -78,7 +78,7 @@ def _ffmpeg() -> str:
         program = shutil.which("ffmpeg")
     if program is None:
         raise PipenavError(
-            "MP4 needs ffmpeg, which is not here: pip install imageio-ffmpeg, or give --out a name ending in .gif."
+            "MP4 needs ffmpeg, which is not installed: pip install imageio-ffmpeg, or give --out a name ending in .gif."
         )
     return program
 

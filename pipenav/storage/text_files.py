@@ -60,10 +60,10 @@ def read_bytes(path: Path, limit: int) -> bytes:
     except OSError as error:
         raise FileProblem(path, "read", error) from error
     except ValueError as error:  # a name with a null byte in it
-        raise ConfigError(f"{shown_path(path)} is not a possible name of a file: {error}.") from error
+        raise ConfigError(f"{shown_path(path)} is not a possible file name: {error}.") from error
     if len(content) > limit:
         raise ConfigError(
-            f"{shown_path(path)} is larger than {_size(limit)}, which no file of its kind needs: give another file."
+            f"{shown_path(path)} is larger than {_size(limit)}, the limit for files of its kind: give another file."
         )
     return content
 
@@ -83,7 +83,8 @@ def as_text(content: bytes, where: str) -> str:
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise ConfigError(f"{where} is not text in UTF-8: byte {error.start + 1} is part of no letter.") from error
+        problem = f"byte {error.start + 1} is not part of a character"
+        raise ConfigError(f"{where} is not text in UTF-8: {problem}.") from error
     return text.replace("\r\n", "\n")
 
 

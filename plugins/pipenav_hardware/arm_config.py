@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -111,8 +112,8 @@ def load_arm(path: Path) -> ArmConfig:
         if not isinstance(problem.__cause__, FileNotFoundError):
             raise
         raise ConfigError(
-            f"there is no arm description {path}: write one with pipenav calibrate --arm {path}, "
-            "or try without hardware by --emulate."
+            f"there is no arm description {path}: write one with pipenav calibrate --port /dev/ttyUSB0 "
+            f"--arm {shlex.quote(str(path))}, or try without hardware: pipenav run-real --emulate."
         ) from None
     except ValidationError as error:
         raise ConfigError.from_validation(str(path), error, ArmConfig.model_fields) from error
@@ -159,7 +160,7 @@ def _driven(robot: RobotSpec) -> Iterable[tuple[Actuator, Joint]]:
 
 def arm_toml(config: ArmConfig) -> str:
     """The description as a TOML file's text."""
-    lines = ["# This arm, as pipenav calibrate measured it; docs/guides/the-arm.md explains each key."]
+    lines = ["# This arm, as pipenav calibrate measured it: lengths in mm, angles in degrees, positions in counts."]
     tables = config.model_dump(exclude_none=True)
     servos, scanner, front = tables.pop("servos"), tables.pop("scanner"), tables.pop("front_sensor", None)
     lines += [f"{key} = {_toml(value)}" for key, value in tables.items()]

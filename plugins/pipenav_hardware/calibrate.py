@@ -147,7 +147,7 @@ class Calibration(Calibrator):
         endless &= self._bus.read_register(servo.id, table.CCW_LIMIT) == 0
         if endless and not (store and self._give_a_turn(servo)):
             raise PipenavError(
-                f"{named(servo)} is in wheel mode and would turn for ever: add --write-servos, which limits it."
+                f"{named(servo)} is in wheel mode and would turn forever: add --write-servos, which limits it."
             )
 
     def _give_a_turn(self, servo: Servo) -> bool:

@@ -65,7 +65,7 @@ def findings(arm: ArmConfig, path: Path = DEFAULT_ARM, allow_slow: bool = False)
 def _servo_findings(arm: ArmConfig, bus: Bus, store: str, allow_slow: bool) -> Iterator[Finding]:
     """Everything about the servos: each of them, where missing ones may be, how fast they answer."""
     if bus.echoes():
-        yield Finding("problem", "the adapter sends back what is sent", "use a USB2Dynamixel or a U2D2")
+        yield Finding("problem", "the adapter echoes what is sent", "use a USB2Dynamixel or a U2D2")
         return
     missing = []
     for servo in arm.servos:
@@ -107,7 +107,7 @@ def _one_servo(servo: Servo, bus: Bus, store: str) -> Iterator[Finding]:
     if answer.data[0]:
         yield Finding("warning", f"{name}: torque is on and no program drives it", "switch the supply off and on")
     if answer.data[-1]:
-        yield Finding("warning", f"{name}: its EEPROM is locked", "before storing switch its supply off and on")
+        yield Finding("warning", f"{name}: its EEPROM is locked", "switch its supply off and on before storing")
 
 
 def _state_flaws(servo: Servo, name: str, state: table.State, alarms: table.Alarm) -> Iterator[Finding]:
@@ -123,7 +123,9 @@ def _state_flaws(servo: Servo, name: str, state: table.State, alarms: table.Alar
         yield Finding("problem", f"{name} is at {state.temperature} deg C", "let it cool for 20 minutes")
     if alarms:
         names = ", ".join(str(bit.name).lower() for bit in table.Alarm if bit & alarms)
-        yield Finding("problem", f"{name} reports {names}", "see docs/guides/the-arm.md, Trips")
+        yield Finding(
+            "problem", f"{name} reports {names}", "look for what holds or heats it, then switch the supply off and on"
+        )
 
 
 def _missing(arm: ArmConfig, servo: Servo, elsewhere: list[Stray]) -> Finding:

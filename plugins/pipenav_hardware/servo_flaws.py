@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -33,7 +34,7 @@ def named(servo: Servo) -> str:
 
 def storing(path: Path) -> str:
     """How to store an arm's settings in its servos, as advice that works as typed."""
-    where = "" if path == DEFAULT_ARM else f" --arm {path}"
+    where = "" if path == DEFAULT_ARM else f" --arm {shlex.quote(str(path))}"
     return f"store the arm's settings in the servos: pipenav calibrate --store-only{where}"
 
 
@@ -66,7 +67,7 @@ def memory_flaws(servo: Servo, eeprom: table.Eeprom, store: str) -> Iterator[Fin
         yield Finding("problem", f"{name} {found}", store)
     if eeprom.return_level != table.RETURN_LEVEL.initial:
         found = f"has status return level {eeprom.return_level}, {table.RETURN_LEVEL.initial} is needed"
-        yield Finding("problem", f"{name} {found}: it answers questions and no orders", store)
+        yield Finding("problem", f"{name} {found}: it answers questions but not orders", store)
     if eeprom.return_delay:
         yield Finding("warning", f"{name} waits {2 * eeprom.return_delay} us before it answers", store)
 
@@ -75,7 +76,7 @@ def half_silent(servo: Servo, bus: Bus, store: str) -> Finding | None:
     """The finding about a servo that gives no data and yet is there; None where it is silent altogether."""
     if bus.ping(servo.id).data is None and bus.ping(servo.id).data is None:
         return None
-    what = f"{named(servo)} answers PING and no other question: its cable is well, its status return level is 0"
+    what = f"{named(servo)} answers PING but no other question: its cable works, its status return level is 0"
     return Finding("problem", what, store)
 
 

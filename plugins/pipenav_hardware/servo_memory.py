@@ -64,7 +64,7 @@ def make_ready(servo: Servo, bus: Bus) -> None:
                 raise PipenavError(f"{named(servo)} does not answer: run pipenav hw-check.")
             if not bus.write_register(servo.id, table.RETURN_LEVEL, STORED[table.RETURN_LEVEL]):
                 raise PipenavError(
-                    f"{named(servo)} answers PING and no other question, and keeps its status return level: its EEPROM "
+                    f"{named(servo)} answers PING but no other question, and keeps its status return level: its EEPROM "
                     f"may be locked; {UNLOCK}, then start again."
                 )
         if bus.read_register(servo.id, table.LOCK):

@@ -47,7 +47,9 @@ def latency_finding(waiting: float, allow_slow: bool) -> Finding:
     """
     what = f"servos answer after {waiting * 1e3:.1f} ms (median of {PINGS})"
     if waiting > TOO_SLOW and not allow_slow:
-        return Finding("problem", f"{what}, which is too slow", f"{LATENCY_REMEDY}, or --allow-slow-bus")
+        return Finding(
+            "problem", f"{what}, which is too slow", f"{LATENCY_REMEDY}, or add --allow-slow-bus to pipenav run-real"
+        )
     return Finding("warning", what, LATENCY_REMEDY) if waiting > SLOW else Finding("ok", what)
 
 
@@ -93,7 +95,7 @@ class Servos:
         self.warnings: list[str] = []
         if bus.echoes():
             raise PipenavError(
-                f"the adapter on {bus.name} sends back what is sent: use one that switches direction by itself "
+                f"the adapter on {bus.name} echoes what is sent: use one that switches direction by itself "
                 "(USB2Dynamixel, U2D2), or wire its receiver so that it is off while it sends."
             )
         for index, servo in enumerate(arm.servos):

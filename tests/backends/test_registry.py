@@ -215,7 +215,7 @@ def test_a_syntax_error_shows_in_the_listing(install: Installer) -> None:
 def test_a_plugin_that_imports_old_names_is_told_the_new_ones(install: Installer, imports: str, sentence: str) -> None:
     install("elder", f"{imports}\n{GOOD}", module=f"elder{abs(hash(imports))}")
     assert why_not("elder") == (
-        f"backend 'elder' cannot run: {sentence}; update it, see docs/guides/write-a-backend.md."
+        f"backend 'elder' cannot run: {sentence}; update it, as pipenav's guide 'Write a backend' shows."
     )
 
 

@@ -259,7 +259,7 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         (("--policy", "arm", "--target", "somewhere"), "target 'somewhere' is not X,Y"),
         (("--policy", "arm", "--target", "10000,0"), "target 10000,0 mm is out of the arm's reach: x must lie between"),
         (("--policy", "arm", "--target", "0.42,0.08"), "out of the arm's reach (is it in metres?)"),
-        (("--policy", "arm", "--patience", "2"), "it is for --emulate alone"),
+        (("--policy", "arm", "--patience", "2"), "would delay the stops of a real arm"),
         (("--policy", "arm", "--seed", "2"), "--seed would be ignored here: it is the seed of an emulated arm"),
         (
             ("--policy", "arm", "--emulate", "--arm", "none.toml"),

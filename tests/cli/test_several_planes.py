@@ -55,7 +55,7 @@ def test_a_picture_of_a_route_in_several_planes(tmp_path: Path) -> None:
     [
         (
             ("eval", "--backend", "pybullet"),
-            "backend 'pybullet' moves robots in a plane alone: choose --backend mujoco",
+            "backend 'pybullet' moves robots only in a plane: choose --backend mujoco",
         ),
         (("eval", "--disturb", "real-world"), "--disturb disturbs robots in a plane"),
         (("view", "--out", "way.csv"), "its suffix must be one of: .png, .gif, .mp4"),

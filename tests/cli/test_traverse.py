@@ -157,7 +157,7 @@ def test_a_random_baseline_traverses_where_the_robot_does(tmp_path: Path) -> Non
     ("args", "said"),
     [
         (["--policy", "baseline:sequence", "--pipes", "runs-rolled:1"], "turns corners in one plane"),
-        (["--policy", "pirate-gravity", "--backend", "pybullet"], "knows no gravity along the pipe"),
+        (["--policy", "pirate-gravity", "--backend", "pybullet"], "cannot simulate gravity along the pipe"),
     ],
 )
 def test_an_evaluation_that_is_refused_once_it_runs_leaves_no_folder(

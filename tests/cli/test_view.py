@@ -137,7 +137,7 @@ def test_what_cannot_be_mirrored(front: Path, capsys: pytest.CaptureFixture[str]
     lines = text.splitlines(keepends=True)
     front.write_text("".join(lines[:6] + lines[7:]))
     assert run("mirror-rear", "--trajectory", "front.csv") == 1
-    assert "line 7, t_s: 0.5 where 0.4 is due" in capsys.readouterr().err
+    assert "line 7, t_s: 0.5 instead of 0.4" in capsys.readouterr().err
     assert run("mirror-rear", "--trajectory", "front.csv", "--record", "done.csv") == 1
     assert "--record writes what --replay runs: give both." in capsys.readouterr().err
     assert run("mirror-rear", "--trajectory", "front.csv", "--option", "timestep=0.001") == 1

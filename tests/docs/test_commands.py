@@ -27,10 +27,12 @@ INLINE = [command for page in PAGES for command in inline_commands(page)]
 
 FRAGMENTS = {
     ("eval", "--disturb"),
+    ("eval", "--require", "99%"),
     ("eval", "--stage", "passage"),
     ("eval", "--stage", "passage", "--disturb", "real-world"),
     ("eval", "--stage", "reach"),
     ("gen-pipe", "--route"),
+    ("list", "[KIND]"),
     ("run-real", "--emulate"),
     ("train", "--config"),
     ("view", "--live"),

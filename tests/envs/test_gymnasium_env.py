@@ -126,7 +126,7 @@ def test_presets_of_another_kind_are_refused() -> None:
         gymnasium.make(IDS[1], preset="priate")
     with pytest.raises(PipenavError, match="preset 'arm' is of the task 'reach': choose one of pirate"):
         gymnasium.make(IDS[1], preset="arm")
-    with pytest.raises(PipenavError, match="preset 'robust' disturbs the robot, as environments do not: choose one of"):
+    with pytest.raises(PipenavError, match="preset 'robust' disturbs the robot, which environments cannot do: choose"):
         gymnasium.make(IDS[0], preset="robust")
     with pytest.raises(PipenavError, match="moves an arm: make pipenav/Traverse-v0"):
         gymnasium.make(IDS[0], robot="pirate")

@@ -167,7 +167,7 @@ def _experiment(options: Options) -> Options:
 def _run_real(options: Options) -> Options:
     if not options.has("--emulate"):
         return options
-    return options.plus(("--yes", None), ("--ticks", "5"), ("--patience", "10"))
+    return options.plus(("--ticks", "5"), ("--patience", "10"))
 
 
 RULES: dict[str, Callable[[Options], Options]] = {

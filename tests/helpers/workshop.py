@@ -17,7 +17,11 @@ from helpers.documented import pipenav, tiny
 FIRST_TRAININGS = {"runs/arm": "arm", "runs/pirate-gravity": "pirate-gravity"}
 """Training folders that a command goes on with, and the preset of each."""
 
-POLICIES = {"best.zip": "real-setup", **dict.fromkeys(("runs/first", "runs/my-robot", "runs/torque-0"), "arm")}
+POLICIES = {
+    "best.zip": "real-setup",
+    "runs/real-setup": "real-setup",
+    **dict.fromkeys(("runs/first", "runs/my-robot", "runs/torque-0"), "arm"),
+}
 """Policies that a command before would have trained, and the shipped one that stands in."""
 
 ROLLED_ROUTE = """

@@ -105,7 +105,7 @@ def test_routes_that_cross_themselves_are_refused(
     if crossing is None:
         PipeRoute.of(100, corners, straights)
         return
-    with pytest.raises(PipenavError, match=f"crosses itself: straights {crossing} would meet"):
+    with pytest.raises(PipenavError, match=f"crosses itself: straights {crossing} would touch"):
         PipeRoute.of(100, corners, straights)
 
 

@@ -125,7 +125,7 @@ def test_too_many_motions_for_a_strip(tmp_path: Path) -> None:
 def test_without_ffmpeg_the_message_says_what_to_install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(PipenavError, match=r"MP4 needs ffmpeg, which is not here: pip install imageio-ffmpeg"):
+    with pytest.raises(PipenavError, match=r"MP4 needs ffmpeg, which is not installed: pip install imageio-ffmpeg"):
         check_suffix(tmp_path / "film.mp4")
     (tmp_path / "ffmpeg").write_text("#!/bin/sh\n")
     (tmp_path / "ffmpeg").chmod(0o755)

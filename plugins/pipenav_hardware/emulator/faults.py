@@ -89,14 +89,10 @@ class Fault(Table):
 
     fault: str = Field(max_length=50, description="name of the fault, see `FAULTS`")
     device: Literal["bus", "scanner", "front"] = "bus"
-    servo: int | None = Field(
-        None, ge=0, le=253, description="id of the servo concerned; all servos where none is named"
-    )
+    servo: int | None = Field(None, ge=0, le=253, description="id of the servo concerned; all servos if none is named")
     at: float = Field(0.0, ge=0, le=LONGEST, description="when it begins, after the emulator's start [s]")
     tick: int | None = Field(None, ge=0, le=MOST, description="goal packet with which it begins, instead of a time")
-    span: float | None = Field(
-        None, gt=0, le=LONGEST, description="how long it lasts [s]; for ever where nothing is given"
-    )
+    span: float | None = Field(None, gt=0, le=LONGEST, description="how long it lasts [s]; forever if nothing is given")
     count: int | None = Field(None, ge=1, le=MOST, description="how many times it happens at most")
     probability: float = Field(1.0, ge=0, le=1, description="probability for each answer, scan or reading concerned")
     value: float = Field(0.0, ge=0, le=65_535, description="how much goes wrong; `FAULTS` says what it stands for")

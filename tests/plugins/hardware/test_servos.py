@@ -123,7 +123,7 @@ def test_an_adapter_that_echoes_is_refused(emulator: Emulator, bus: Bus) -> None
     assert not bus.echoes()
     emulator.order(fault="echo")
     assert bus.echoes()
-    with pytest.raises(PipenavError, match="sends back what is sent"):
+    with pytest.raises(PipenavError, match="echoes what is sent"):
         Servos(emulator.arm, bus)
 
 

@@ -116,7 +116,7 @@ def test_robots_do_not_depend_on_each_other_nor_on_threads() -> None:
 
 
 def test_a_backend_of_the_plane_says_so() -> None:
-    with pytest.raises(PipenavError, match="'pybullet' moves robots in a plane alone: choose --backend mujoco"):
+    with pytest.raises(PipenavError, match="'pybullet' moves robots only in a plane: choose --backend mujoco"):
         open_space("pybullet", ROBOT, 1, {}, GRAVITY)
 
 

@@ -37,7 +37,7 @@ def test_an_arm_on_a_mount_is_refused() -> None:
 def test_a_backend_without_gravity_is_refused_where_pipes_are_inclined() -> None:
     inclined = CONFIG.model_copy(update={"inclination_deg": (0.0, 360.0)})
     simulator = KinematicBackend(ROBOT, 1, KinematicOptions())
-    with pytest.raises(PipenavError, match="knows no gravity"):
+    with pytest.raises(PipenavError, match="cannot simulate gravity"):
         TraverseBatch(ROBOT, inclined, simulator, 1, lambda _: episodes())
 
 
