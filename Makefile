@@ -6,6 +6,7 @@
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
+CPU_BUILDS := https://download.pytorch.org/whl/cpu
 
 .PHONY: demo test quick clean
 
@@ -39,10 +40,15 @@ clean:
 	    echo "pipenav needs Python 3.11 or newer: make PYTHON=/path/to/python3.11 ..." >&2; exit 1; }
 	$(PYTHON) -m venv .venv
 
-.venv/installed: pyproject.toml constraints.txt | .venv/bin/python
+# torch without CUDA: where pip does not know its CPU build, PyTorch's own index has it.
+.venv/torch: constraints.txt | .venv/bin/python
+	$(PIP) torch 2> .venv/torch.log || $(PIP) --extra-index-url $(CPU_BUILDS) torch
+	touch $@
+
+.venv/installed: pyproject.toml constraints.txt .venv/torch | .venv/bin/python
 	$(PIP) -e .
 	touch $@
 
-.venv/installed-dev: pyproject.toml constraints.txt | .venv/bin/python
+.venv/installed-dev: pyproject.toml constraints.txt .venv/torch | .venv/bin/python
 	$(PIP) -e '.[dev]'
 	touch $@ .venv/installed

@@ -16,8 +16,10 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 import pipenav
+from pipenav.cli.plain_letters import print_plain_letters
 from pipenav.cli.signals import Interrupted, interrupts
 from pipenav.processes.matplotlibrc import ignore_local_matplotlibrc
+from pipenav.processes.outer_settings import leave_screen_settings
 from pipenav.processes.safe_path import leave_current_folder
 
 COMMANDS = {
@@ -102,13 +104,7 @@ class LazyCommand(TyperCommand):
     def load(self) -> Any:
         """Import the command's module and build the command from its function."""
         module, _, function = self.target.partition(":")
-        try:
-            callback = getattr(import_module(module), function)
-        except ModuleNotFoundError as error:
-            from pipenav.errors import PipenavError
-
-            missing = f"command {self.name!r} needs Python module {error.name!r}, which is not installed"
-            raise PipenavError(f"{missing}: bring it with pip install pipenav.") from error
+        callback = getattr(import_module(module), function)
         single = typer.Typer(add_completion=False, context_settings=_SETTINGS)
         single.command(self.name)(callback)
         return typer.main.get_command(single)
@@ -129,19 +125,32 @@ def main(args: Sequence[str] | None = None) -> None:
     """Run the command line, by default on the process's arguments; always leaves by SystemExit."""
     leave_current_folder()
     ignore_local_matplotlibrc()
+    leave_screen_settings()
+    print_plain_letters()
     try:
         with interrupts():
             command_line()(args, prog_name="pipenav")
     except Interrupted as interrupted:
         sys.exit(128 + interrupted.number)
-    except Exception as error:
+    except Exception as raised:
         from pipenav.errors import PipenavError
 
+        error = _missing_module(raised) or raised
         ours = not isinstance(error, PipenavError)
         message = _fault(error) if ours else " ".join(str(error).split())
         message = "".join(letter if letter.isprintable() else "?" for letter in message)
         typer.echo(f"{typer.style('pipenav: error:', fg='red', bold=True)} {message}", err=True)
         sys.exit(EXIT_FAULT if ours else 1)
+
+
+def _missing_module(error: Exception) -> Exception | None:
+    """The error for the user where a library is not installed; None where this is another error."""
+    from pipenav.errors import PipenavError
+
+    if not isinstance(error, ModuleNotFoundError) or error.name is None or error.name.startswith("pipenav"):
+        return None
+    reinstall = "reinstall pipenav with pip install --force-reinstall pipenav"
+    return PipenavError(f"Python module {error.name!r} is not installed, which this command needs: {reinstall}.")
 
 
 def _fault(error: Exception) -> str:

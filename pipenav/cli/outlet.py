@@ -71,7 +71,7 @@ class Outlet(io.TextIOBase):
             self._stream.write(text)
             self._stream.flush()
             return
-        data = text.encode(self.encoding, errors="replace")
+        data = text.encode(self.encoding, errors=self._stream.errors or "replace")
         while data:
             data = data[os.write(self._descriptor, data) :]
 

@@ -14,6 +14,7 @@ from importlib import import_module
 
 from pipenav.processes.children import PARENTS_SIGNALS
 from pipenav.processes.matplotlibrc import ignore_local_matplotlibrc
+from pipenav.processes.outer_settings import leave_screen_settings
 from pipenav.processes.safe_path import leave_current_folder
 
 PR_SET_PDEATHSIG = 1
@@ -36,6 +37,7 @@ def main() -> None:
         end_with(int(parent))
     leave_current_folder()
     ignore_local_matplotlibrc()
+    leave_screen_settings()
     sys.argv = [module, *arguments]
     import_module(module).main(arguments)
 
