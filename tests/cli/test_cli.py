@@ -91,13 +91,13 @@ def test_an_interrupt_is_quiet(monkeypatch: pytest.MonkeyPatch, capsys: pytest.C
     assert capsys.readouterr() == ("", "")
 
 
-def test_a_command_whose_module_is_missing_says_so(
+def test_a_command_whose_library_is_missing_says_so(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setitem(cli.COMMANDS, "later", ("pipenav.cli.no_such_file:later", "Comes later."))
+    monkeypatch.setitem(cli.COMMANDS, "later", ("no_such_library:later", "Comes later."))
     assert run("--help") == 0
     assert run("later") == 1
-    assert "command 'later' needs Python module 'pipenav.cli.no_such_file'" in capsys.readouterr().err
+    assert "Python module 'no_such_library' is not installed, which this command needs" in capsys.readouterr().err
 
 
 def test_robots(capsys: pytest.CaptureFixture[str]) -> None:
