@@ -6,6 +6,7 @@ import ast
 import re
 import shlex
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -57,14 +58,19 @@ def test_messages_point_to_what_is_installed() -> None:
     assert [(path.name, text) for path in sources() for text in texts(path) if "docs/" in text] == []
 
 
+@cache
+def commands_given() -> list[tuple[str, str, str]]:
+    """Commands in the texts of all modules: name, options, and where it stands."""
+    found = [(path.name, text, given) for path in sources() for text in texts(path) for given in GIVEN.finditer(text)]
+    return [(given[1], given[2], f"{name}: {text}") for name, text, given in found]
+
+
 @pytest.mark.parametrize("name", COMMANDS)
 def test_commands_in_texts_have_their_options(name: str) -> None:
     options = {option for param in command(name).params for option in param.opts} | {"--help"}
-    for path in sources():
-        for text in texts(path):
-            for given in GIVEN.finditer(text):
-                if given[1] == name:
-                    assert set(re.findall(r"--[a-z-]+", given[2])) <= options, f"{path.name}: {text}"
+    for given, its_options, where in commands_given():
+        if given == name:
+            assert set(re.findall(r"--[a-z-]+", its_options)) <= options, where
 
 
 def test_a_path_in_a_command_is_quoted(tmp_path: Path) -> None:

@@ -54,6 +54,7 @@ def test_commands_print_by_way_of_one_helper(file: Path) -> None:
     assert not [call.lineno for call in printed if not ast.unparse(call.args[0]).startswith("Text.assemble")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("args", TABLES, ids=" ".join)
 def test_no_heading_is_cut_at_80_columns(
     args: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -65,6 +66,7 @@ def test_no_heading_is_cut_at_80_columns(
     assert set(narrow.out.split()) - {"─" * 80} >= {word for word in piped.out.split() if "─" not in word}
 
 
+@pytest.mark.slow
 def test_paths_and_brackets_are_whole_wherever_the_output_goes(tmp_path: Path) -> None:
     folder = tmp_path / ODD
     folder.mkdir(parents=True)

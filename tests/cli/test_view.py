@@ -145,6 +145,7 @@ def test_what_cannot_be_mirrored(front: Path, capsys: pytest.CaptureFixture[str]
     assert not Path("rear.csv").exists()
 
 
+@pytest.mark.slow
 def test_pictures_that_nobody_named_do_not_replace_each_other(front: Path) -> None:
     pipe = ("--pipes", "d=100,angle=90", *FAST)
     for source in (["--policy", "arm"], ["--policy", "baseline:centreline"], ["--policy", "arm", "--episode", "2"]):

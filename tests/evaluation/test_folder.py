@@ -72,14 +72,27 @@ def test_names_of_folders_suit_every_file_system(pipes: list[str]) -> None:
     assert name.startswith("eval")
 
 
+@pytest.fixture(scope="module")
+def plain_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of the evaluation with default settings."""
+    folder = tmp_path_factory.mktemp("plain")
+    write_evaluation(folder, evaluated(PLAIN))
+    return folder
+
+
 @pytest.mark.parametrize("change", CHANGES)
-def test_another_evaluation_is_refused_by_its_difference(change: Mapping[str, Any], tmp_path: Path) -> None:
-    write_evaluation(tmp_path, evaluated(PLAIN))
+def test_another_evaluation_is_refused_by_its_difference(change: Mapping[str, Any], plain_folder: Path) -> None:
+    check_folder(plain_folder, PLAIN)
     with pytest.raises(PipenavError, match="holds another evaluation") as refused:
-        check_folder(tmp_path, changed(change))
+        check_folder(plain_folder, changed(change))
     assert any(f"{key} " in str(refused.value) for key in change)
-    write_evaluation(tmp_path / "same", evaluated(changed(change)))
-    check_folder(tmp_path / "same", changed(change))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("change", CHANGES)
+def test_the_same_evaluation_may_be_repeated(change: Mapping[str, Any], tmp_path: Path) -> None:
+    write_evaluation(tmp_path, evaluated(changed(change)))
+    check_folder(tmp_path, changed(change))
 
 
 @pytest.mark.parametrize("named", ["runs/arm/best.zip", "./runs/arm/best.zip", "best.zip", "../arm/best.zip"])

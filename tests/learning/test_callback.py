@@ -82,6 +82,7 @@ def test_a_long_check_does_not_keep_the_training_from_saving(monkeypatch: pytest
     assert max(b - a for a, b in pairwise(saved)) <= module.SAVE_EVERY_S + 3.0
 
 
+@pytest.mark.slow
 def test_a_stop_gives_up_a_check_and_saves(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     checking: list[bool] = []
     during_check = TrainingCallback._during_check

@@ -77,6 +77,7 @@ def test_no_command_runs_what_lies_in_the_current_folder(arguments: tuple[str, .
     assert "matplotlibrc" not in result.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", ["", os.pathsep], ids=["as it is", "with an empty entry in PYTHONPATH"])
 def test_the_installed_command_runs_nothing_of_the_current_folder(path: str, tmp_path: Path) -> None:
     here, elsewhere = tmp_path / "here", tmp_path / "script.py"

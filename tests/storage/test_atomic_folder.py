@@ -89,6 +89,7 @@ def test_an_exchange_is_one_step_or_none(tmp_path: Path) -> None:
         exchange(one, tmp_path / "missing")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("atomic", [True, False])
 def test_killed_at_any_moment_it_leaves_a_whole_folder(tmp_path: Path, atomic: bool) -> None:
     folder = tmp_path / "folder"

@@ -72,6 +72,7 @@ def test_folders_that_were_there_or_hold_anything_stay(tmp_path: Path) -> None:
     assert [path.name for path in mine.rglob("*")] == ["deep", "result"]
 
 
+@pytest.mark.slow
 def test_of_many_that_start_together_one_writes(tmp_path: Path) -> None:
     code = HOLD.replace("time.sleep(600)", "time.sleep(3)")
     command = [sys.executable, "-c", code, str(tmp_path)]
