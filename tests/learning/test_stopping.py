@@ -69,8 +69,8 @@ def test_stop_signals_are_answered_save_and_give_the_exit_code(
 ) -> None:
     runs = {number: start(number.name, 10_000_000) for number in STOPPING}
     for number in runs:
-        events = (tmp_path / number.name).glob
-        wait_until(lambda events=events: any(events("events.*")), f"{number.name}'s training has begun")  # type: ignore[misc]
+        checkpoint = TrainingFolder(tmp_path / number.name).checkpoint
+        wait_until(checkpoint.exists, f"{number.name}'s training has something to save")
     for number, process in runs.items():
         process.send_signal(number)
     for number, process in runs.items():
