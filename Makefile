@@ -29,7 +29,7 @@ test: .venv/installed-dev
 	$(BIN)/pytest
 
 quick: .venv/installed-dev
-	$(BIN)/pytest -m "not slow and not realtime" --hypothesis-profile quick
+	$(BIN)/pytest -m "not slow and not realtime" --hypothesis-profile quick -n auto
 
 clean:
 	rm -rf .venv demo .mypy_cache .pytest_cache .ruff_cache .hypothesis
