@@ -28,6 +28,7 @@ INLINE = [command for page in PAGES for command in inline_commands(page)]
 FRAGMENTS = {
     ("eval", "--disturb"),
     ("eval", "--require", "99%"),
+    ("eval", "--stage"),
     ("eval", "--stage", "passage"),
     ("eval", "--stage", "passage", "--disturb", "real-world"),
     ("eval", "--stage", "reach"),
