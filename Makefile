@@ -26,7 +26,8 @@ test: .venv/installed-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/pytest
+	$(BIN)/pytest -m "not realtime" -n auto
+	$(BIN)/pytest -m realtime
 
 quick: .venv/installed-dev
 	$(BIN)/pytest -m "not slow and not realtime" --hypothesis-profile quick -n auto

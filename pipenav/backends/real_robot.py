@@ -81,7 +81,31 @@ class Recoder(NamedTuple):
     write: Callable[[Command], Sent]
 
 
-class Calibrator(ABC):
+class Stoppable(ABC):
+    """Arm whose torque must go off, however it is left."""
+
+    @abstractmethod
+    def cut(self) -> None:
+        """Switch torque off at once: allowed inside a signal handler."""
+
+    @abstractmethod
+    def off(self) -> list[str]:
+        """Switch torque off and ask back; never raises.
+
+        Returns:
+            The joints whose servo did not confirm.
+        """
+
+    @abstractmethod
+    def close(self) -> None:
+        """Switch torque off and end.
+
+        Raises:
+            TorqueUnconfirmed: a joint did not confirm, and `off` has not named it before.
+        """
+
+
+class Calibrator(Stoppable):
     """Finds out how an arm is mounted, one joint at a time; asks and prints nothing itself.
 
     Attributes:
@@ -124,28 +148,8 @@ class Calibrator(ABC):
             What was written, one line for each servo.
         """
 
-    @abstractmethod
-    def cut(self) -> None:
-        """Switch torque off at once: allowed inside a signal handler."""
 
-    @abstractmethod
-    def off(self) -> list[str]:
-        """Switch torque off and ask back; never raises.
-
-        Returns:
-            The joints whose servo did not confirm.
-        """
-
-    @abstractmethod
-    def close(self) -> None:
-        """Switch torque off and end.
-
-        Raises:
-            TorqueUnconfirmed: a joint did not confirm, and `off` has not named it before.
-        """
-
-
-class RealRobot(Backend):
+class RealRobot(Stoppable, Backend):
     """The seam of one arm. `reset` switches it on where it is, `step` sends set-points and waits for the next tick.
 
     Attributes:
@@ -172,26 +176,6 @@ class RealRobot(Backend):
     @abstractmethod
     def wait(self) -> None:
         """Wait until the next tick is due, listening to the sensors."""
-
-    @abstractmethod
-    def cut(self) -> None:
-        """Switch torque off at once: allowed inside a signal handler."""
-
-    @abstractmethod
-    def off(self) -> list[str]:
-        """Switch torque off and ask back; never raises.
-
-        Returns:
-            The joints whose servo did not confirm.
-        """
-
-    @abstractmethod
-    def close(self) -> None:
-        """Switch torque off and end.
-
-        Raises:
-            TorqueUnconfirmed: a joint did not confirm, and `off` has not named it before.
-        """
 
     @abstractmethod
     def raw(self) -> dict[str, Any]:

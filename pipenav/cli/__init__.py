@@ -7,6 +7,7 @@ pipenav itself, with a report in a file, 128 + N ended by signal N (130 for Ctrl
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -122,7 +123,11 @@ def command_line() -> TyperGroup:
 
 
 def main(args: Sequence[str] | None = None) -> None:
-    """Run the command line, by default on the process's arguments; always leaves by SystemExit."""
+    """Run the command line; always leaves by SystemExit.
+
+    Args:
+        args: words after `pipenav`; None for the process's arguments, and then the process ends with this.
+    """
     leave_current_folder()
     ignore_local_matplotlibrc()
     leave_screen_settings()
@@ -141,6 +146,9 @@ def main(args: Sequence[str] | None = None) -> None:
         message = "".join(letter if letter.isprintable() else "?" for letter in message)
         typer.echo(f"{typer.style('pipenav: error:', fg='red', bold=True)} {message}", err=True)
         sys.exit(EXIT_FAULT if ours else 1)
+    finally:
+        if args is None:
+            signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is done: a Ctrl-C now would only hide the exit code
 
 
 def _missing_module(error: Exception) -> Exception | None:

@@ -7,8 +7,8 @@ import gc
 import signal
 from collections.abc import Iterator
 from types import FrameType
-from typing import Protocol
 
+from pipenav.backends.real_robot import Stoppable
 from pipenav.backends.safety import Stopped, TorqueUnconfirmed
 from pipenav.errors import PipenavError
 
@@ -28,14 +28,6 @@ class Interrupted(Stopped):
         name = signal.Signals(number).name
         cause = "e-stop" if number == signal.SIGUSR1 else "signal"
         super().__init__(cause, f"{name} came", "start again when the arm is free")
-
-
-class Stoppable(Protocol):
-    """A thing whose torque can be switched off; see `RealRobot`."""
-
-    def cut(self) -> None: ...
-
-    def off(self) -> list[str]: ...
 
 
 @contextlib.contextmanager

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.command import run
+from helpers.emulated import few_ids
 from helpers.waiting import wait_until
 from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
@@ -312,7 +313,10 @@ def emulator() -> Iterator[Emulator]:
         yield started
 
 
-def test_hw_check_as_typed(emulator: Emulator, capsys: pytest.CaptureFixture[str]) -> None:
+def test_hw_check_as_typed(
+    emulator: Emulator, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    few_ids(monkeypatch)
     assert run("hw-check", "--arm", str(emulator.arm_path)) == 0
     assert capsys.readouterr().out.count("ok  ") >= 6
     emulator.order(fault="dead", servo=4)

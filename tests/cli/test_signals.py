@@ -22,7 +22,14 @@ LONG = {
     "eval": ("eval", "--policy", "arm", "--episodes", "500", "--out", "measured"),
     "eval in several processes": ("eval", "--policy", "arm", "--episodes", "300", "--backend", "pybullet"),
     "experiment": ("experiment", "f", "--seeds", "3", "--jobs", "2", "--out", "tried"),
-    "view": ("view", "--policy", "arm", "--pipes", "d=90,angle=60", "--pipes", "d=90,angle=75", "--out", "film.mp4"),
+    "view": (
+        "view",
+        "--policy",
+        "pirate",
+        *(f"--pipes=d={d},angle=90" for d in (80, 90, 100, 110)),
+        "--out",
+        "film.mp4",
+    ),
     "locate-target": ("locate-target", "--pipes", "working-range", "--robot", "high-fidelity"),
     "compare-backends": ("compare-backends", "--other", "mujoco"),
 }

@@ -9,12 +9,13 @@ import signal
 
 import pytest
 
+from pipenav.backends.real_robot import Stoppable
 from pipenav.backends.safety import Stopped
 from pipenav.deployment.guard import Interrupted, guarded
 from pipenav.errors import PipenavError
 
 
-class Arm:
+class Arm(Stoppable):
     collected_before_off = True
 
     def cut(self) -> None: ...
@@ -22,6 +23,8 @@ class Arm:
     def off(self) -> list[str]:
         self.collected_before_off = gc.isenabled()
         return []
+
+    def close(self) -> None: ...
 
 
 @pytest.mark.parametrize("ending", ["end", "error", "signal"])
@@ -37,10 +40,8 @@ def test_garbage_is_collected_again_once_torque_is_off(ending: str) -> None:
     assert gc.isenabled()
 
 
-class SilentArm:
+class SilentArm(Arm):
     """An arm two of whose servos do not confirm."""
-
-    def cut(self) -> None: ...
 
     def off(self) -> list[str]:
         return ["theta1", "theta3"]

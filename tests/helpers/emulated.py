@@ -7,6 +7,8 @@ from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
+import pytest
+from pipenav_hardware import servo_search
 from pipenav_hardware.backend import HardwareBackend
 from pipenav_hardware.emulator import judge
 from pipenav_hardware.emulator.client import Emulator
@@ -24,6 +26,11 @@ PATIENCE = 4.0
 
 CLOSE = 0.01
 """How near to its target a joint must come to have reached it [rad or m]."""
+
+
+def few_ids(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have a search for a missing servo ask for few ids at every speed: for all of them it takes most of a minute."""
+    monkeypatch.setattr(servo_search, "ALL_IDS", range(12))
 
 
 @contextmanager

@@ -5,30 +5,17 @@ from __future__ import annotations
 import json
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import pytest
+from helpers.tiny_training import tiny
 
 from pipenav.learning import callback as module
 from pipenav.learning.callback import TrainingCallback
-from pipenav.learning.config import TrainConfig, load_config
+from pipenav.learning.config import TrainConfig
 from pipenav.learning.divergence import TrainingDiverged
 from pipenav.learning.train import train
 from pipenav.learning.training_folder import TrainingFolder
 from pipenav.policies.policy import load_policy
-
-TINY = {
-    "pipes": ["d=100,angle=90"],
-    "learner.robots": 16,
-    "learner.rollout_steps": 16,
-    "learner.batch_size": 64,
-    "learner.epochs": 2,
-    "check.episodes": 4,
-}
-
-
-def tiny(**more: Any) -> TrainConfig:
-    return load_config(options={**TINY, "steps": 2048, **more})
 
 
 def new_folder(path: Path, config: TrainConfig) -> TrainingFolder:

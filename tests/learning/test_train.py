@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 import safetensors.numpy
 import torch
+from helpers.tiny_training import tiny
 from safetensors import safe_open
 from safetensors.torch import save
 
@@ -30,19 +31,7 @@ from pipenav.policies.policy import load_policy
 
 pytestmark = pytest.mark.slow
 
-TINY = {
-    "pipes": ["d=100,angle=90"],
-    "learner.robots": 16,
-    "learner.rollout_steps": 16,
-    "learner.batch_size": 64,
-    "learner.epochs": 2,
-    "check.episodes": 4,
-}
 FILES = {"best.zip", "last.zip", "config.json", "command.txt", "progress.csv", "training.png", "resume.safetensors"}
-
-
-def tiny(**more: Any) -> TrainConfig:
-    return load_config(options={**TINY, "steps": 2048, **more})
 
 
 def trained(path: Path, config: TrainConfig, **more: Any) -> tuple[TrainingFolder, TrainingSummary]:

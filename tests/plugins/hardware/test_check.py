@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.emulated import ROBOT, driver, strike, switch_on
+from helpers.emulated import ROBOT, driver, few_ids, strike, switch_on
 from helpers.waiting import wait_until
 from pipenav_hardware import servos, table
 from pipenav_hardware.backend import HardwareBackend, HardwareOptions
@@ -65,8 +65,10 @@ def test_a_check_of_a_healthy_arm_finds_nothing_and_changes_nothing(
     ids=lambda value: value["fault"] if isinstance(value, dict) else "",
 )
 def test_a_check_names_what_is_wrong_and_what_to_do(
-    emulator: Emulator, order: dict[str, Any], words: str, remedy: str
+    emulator: Emulator, order: dict[str, Any], words: str, remedy: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    if order["fault"] == "dead":
+        few_ids(monkeypatch)
     strike(emulator, **order)
     problems = [finding for finding in findings(emulator.arm) if finding.level == "problem"]
     assert any(words in problem.what and remedy in problem.remedy for problem in problems), problems

@@ -8,7 +8,7 @@ from pipenav_mujoco.backend import MujocoBackend, MujocoOptions
 
 from pipenav.backends.messages import Command, Reading
 from pipenav.pipes.corner import PipeCorner
-from pipenav.robots.robot import RobotSpec, load_robot
+from pipenav.robots.robot import load_robot
 from pipenav.tasks.reach import episode
 from pipenav.tasks.reach.config import ReachConfig
 
@@ -93,72 +93,3 @@ def test_readings_belong_to_the_caller() -> None:
     run(backend, 3)
     assert all(np.array_equal(a, b) for a, b in zip(kept, copies, strict=True))
     assert not any(np.shares_memory(a, b) for i, a in enumerate(kept) for b in kept[:i])
-
-
-def single(link: int) -> RobotSpec:
-    """One link of the robot alone, without friction."""
-    return ROBOT.model_copy(update={"links": (ROBOT.links[link],), "friction": 0.0})
-
-
-def alone(robot: RobotSpec, pipe: PipeCorner, base: float) -> MujocoBackend:
-    backend = MujocoBackend(robot, 1, MujocoOptions(threads=1))
-    backend.reset(np.arange(1), [pipe], np.zeros((1, 1)), np.array([base]))
-    return backend
-
-
-@pytest.mark.parametrize("link", [0, 1])
-def test_a_joint_nears_its_no_load_speed_and_never_exceeds_it(link: int) -> None:
-    # J dv/dt = limit * duty - damping * v: v = v_max (1 - exp(-t damping / J)).
-    robot = single(link)
-    actuator, body = robot.joint_actuators[0], robot.links[0]
-    inertia = body.mass
-    if link:
-        inertia = body.mass * (body.length**2 / 3 + body.width**2 / 12)  # of a box about its end
-    rate = actuator.damping / (inertia + actuator.armature)
-    backend = alone(robot, PipeCorner.of(300, 180), -0.3)
-    for k in range(1, 5):
-        backend.step(Command("torque", np.ones((1, 1))))
-        speed = backend.read().qd[0, 0]
-        assert speed <= actuator.speed_limit * (1 + 1e-12)
-        assert speed == pytest.approx(actuator.speed_limit * (1 - np.exp(-0.1 * k * rate)), rel=1e-2)
-
-
-def test_a_slide_presses_with_its_stall_effort() -> None:
-    # Pushing head-on into the far wall of a 90 deg corner.
-    robot = single(0)
-    backend = alone(robot, PipeCorner.of(100, 90), -0.2)
-    for _ in range(20):
-        backend.step(Command("torque", np.ones((1, 1))))
-    assert backend.read().q[0, 0] == pytest.approx(0.2 + 0.05 - 0.04, abs=1e-4)
-    assert backend.truth().contact_force[0] == pytest.approx(robot.effort_limits[0], rel=1e-3)
-    assert backend.truth().link_forces[0] == pytest.approx(
-        np.array([[-robot.effort_limits[0], 0.0]]), rel=1e-3, abs=1e-6
-    )
-
-
-@pytest.mark.parametrize("duty", [-1.0, -0.5, 0.3, 1.0])
-def test_a_hinge_presses_by_the_law_of_the_lever(duty: float) -> None:
-    # The link turns until its front corner meets the straight wall; without friction the wall pushes across the
-    # pipe only, so force * (the corner's distance along the pipe) = duty * stall torque.
-    robot, pipe = single(1), PipeCorner.of(100, 180)
-    backend = alone(robot, pipe, -0.3)
-    for _ in range(25):
-        backend.step(Command("torque", np.full((1, 1), duty)))
-    q, body = abs(backend.read().q[0, 0]), robot.links[0]
-    lever = body.length * np.cos(q) - body.width / 2 * np.sin(q)
-    height = body.length * np.sin(q) + body.width / 2 * np.cos(q)
-    assert height == pytest.approx(pipe.radius, abs=1e-4)
-    force = duty * robot.effort_limits[0] / lever
-    assert backend.truth().contact_force[0] == pytest.approx(abs(force), rel=1e-3)
-    assert backend.truth().link_forces[0, 0] == pytest.approx([0.0, -force], rel=1e-3, abs=1e-6)
-
-
-def test_the_position_controller_goes_to_its_set_points_and_stays() -> None:
-    backend = MujocoBackend(ROBOT, 1, MujocoOptions(threads=1))
-    backend.reset(np.arange(1), [PipeCorner.of(300, 180)], np.zeros((1, 4)), np.array([-0.3]))
-    backend.step(Command("torque", np.ones((1, 4))))
-    set_points = np.array([[0.1, 0.1, -0.2, 0.15]])
-    for _ in range(30):
-        backend.step(Command("position", set_points))
-    assert backend.read().q == pytest.approx(set_points, abs=1e-6)
-    assert backend.read().qd == pytest.approx(0.0, abs=1e-6)

@@ -19,19 +19,13 @@ from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.wall_distance import wall_distance
 from pipenav.robots import kinematics, laser
-from pipenav.robots.robot import RobotSpec, load_robot
+from pipenav.robots.robot import load_robot
 from pipenav.tasks.reach import episode
 from pipenav.tasks.reach.config import ReachConfig
 
 pytestmark = pytest.mark.slow
 
 ROBOT = load_robot("basic")
-
-
-def alone(robot: RobotSpec, pipe: PipeCorner, base: float) -> PybulletBackend:
-    backend = PybulletBackend(robot, 1, PybulletOptions())
-    backend.reset(np.arange(1), [pipe], np.zeros((1, len(robot.joints))), np.array([base]))
-    return backend
 
 
 def crowd(n: int, processes: int = 1, seed: int = 1) -> tuple[PybulletBackend, list[PipeCorner], Floats]:
@@ -50,92 +44,6 @@ def duties(rng: np.random.Generator, n: int) -> Command:
     values = rng.uniform(-1, 1, (n, 4))
     values[:, 0] = 0.3 + 0.7 * np.abs(values[:, 0])
     return Command("torque", values)
-
-
-def single(link: int, friction: float = 0.0) -> RobotSpec:
-    """One link of the robot alone."""
-    return ROBOT.model_copy(update={"links": (ROBOT.links[link],), "friction": friction})
-
-
-def test_a_slide_nears_its_no_load_speed_and_never_exceeds_it() -> None:
-    # (m + rotor) dv/dt = limit * duty - damping * v: v = v_max (1 - exp(-t damping / (m + rotor))).
-    robot = single(0)
-    actuator = robot.joint_actuators[0]
-    rate = actuator.damping / (robot.links[0].mass + actuator.armature)
-    backend = alone(robot, PipeCorner.of(300, 180), -0.3)
-    for k in range(1, 5):
-        backend.step(Command("torque", np.ones((1, 1))))
-        speed = backend.read().qd[0, 0]
-        assert speed <= actuator.speed_limit * (1 + 1e-12)
-        assert speed == pytest.approx(actuator.speed_limit * (1 - np.exp(-0.1 * k * rate)), rel=1e-2)
-    backend.close()
-
-
-def test_a_slide_presses_with_its_stall_effort() -> None:
-    robot = single(0)
-    backend = alone(robot, PipeCorner.of(100, 90), -0.2)
-    for _ in range(20):
-        backend.step(Command("torque", np.ones((1, 1))))
-    assert backend.read().q[0, 0] == pytest.approx(0.2 + 0.05 - 0.04, abs=1e-4)
-    assert backend.truth().contact_force[0] == pytest.approx(robot.effort_limits[0], rel=1e-3)
-    backend.close()
-
-
-@pytest.mark.parametrize("duty", [-1.0, 0.3])
-def test_a_hinge_presses_by_the_law_of_the_lever(duty: float) -> None:
-    robot, pipe = single(1), PipeCorner.of(100, 180)
-    backend = alone(robot, pipe, -0.3)
-    for _ in range(25):
-        backend.step(Command("torque", np.full((1, 1), duty)))
-    q, body = abs(backend.read().q[0, 0]), robot.links[0]
-    lever = body.length * np.cos(q) - body.width / 2 * np.sin(q)
-    height = body.length * np.sin(q) + body.width / 2 * np.cos(q)
-    assert height == pytest.approx(pipe.radius, abs=1e-4)
-    assert backend.truth().contact_force[0] == pytest.approx(abs(duty) * robot.effort_limits[0] / lever, rel=1e-3)
-    backend.close()
-
-
-@pytest.mark.parametrize("angle", [55, 65, 90, 125])
-def test_a_link_that_slides_slowly_along_the_inner_wall_is_not_stopped_at_its_edge(angle: float) -> None:
-    robot, pipe = ROBOT.model_copy(update={"links": ROBOT.links[:2]}), PipeCorner.of(70, angle)
-    backend = alone(robot, pipe, -pipe.inner_edge - 0.05 - robot.length)
-    for _ in range(5):
-        backend.step(Command("torque", np.array([[0.0, 0.3]])))
-    assert backend.truth().contact_share[0] == 1.0
-    for _ in range(20):
-        backend.step(Command("torque", np.array([[0.2, 0.3]])))
-    assert backend.truth().tip[0, 0] > -pipe.inner_edge + robot.width / 2
-    backend.close()
-
-
-def test_friction_takes_its_share_of_the_push() -> None:
-    # The two-link arm presses sideways on the wall with its hinge while its slide pulls along the pipe: at rest, the
-    # wall's force on the tip, friction included, has the pull as its component along the pipe.
-    robot = ROBOT.model_copy(update={"links": ROBOT.links[:2], "friction": 0.8})
-    backend = alone(robot, PipeCorner.of(100, 180), -0.3)
-    for _ in range(25):
-        backend.step(Command("torque", np.array([[0.0, 0.6]])))
-    for _ in range(5):
-        backend.step(Command("torque", np.array([[-0.05, 0.6]])))
-    reading, pull = backend.read(), 0.05 * robot.effort_limits[0]
-    assert reading.qd == pytest.approx(np.zeros((1, 2)), abs=1e-4)
-    q, body, torque = reading.q[0, 1], robot.links[1], 0.6 * robot.effort_limits[1]
-    x = body.length * np.cos(q) - body.width / 2 * np.sin(q)
-    y = body.length * np.sin(q) + body.width / 2 * np.cos(q)
-    across = (torque - pull * y) / x  # moments about the hinge; the wall pushes down, and forwards against the pull
-    assert backend.truth().link_forces[0] == pytest.approx(np.array([[0.0, 0.0], [pull, -across]]), rel=1e-3, abs=1e-6)
-    backend.close()
-
-
-def test_the_position_controller_goes_to_its_set_points_and_stays() -> None:
-    backend = alone(ROBOT, PipeCorner.of(300, 180), -0.3)
-    backend.step(Command("torque", np.ones((1, 4))))
-    set_points = np.array([[0.1, 0.1, -0.2, 0.15]])
-    for _ in range(30):
-        backend.step(Command("position", set_points))
-    assert backend.read().q == pytest.approx(set_points, abs=1e-6)
-    assert backend.read().qd == pytest.approx(0.0, abs=1e-5)
-    backend.close()
 
 
 def test_walls_hold_the_arm_and_penetration_is_the_overlap_of_the_shapes() -> None:
