@@ -10,8 +10,8 @@ from typing import Any
 
 import gymnasium
 
+from pipenav.envs.env_tasks import CORNER_ID, TRAVERSE_ID
 from pipenav.envs.gymnasium_env import CornerEnv, TraverseEnv
-from pipenav.envs.kinds import CORNER_ID, TRAVERSE_ID
 from pipenav.envs.vector_env import CornerVectorEnv, TraverseVectorEnv
 
 __all__ = [
@@ -52,7 +52,7 @@ class Maker:
         if preset is not None:
             from pipenav.learning.env_arguments import preset_arguments
 
-            given = preset_arguments(preset, self._made.kind.kind) | given
+            given = preset_arguments(preset, self._made.env_task.name) | given
         return self._made(**given)
 
 

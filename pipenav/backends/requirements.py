@@ -60,7 +60,7 @@ def _remedy(plugin: BackendPlugin, module: str) -> str:
     """Command that brings a missing module."""
     top = module.partition(".")[0]
     if top == plugin.module.partition(".")[0]:
-        return f"reinstall it: pip install --force-reinstall {plugin.distribution}"
+        return f"reinstall {plugin.distribution} from where you got it"
     command = _install_command(plugin, top)
     last = _LAST_PYTHON.get(top)
     if last and sys.version_info[:2] > last:

@@ -43,7 +43,7 @@ class Stopped(PipenavError):
 class TorqueUnconfirmed(Stopped):
     """Torque could not be confirmed off, after an ending that was no stop."""
 
-    def __init__(self, joints: Sequence[str], what: str = "the arm was switched off without an answer") -> None:
+    def __init__(self, joints: Sequence[str], what: str = "not every servo confirmed that its torque is off") -> None:
         super().__init__("torque", what, "check supply and cables, then run pipenav hw-check", joints)
 
 

@@ -157,8 +157,8 @@ def _missing_module(error: Exception) -> Exception | None:
 
     if not isinstance(error, ModuleNotFoundError) or error.name is None or error.name.startswith("pipenav"):
         return None
-    reinstall = "reinstall pipenav with pip install --force-reinstall pipenav"
-    return PipenavError(f"Python module {error.name!r} is not installed, which this command needs: {reinstall}.")
+    remedy = "pip install pipenav installs what is missing"
+    return PipenavError(f"Python module {error.name!r} is not installed, which this command needs: {remedy}.")
 
 
 def _fault(error: Exception) -> str:
@@ -167,11 +167,11 @@ def _fault(error: Exception) -> str:
     from pipenav.errors import shown
 
     try:
-        report = f"a report is in {write_report(error)}; please send it to those who gave you pipenav"
+        report = f"a report is in {write_report(error)}; please send it to the maintainers of pipenav"
     except OSError as problem:
         report = f"no report could be written ({problem.strerror})"
     what = ": ".join(filter(None, [type(error).__name__, shown(error, quoted=False)]))
-    return f"a fault of pipenav itself, not yours, {what}; {report}."
+    return f"pipenav failed by a fault of its own, {what}; {report}."
 
 
 def _version(wanted: bool) -> None:

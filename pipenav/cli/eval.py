@@ -32,7 +32,7 @@ PIPES_HELP = (
     "Shipped set, FILE.toml or d=90,angle=60[,turn=right]; for a whole robot also sets and files of routes; repeatable."
 )
 DISTURB_HELP = "Disturbances, by name or as FILE.toml; see `pipenav list disturbances`."
-SUBJECT, EPISODES, RESULT = "What is measured", "In which episodes", "Result"
+SUBJECT, EPISODES, RESULT = "What is measured", "Episodes", "Result"
 
 PolicyOption = Annotated[str | None, typer.Option(help=POLICY_HELP, rich_help_panel=SUBJECT)]
 # The names of StageName, with the older ones, and of Variant, whose import would slow down --help.

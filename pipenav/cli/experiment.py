@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from pipenav.experiments.plan import ExperimentPlan
 
 OUT = Path("runs/experiments")
-MEASURED, DONE = "What is measured", "How it is done"
+MEASURED, DONE = "What is measured", "Settings"
 
 
 class _Round(NamedTuple):
@@ -122,7 +122,7 @@ def _rounds(threads: int) -> Sequence[_Round]:
 
     return (
         _Round("training", lambda plan: training_jobs(plan, threads)),
-        _Round("measuring the fronts", lambda plan: evaluation_jobs(plan, threads, ("reach",))),
+        _Round("measuring the front halves", lambda plan: evaluation_jobs(plan, threads, ("reach",))),
         # These may need the best agent of the fronts.
         _Round("measuring passages", lambda plan: evaluation_jobs(plan, threads, ("reach-rear", "locate", "passage"))),
     )

@@ -160,7 +160,7 @@ def _corner_dimensions(pipe: PipeCorner) -> list[_Dimension]:
         _Dimension("wall", f"{m_to_mm(pipe.wall):.1f} mm", "outside of the diameter"),
         _Dimension("gap", f"{m_to_mm(pipe.gap):.1f} mm", "across the corner, from wall to wall"),
         _Dimension(
-            "inner edge", f"{m_to_mm(pipe.inner_edge):.1f} mm", "before the corner the inner wall begins to turn"
+            "inner edge", f"{m_to_mm(pipe.inner_edge):.1f} mm", "before the corner, where the inner wall begins to turn"
         ),
     ]
 

@@ -23,7 +23,7 @@ TURN_HELP = "Side that it turns to: left, the default, or right."
 VARIANT_HELP = "map: the beams' ends are fitted to a corner; thesis: the method exactly as printed, eq 3.16 to 3.19."
 PIPES_HELP = "Instead of --d and --angle: shipped set, FILE.toml or d=90,angle=60[,turn=right]; repeatable."
 OUT_HELP = "Folder for each pipe's trajectory (.csv) and picture of what the laser saw (.png)."
-PIPE, BEHAVIOUR, OUTPUT = "Which pipe", "Who looks, and how", "Output"
+PIPE, BEHAVIOUR, OUTPUT = "Which pipe", "Robot and method", "Output"
 
 
 DiameterOption = Annotated[float | None, typer.Option("--d", metavar="MM", help=DIAMETER_HELP, rich_help_panel=PIPE)]

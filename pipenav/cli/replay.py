@@ -42,5 +42,6 @@ def replay(
             mission_picture(robot, recording.ticks[: result.ticks], f"{robot.name}: {ended}, {result.ticks} ticks"),
         )
     if result.difference:
-        raise PipenavError(f"the replay differs: {result.difference}; was the log or the policy changed?")
+        changed = "the log, the policy or pipenav has changed since: replay with the version that recorded it"
+        raise PipenavError(f"the replay differs: {result.difference}; {changed}.")
     say(f"{result.ticks} ticks, {result.packets} packets: all identical")

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from pipenav.learning.train import TrainingSummary
     from pipenav.learning.training_folder import TrainingFolder
 
-CONFIG_HELP = 'TOML file laid over the preset; extends = "PRESET" in it stands for --preset.'
-RECIPE, PLACE = "Recipe", "Where it continues and is saved"
+CONFIG_HELP = 'TOML file whose keys override the preset; extends = "PRESET" in it stands for --preset.'
+RECIPE, PLACE = "Recipe", "Folders"
 SECONDS_BETWEEN_LINES = 10
 """Time between two lines of progress where the output is no terminal [s]."""
 
@@ -41,7 +41,7 @@ PresetOption = Annotated[
 ]
 ConfigOption = Annotated[Path | None, typer.Option(help=CONFIG_HELP, rich_help_panel=RECIPE)]
 SetOption = Annotated[
-    list[str] | None, typer.Option("--set", help="key=value laid over both; repeatable.", rich_help_panel=RECIPE)
+    list[str] | None, typer.Option("--set", help="key=value that overrides both; repeatable.", rich_help_panel=RECIPE)
 ]
 StepsOption = Annotated[int | None, typer.Option(help="Control steps of all robots together.", rich_help_panel=RECIPE)]
 SeedOption = Annotated[int | None, typer.Option(help="Seed of everything random.", rich_help_panel=RECIPE)]
@@ -248,7 +248,7 @@ def _run(console: Console, training: _Training, stopped: StopRequest) -> Trainin
 
 def progress_text(progress: TrainingProgress) -> str:
     """The progress of a training in words."""
-    success = "no episode over yet" if math.isnan(progress.success) else f"success {progress.success:.1%}"
+    success = "no episode has ended yet" if math.isnan(progress.success) else f"success {progress.success:.1%}"
     least = f"least laser reading {progress.min_range * 1e3:.0f} mm"
     return f"{progress.steps_per_s:,.0f} steps/s, {success}, {least}"
 
@@ -267,7 +267,7 @@ def _conclude(folder: TrainingFolder, summary: TrainingSummary) -> None:
     """Say how the training ended, and what can be done with it."""
     if summary.stopped:
         resume = shlex.join(["pipenav", "train", "--resume", str(folder.path)])
-        say(f"stopped after {summary.steps:,} steps and saved; go on with: {resume}")
+        say(f"stopped after {summary.steps:,} steps and saved; continue with: {resume}")
         return
     measure = shlex.join(["pipenav", "eval", "--policy", str(folder.best)])
     say(

@@ -57,7 +57,7 @@ def _lone_word(command: str, message: str) -> str:
     words = found[1] if found else message
     option = DIAMETER if command in TAKE_DIAMETER and words[:1].isdigit() else OPTION_OF.get(command)
     if option is None:
-        return f"pipenav {command} takes no more words, given {words!r}."
+        return f"pipenav {command} takes no more arguments, given {words!r}."
     first = shlex.quote(words.split(" ")[0])
     return f"pipenav {command} takes its inputs by options, given {words!r}: try pipenav {command} {option} {first}"
 

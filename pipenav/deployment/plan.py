@@ -46,7 +46,7 @@ def free_folder(given: Path | None) -> Path:
     """
     if given is not None:
         if (given / TELEMETRY).exists():
-            raise PipenavError(f"{given} holds a mission already: give another folder by --out.")
+            raise PipenavError(f"{given} holds a mission already: give another folder with --out.")
         return prepare_folder(given)
     number = 1
     while (folder := Path("runs") / f"real-{number}").exists():

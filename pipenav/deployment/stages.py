@@ -17,6 +17,7 @@ from pipenav.motions.follower import Follower
 from pipenav.policies.policy import Policy
 from pipenav.robots import frames, kinematics
 from pipenav.robots.robot import RobotSpec
+from pipenav.tasks.outcome import Outcome, strongest_outcome
 from pipenav.tasks.reach import action as actions
 from pipenav.tasks.reach import episode, observation
 from pipenav.tasks.reach.observation import Snapshot
@@ -92,12 +93,14 @@ class Reach:
         """A command, or the outcome: `reached`, `limit` or `timeout`."""
         now = observation.canonical(self._robot, reading, self._turn_sign)
         tip = kinematics.forward(self._robot, now.q).tip
-        if np.linalg.norm(tip - self._target) <= self._task.reach_tolerance:
-            return "reached"
-        if episode.at_limit(self._robot, self._task, reading.q)[0]:
-            return "limit"
-        if self._steps >= self._task.max_steps:
-            return "timeout"
+        holds = {
+            Outcome.TIMEOUT: np.array([self._steps >= self._task.max_steps]),
+            Outcome.REACHED: np.linalg.norm(tip - self._target, axis=1) <= self._task.reach_tolerance,
+            Outcome.LIMIT: episode.at_limit(self._robot, self._task, reading.q),
+        }
+        outcome = Outcome(strongest_outcome(1, holds)[0])
+        if outcome is not Outcome.RUNNING:
+            return outcome.label
         before = now if self._before is None else self._before
         unscaled = observation.observe(self._task, now, before, self._action, self._target)
         seen = unscaled / task_of(self._task).observation_scale(self._robot)

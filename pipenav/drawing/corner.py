@@ -115,7 +115,7 @@ class _Sketch(Drawing):
         inside, outside = 3 * self.unit, 9 * self.unit
         self.arrow(-(self.leg + outside) * into, -(self.leg - inside) * into, ROBOT, 2.4)
         self.arrow((self.leg - inside) * out, (self.leg + outside) * out, ROBOT, 2.4)
-        self.axes.plot([], [], color=ROBOT, linewidth=2.4, label="way of the robot")
+        self.axes.plot([], [], color=ROBOT, linewidth=2.4, label="robot's direction of travel")
 
     def _angle(self) -> float:
         """Draw the interior angle as an arc where its text fits between the legs; return the arc's radius [mm]."""

@@ -198,7 +198,7 @@ def _schedule(route: PipeRoute, axes: Axes) -> float:
     rows = math.ceil(len(route.corners) / PER_ROW)
     axes.set(xlim=(-1.7, CELL * PER_ROW - 0.5), ylim=(-ROW * rows + 0.8, 1.3), aspect="equal")
     axes.set_axis_off()
-    axes.text(-1.7, 1.05, "Corners as the robot sees them that looks ahead and never rolls", fontsize=10, color=INK)
+    axes.text(-1.7, 1.05, "Corners as seen by a robot that looks ahead and never rolls", fontsize=10, color=INK)
     style: dict[str, Any] = {"ha": "center", "fontsize": 9, "color": DIMENSION}
     for i, (corner, inside) in enumerate(zip(route.corners, route.legs.inside, strict=True)):
         x, y = CELL * (i % PER_ROW), -ROW * (i // PER_ROW)

@@ -11,7 +11,7 @@ from pipenav.arrays import Floats
 from pipenav.drawing.corner import draw_walls
 from pipenav.drawing.dimensions import INK
 from pipenav.pipes.pipe import Pipe
-from pipenav.robots import kinematics
+from pipenav.robots import frames, kinematics
 from pipenav.robots.outline import link_outlines
 from pipenav.robots.robot import RobotSpec
 from pipenav.units import m_to_mm
@@ -176,7 +176,7 @@ def scene_pixels(scene: Scene, pixels: int = 480, around: float = 0.4) -> NDArra
     canvas = FigureCanvasAgg(figure)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     draw_scene(axes, scene)
-    x, y = m_to_mm(1.0) * (kinematics.forward(scene.robot, scene.q[None]).tip[0] + [scene.base, 0.0])
+    x, y = m_to_mm(1.0) * frames.robot_to_pipe(kinematics.forward(scene.robot, scene.q[None]).tip[0], scene.base)
     reach = m_to_mm(around)
     axes.set(xlim=(x - reach, x + reach), ylim=(y - reach, y + reach))
     axes.set_axis_off()

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pipenav.arrays import Ints
 from pipenav.drawing.scene import scene_pixels
-from pipenav.envs.kinds import Kind
+from pipenav.envs.env_tasks import EnvTask
 from pipenav.errors import PipenavError
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.layout import ObservationField
@@ -39,7 +39,7 @@ class SeededEpisodes:
     So robot i of many lives through the same episodes as a single robot with the same seed.
 
     Args:
-        kind: the task.
+        env_task: the task.
         n: number of robots.
         settings: the environment's arguments.
 
@@ -52,14 +52,14 @@ class SeededEpisodes:
         PipenavError: an argument is unknown or impossible.
     """
 
-    def __init__(self, kind: Kind, n: int, settings: EnvSettings) -> None:
+    def __init__(self, env_task: EnvTask, n: int, settings: EnvSettings) -> None:
         from pipenav.backends.simulators import open_simulator
 
         self.generators: list[np.random.Generator] = []
         self.episodes: dict[int, Any] = {}
-        self._kind, self._robot = kind, load_robot(settings.robot)
-        self._task = task_of(kind.settings(settings.task))
-        kind.check_robot(self._robot)
+        self._env_task, self._robot = env_task, load_robot(settings.robot)
+        self._task = task_of(env_task.settings(settings.task))
+        env_task.check_robot(self._robot)
         texts = [settings.pipes] if isinstance(settings.pipes, str) else settings.pipes
         self._sets = [self._task.parse_training_pipes([text]) for text in texts]
         if not self._sets:
@@ -89,4 +89,4 @@ class SeededEpisodes:
         """
         if i not in self.episodes:
             raise PipenavError("there is nothing to draw before the first reset: call reset first.")
-        return scene_pixels(self._kind.scene(self.batch, self.episodes[i], i), pixels, self._kind.around)
+        return scene_pixels(self._env_task.scene(self.batch, self.episodes[i], i), pixels, self._env_task.around)

@@ -9,8 +9,8 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
+from pipenav.envs.env_tasks import CORNER, TRAVERSE, EnvTask
 from pipenav.envs.episodes import EnvSettings, SeededEpisodes, TaskSettings
-from pipenav.envs.kinds import CORNER, TRAVERSE, Kind
 from pipenav.envs.spaces import Float32s, action_space, bounded_space, checked_action, one_info, step_info, within
 from pipenav.envs.threads import bound_torch_threads
 from pipenav.tasks.outcome import Outcome
@@ -20,11 +20,11 @@ class TaskEnv(gymnasium.Env[Float32s, Float32s]):
     """Environment of one robot; the subclasses say which task it is and which arguments it takes."""
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012
-    kind: ClassVar[Kind]
+    env_task: ClassVar[EnvTask]
 
     def __init__(self, settings: EnvSettings, render_mode: str | None) -> None:
         self.render_mode = render_mode
-        self._episodes = SeededEpisodes(self.kind, 1, settings)
+        self._episodes = SeededEpisodes(self.env_task, 1, settings)
         self.batch = self._episodes.batch
         self._space = bounded_space(self._episodes.layout)
         self.observation_space = cast("gymnasium.spaces.Space[Float32s]", self._space)
@@ -100,7 +100,7 @@ class CornerEnv(TaskEnv):
         render_mode: None, or `rgb_array` for a top view.
     """
 
-    kind = CORNER
+    env_task = CORNER
 
     def __init__(
         self,
@@ -148,7 +148,7 @@ class TraverseEnv(TaskEnv):
         render_mode: None, or `rgb_array` for a top view.
     """
 
-    kind = TRAVERSE
+    env_task = TRAVERSE
 
     def __init__(
         self,

@@ -11,8 +11,8 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
+from pipenav.envs.env_tasks import CORNER, TRAVERSE, EnvTask
 from pipenav.envs.episodes import EnvSettings, SeededEpisodes, TaskSettings
-from pipenav.envs.kinds import CORNER, TRAVERSE, Kind
 from pipenav.envs.spaces import Float32s, action_space, bounded_space, checked_action, step_info, within
 from pipenav.envs.threads import bound_torch_threads
 from pipenav.errors import PipenavError
@@ -37,13 +37,13 @@ class TaskVectorEnv(VectorEnv[Float32s, Float32s, NDArray[Any]]):
         "render_fps": 10,
         "autoreset_mode": AutoresetMode.NEXT_STEP,
     }
-    kind: ClassVar[Kind]
+    env_task: ClassVar[EnvTask]
 
     def __init__(self, num_envs: int, settings: EnvSettings, rendering: Rendering) -> None:
         if unknown := rendering.keys() - Rendering.__annotations__.keys():
             raise TypeError(f"{type(self).__name__}() got an unexpected keyword argument {min(unknown)!r}")
         self.num_envs, self.render_mode = num_envs, rendering.get("render_mode")
-        self._episodes = SeededEpisodes(self.kind, num_envs, settings)
+        self._episodes = SeededEpisodes(self.env_task, num_envs, settings)
         self.batch = self._episodes.batch
         self._space, actions = bounded_space(self._episodes.layout), action_space(self.batch)
         self.single_observation_space, self.single_action_space = self._space, actions
@@ -105,7 +105,7 @@ class CornerVectorEnv(TaskVectorEnv):
         robot, pipes, backend, task, options, render_mode: as for `CornerEnv`.
     """
 
-    kind = CORNER
+    env_task = CORNER
 
     def __init__(
         self,
@@ -128,7 +128,7 @@ class TraverseVectorEnv(TaskVectorEnv):
         robot, pipes, backend, task, options, render_mode: as for `TraverseEnv`.
     """
 
-    kind = TRAVERSE
+    env_task = TRAVERSE
 
     def __init__(
         self,

@@ -12,7 +12,7 @@ from pipenav.locating.locator import Locator, require_arm
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots import frames
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.outcome import Outcome, decide
+from pipenav.tasks.outcome import Outcome, strongest_outcome
 from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.reach.episode import ReachEpisodes, at_limit
 from pipenav.tasks.task import EpisodeSource
@@ -85,7 +85,7 @@ class LocateStage(Stage):
             Outcome.LIMIT: at_limit(self.robot, self._task, self.reading.q),
             Outcome.PENETRATION: truth.penetration > self._task.max_penetration,
         }
-        outcome = decide(self.n, holds)
+        outcome = strongest_outcome(self.n, holds)
         return StageStep(outcome, self.reading.ranges.min(axis=1), truth, self.reading.q)
 
     def close(self) -> None:

@@ -14,7 +14,7 @@ from pipenav.motions.follower import Follower
 from pipenav.motions.trajectory import Motion
 from pipenav.robots.outline import foremost
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.outcome import Outcome, decide
+from pipenav.tasks.outcome import Outcome, strongest_outcome
 from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.reach.episode import at_limit
 
@@ -67,7 +67,7 @@ class RearStage(Stage):
             Outcome.LIMIT: at_limit(self.robot, self._config, reading.q),
             Outcome.PENETRATION: truth.penetration > self._config.max_penetration,
         }
-        outcome = decide(self.n, holds)
+        outcome = strongest_outcome(self.n, holds)
         return StageStep(outcome, reading.ranges.min(axis=1), truth, reading.q)
 
     def close(self) -> None:

@@ -134,7 +134,7 @@ class _Crew:
             code = worker.process.wait()
             name = self._jobs[self.busy[worker]].name
             raise PipenavError(
-                f"the process of {name!r} has ended by itself (exit code {code}): check the memory that is left, then "
+                f"the process of {name!r} ended unexpectedly (exit code {code}): check the memory that is left, then "
                 "give the same command again, with a smaller --jobs."
             ) from error
         return message

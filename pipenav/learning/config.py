@@ -153,7 +153,7 @@ def load_config(
     for text in settings:
         key, equals, value = text.partition("=")
         if not (equals and key.strip()):
-            raise PipenavError(f"setting {shown(text)} is not a setting: write it as key=value, for example seed=1.")
+            raise PipenavError(f"{shown(text)} is not a setting: write it as key=value, for example seed=1.")
         if key.count(".") >= MAX_DEPTH:
             raise PipenavError(
                 f"setting {shown(text)} has a key of more than {MAX_DEPTH} parts: see pipenav list training-keys."

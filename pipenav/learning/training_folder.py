@@ -69,7 +69,7 @@ class TrainingFolder:
         """
         if self.checkpoint.exists():
             raise PipenavError(
-                f"{self.path} already holds a training: go on with it by --resume {shlex.quote(str(self.path))}, "
+                f"{self.path} already holds a training: continue it with --resume {shlex.quote(str(self.path))}, "
                 "or choose another --out."
             )
         if any(file.exists() for file in (self.best, self.last, self.diverged)):

@@ -24,6 +24,9 @@ HEADER_MEMBER, WEIGHTS_MEMBER = "pipenav.json", "policy.safetensors"
 MAX_FILE, MAX_HEADER, MAX_WEIGHTS = 16 << 20, 1 << 20, 8 << 20
 """Largest sizes in bytes: a hundred times what an arm's policy takes, and small enough to read whole."""
 
+NEW_COPY = "get a new copy from its author"
+"""Advice about a file that is damaged."""
+
 
 class PolicyFileError(PipenavError):
     """A policy file that cannot be used: the message names the file, the problem and the remedy."""
@@ -92,7 +95,7 @@ def _read_members(path: Path, content: bytes) -> _Members:
         archive = zipfile.ZipFile(io.BytesIO(content))
         names = [info.filename for info in archive.infolist()]
         if len(set(names)) < len(names):
-            raise PolicyFileError(path, "holds two members of one name", "do not trust it; get it from its maker again")
+            raise PolicyFileError(path, "holds two members of one name", f"do not trust it; {NEW_COPY}")
         if HEADER_MEMBER not in names and WEIGHTS_MEMBER not in names:
             sb3 = "_stable_baselines3_version" in names
             problem = "was made by Stable-Baselines3 alone" if sb3 else "is a zip, but not of a policy"
@@ -112,7 +115,7 @@ def _read_member(path: Path, archive: zipfile.ZipFile, name: str, limit: int) ->
     # Other methods than these two can unpack a few bytes to more memory than the limit before they give any out.
     if info.file_size > limit or info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
         problem = f"holds a {name} that is larger than {limit >> 20} MiB or is packed unlike a policy"
-        raise PolicyFileError(path, problem, "do not trust it; get it from its maker again")
+        raise PolicyFileError(path, problem, f"do not trust it; {NEW_COPY}")
     with archive.open(info) as member:
         return member.read(limit + 1)
 
@@ -135,14 +138,14 @@ def _parse_header(path: Path, text: bytes) -> PolicyHeader:
         json.dumps(header.model_dump(), allow_nan=False)
     except ConfigError as error:
         problem = f"holds an unusable {HEADER_MEMBER}: {str(error).rstrip('.')}"
-        raise PolicyFileError(path, problem, "get it from its maker again") from error
+        raise PolicyFileError(path, problem, NEW_COPY) from error
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         if first["type"] == "extra_forbidden":
             problem = f"holds the unknown key {dotted(first['loc'])!r} in {HEADER_MEMBER}"
         else:
             problem = f"holds an unusable {ConfigError.from_validation(HEADER_MEMBER, error)}".rstrip(".")
-        raise PolicyFileError(path, problem, "get it from its maker again") from error
+        raise PolicyFileError(path, problem, NEW_COPY) from error
     except ValueError as error:
         raise PolicyFileError(path, f"holds infinite numbers in {HEADER_MEMBER}", "save it again") from error
     same_meaning = (

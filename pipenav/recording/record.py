@@ -128,7 +128,7 @@ def record_task(
     base = float(one.base[0])
     target = None
     if isinstance(one, ReachEpisodes):
-        x, y = frames.robot_to_pipe(frames.canonical_to_robot(one.target[0], one.turn_sign[0]), base)
+        x, y = frames.canonical_to_pipe(one.target[0], one.turn_sign[0], base)
         target = (float(x), float(y))
     header = TrajectoryHeader(
         robot=robot.name,
@@ -185,7 +185,7 @@ def record_locate(
             simulator.watch(backend, sight._replace(target=found_target() if beams[-1] >= 0 else None))
 
     def found_target() -> tuple[float, float]:
-        x, y = frames.robot_to_pipe(frames.canonical_to_robot(stage.target[0], one.turn_sign[0]), one.base[0])
+        x, y = frames.canonical_to_pipe(stage.target[0], one.turn_sign[0], one.base[0])
         return float(x), float(y)
 
     trajectory = record(stage, backend, header, one.q[0], look)

@@ -36,3 +36,8 @@ def pipe_to_robot(points: ArrayLike, base: ArrayLike) -> Floats:
     """Points of the pipe frame in the robot frame; `base` is the robot frame's origin on the pipe's x axis [m]."""
     offset = np.asarray(base, float)
     return np.asarray(np.asarray(points, float) - np.stack([offset, np.zeros_like(offset)], axis=-1))
+
+
+def canonical_to_pipe(points: ArrayLike, turn_sign: ArrayLike, base: ArrayLike) -> Floats:
+    """Points of the canonical frame in the pipe frame."""
+    return robot_to_pipe(canonical_to_robot(points, turn_sign), base)

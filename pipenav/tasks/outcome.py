@@ -68,7 +68,7 @@ LADDER = (
 """Outcomes from the weakest to the strongest: where several hold in one control step, the strongest counts."""
 
 
-def decide(n: int, holds: Mapping[Outcome, Flags]) -> NDArray[np.int8]:
+def strongest_outcome(n: int, holds: Mapping[Outcome, Flags]) -> NDArray[np.int8]:
     """Outcome of each of n episodes by `LADDER`, (n,); `RUNNING` where none holds.
 
     Args:

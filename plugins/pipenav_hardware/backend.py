@@ -118,10 +118,9 @@ class HardwareBackend(RealRobot):
         reading = self._reading = self._first_reading()
         away = np.abs(reading.q[0] - q[0])
         if away.max() > START_TOLERANCE:
-            joint = self._robot.joints[int(away.argmax())].name
-            raise PipenavError(
-                f"joint {joint} is {away.max():.3f} from its start position: move the arm there by hand."
-            )
+            joint = self._robot.joints[int(away.argmax())]
+            where = f"{away.max():.3f} {'m' if joint.type == 'slide' else 'rad'} from its start position"
+            raise PipenavError(f"joint {joint.name} is {where}: move the arm there by hand.")
         if self._watchdog is not None:
             self._watchdog.armed()
             self._enabled = True

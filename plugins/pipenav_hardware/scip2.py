@@ -135,7 +135,7 @@ class Scip2Scanner(RangeSensor):
             first, last = int(values["AMIN"]), int(values["AMAX"])
             self.range_min, self.range_max = int(values["DMIN"]) / 1e3, int(values["DMAX"]) / 1e3
         except (KeyError, ValueError):
-            raise SensorLost("scanner", f"on {config.port} does not tell its parameters") from None
+            raise SensorLost("scanner", f"on {config.port} does not send its parameters") from None
         half = math.floor((fan / 2 + abs(math.radians(config.mounting_deg))) / (2 * math.pi) * resolution) + 2
         first, last = max(first, front - half), min(last, front + half)
         steps = np.arange(first, last + 1)

@@ -63,7 +63,7 @@ def memory_flaws(servo: Servo, eeprom: table.Eeprom, store: str) -> Iterator[Fin
         found = f"does not switch itself off on overload and overheating (register 18 is {eeprom.shutdown})"
         yield Finding("problem", f"{name} {found}", store)
     if eeprom.temperature_limit > MOST_TEMPERATURE:
-        found = f"bears {eeprom.temperature_limit} deg C (register 11), {MOST_TEMPERATURE} are allowed"
+        found = f"shuts down only at {eeprom.temperature_limit} deg C (register 11), {MOST_TEMPERATURE} is allowed"
         yield Finding("problem", f"{name} {found}", store)
     if eeprom.return_level != table.RETURN_LEVEL.initial:
         found = f"has status return level {eeprom.return_level}, {table.RETURN_LEVEL.initial} is needed"

@@ -14,6 +14,7 @@ import numpy as np
 from pipenav.arrays import Floats
 from pipenav.backends import Sight
 from pipenav.errors import PipenavError
+from pipenav.robots import frames
 
 NO_DISPLAY = "leave out --live to get a picture, which needs no display"
 
@@ -118,7 +119,7 @@ def draw_marks(scene: Any, marks: Marks, target: tuple[float, float] | None) -> 
         if np.linalg.norm(force) >= LEAST_FORCE:
             _connect(scene, mujoco.mjtGeom.mjGEOM_ARROW, ARROW_WIDTH, middle, middle + FORCE_SCALE * force, FORCE)
     if target is not None:
-        place = np.array([target[0] - marks.base, target[1], 0.0])
+        place = np.append(frames.pipe_to_robot(target, marks.base), 0.0)
         _add(scene, mujoco.mjtGeom.mjGEOM_SPHERE, TARGET_RADIUS, place, TARGET)
 
 

@@ -89,5 +89,5 @@ def test_the_folder_to_resume_is_quoted(tmp_path: Path) -> None:
     folder.checkpoint.write_bytes(b"")
     with pytest.raises(PipenavError) as refused:
         folder.refuse_other_training()
-    resume = str(refused.value).partition(" by ")[2].partition(", or choose")[0]
+    resume = str(refused.value).partition(" with ")[2].partition(", or choose")[0]
     assert shlex.split(resume) == ["--resume", str(folder.path)]

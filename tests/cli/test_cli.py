@@ -119,7 +119,7 @@ def test_backends(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
     _, kinematic, ghost = capsys.readouterr().out.splitlines()
     assert kinematic.split() == ["kinematic", "yes", "pipenav", "0.1"]
     assert ghost.startswith("ghost      no")
-    assert "'no_such_ghost' is not installed; reinstall it" in ghost
+    assert "'no_such_ghost' is not installed; reinstall pipenav" in ghost
     assert run("backends", "kinematic") == 0
     assert "speed_share  1.0      share of the no-load speed" in capsys.readouterr().out
     assert run("backends", "ghst") == 1

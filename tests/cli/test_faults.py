@@ -26,7 +26,7 @@ def test_a_fault_is_reported_and_owned(
     assert "\x1b[31mthing" not in message
     assert len(message) < 600
     assert type(fault).__name__ in message
-    assert "a fault of pipenav itself, not yours" in message
+    assert "pipenav failed by a fault of its own" in message
     report = Path(re.search(r"a report is in (\S+);", message)[1])
     assert "Traceback" in report.read_text()
 

@@ -24,7 +24,7 @@ def wide_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
         (("mirror-rear", "--trajectory", "a.csv", "b.csv"), "try pipenav mirror-rear --trajectory b.csv"),
         (("gen-pipe", "100", "75"), "try pipenav gen-pipe --d 100"),
         (("gen-pipe", "route.toml"), "try pipenav gen-pipe --route route.toml"),
-        (("robots", "basic", "pirate"), "pipenav robots takes no more words, given 'pirate'."),
+        (("robots", "basic", "pirate"), "pipenav robots takes no more arguments, given 'pirate'."),
         (("gen-pipe", "--d", "100mm", "--angle", "75"), "given '100mm': write a number in mm, without the unit."),
         (("gen-pipe", "--d", "100", "--angle=75deg"), "given '75deg': write a number in deg, without the unit."),
         (("run-real", "--emulate", "--d", "100mm"), "given '100mm': write a number in mm"),

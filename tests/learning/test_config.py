@@ -102,8 +102,8 @@ def test_settings_are_toml_or_bare_words() -> None:
         ("seed=-1", "seed: input should be greater than or equal to 0, given -1."),
         ("steps=many", "steps: input should be a valid integer, given 'many'."),
         ("task.control=torqu", "task.control: input should be 'torque' or 'position', given 'torqu'."),
-        ("seed", "setting 'seed' is not a setting: write it as key=value, for example seed=1."),
-        ("=3", "setting '=3' is not a setting"),
+        ("seed", "'seed' is not a setting: write it as key=value, for example seed=1."),
+        ("=3", "'=3' is not a setting"),
     ],
 )
 def test_a_wrong_setting_is_one_sentence(setting: str, message: str) -> None:

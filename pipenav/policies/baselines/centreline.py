@@ -42,7 +42,7 @@ class CentrelineController(PrivilegedController[ReachBatch]):
     """
 
     batch_type = ReachBatch
-    refusal = "baseline:centreline leads an arm around a corner: choose a single corner, as d=90,angle=90."
+    refusal = "baseline:centreline leads an arm around a corner: choose a single corner, such as d=90,angle=90."
 
     def __init__(self, robot: RobotSpec, task: ReachConfig | None = None) -> None:
         kinds = [joint.type for joint in robot.joints]

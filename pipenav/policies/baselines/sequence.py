@@ -56,7 +56,7 @@ class SequenceController(PrivilegedController[TraverseBatch]):
     """
 
     batch_type = TraverseBatch
-    refusal = "baseline:sequence turns corners in one plane: choose a single corner, as d=90,angle=90."
+    refusal = "baseline:sequence turns corners in one plane: choose a single corner, such as d=90,angle=90."
 
     def __init__(self, robot: RobotSpec, arm: Policy | None, task: TraverseConfig | None = None) -> None:
         _check_robot(robot)

@@ -13,7 +13,7 @@ from pipenav.backends.messages import Truth
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.batch import StepResult, TrainingBatch
-from pipenav.tasks.outcome import Outcome, decide
+from pipenav.tasks.outcome import Outcome, strongest_outcome
 from pipenav.tasks.reach import action as actions
 from pipenav.tasks.reach import episode, observation, reward
 from pipenav.tasks.reach.config import ReachConfig
@@ -136,11 +136,13 @@ class ReachBatch(TrainingBatch):
         error = np.hypot(*(self._now.tip - self._target).T)
         failed_at_limit = episode.at_limit(self.robot, self.config, self._own_q)
         sank = truth.penetration > self.config.max_penetration
-        failed = failed_at_limit | sank
-        reached = (error <= self.config.reach_tolerance) & ~failed
-        timed_out = self.steps >= self.config.max_steps
-        holds = {Outcome.TIMEOUT: timed_out, Outcome.REACHED: reached}
-        outcome = decide(self.n, holds | {Outcome.LIMIT: failed_at_limit, Outcome.PENETRATION: sank})
+        holds = {
+            Outcome.TIMEOUT: self.steps >= self.config.max_steps,
+            Outcome.REACHED: error <= self.config.reach_tolerance,
+            Outcome.LIMIT: failed_at_limit,
+            Outcome.PENETRATION: sank,
+        }
+        outcome = strongest_outcome(self.n, holds)
         facts = reward.StepFacts(
             error=error,
             ranges=self._now.ranges,
@@ -148,7 +150,7 @@ class ReachBatch(TrainingBatch):
             progress=progress,
             contact_force=truth.contact_force,
             penetration=truth.penetration,
-            reached=reached,
-            failed=failed,
+            reached=outcome == Outcome.REACHED.value,
+            failed=failed_at_limit | sank,
         )
         return Assessment(facts, outcome)

@@ -95,7 +95,7 @@ class Pilot:
         """Description of who drives, in words."""
         if self._roll is not None:
             return f"rolling: {self._roll.phase.name.lower().replace('_', ' ')}"
-        words = {Mode.CORNER: "policy in ", Mode.LEAVE: "room before ", Mode.APPROACH: "on to "}
+        words = {Mode.CORNER: "policy in ", Mode.LEAVE: "making room before ", Mode.APPROACH: "rolling to "}
         return words.get(self.mode, "back out of ") + f"corner {self.corner + 1}"
 
     @property

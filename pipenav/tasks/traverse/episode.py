@@ -110,7 +110,7 @@ def parse_planar(given: Sequence[str]) -> list[Pipe]:
         if not pipe.planar:
             raise PipenavError(
                 f"{pipe.name} leaves the plane, in which robots are trained: choose a route without rolls, "
-                "as runs-level."
+                "such as runs-level."
             )
     return pipes
 

@@ -12,7 +12,7 @@ from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.messages import Reading, Truth
 from pipenav.backends.spatial import SpaceTruth
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.outcome import Outcome, decide
+from pipenav.tasks.outcome import Outcome, strongest_outcome
 from pipenav.tasks.traverse.config import TraverseConfig, TraverseReward
 
 AT_STOP = 0.01
@@ -123,7 +123,7 @@ class OutcomeTracker:
         stuck = (self._waited >= config.patience) & ~passed
         holds = {Outcome.TIMEOUT: steps >= limit, Outcome.REACHED: passed}
         holds |= {reason: stuck & seen for reason, seen in self._why_stuck(distances, reading).items()}
-        outcome = decide(len(sank), holds | {Outcome.SLID_BACK: back, Outcome.PENETRATION: sank})
+        outcome = strongest_outcome(len(sank), holds | {Outcome.SLID_BACK: back, Outcome.PENETRATION: sank})
         facts = StepFacts(progress, truth.contact_force, truth.penetration, passed, sank | back | stuck)
         return Assessment(facts, outcome)
 

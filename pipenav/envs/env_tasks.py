@@ -23,17 +23,17 @@ CORNER_ID, TRAVERSE_ID = "pipenav/Corner-v0", "pipenav/Traverse-v0"
 """Names by which Gymnasium makes the environments."""
 
 
-class Kind(NamedTuple):
+class EnvTask(NamedTuple):
     """A task as the environments need it.
 
     Attributes:
-        kind: value of the key `kind` in the task's settings.
+        name: value of the key `kind` in the task's settings.
         config: class of the task's settings.
         scene: function that gives the picture of robot i, from the batch, the robot's episode of k = 1, and i.
         around: distance from the tip to the picture's edges [m].
     """
 
-    kind: str
+    name: str
     config: type[ReachConfig] | type[TraverseConfig]
     scene: Callable[[Any, Any, int], Scene]
     around: float
@@ -48,9 +48,9 @@ class Kind(NamedTuple):
             return given
         try:
             table = {} if given is None else dict(given)
-            return self.config.model_validate({"kind": self.kind, **table})
+            return self.config.model_validate({"kind": self.name, **table})
         except ValidationError as error:
-            reward = self.config().reward if self.config is ReachConfig else TraverseConfig(kind="traverse").reward
+            reward = self.config.model_validate({"kind": self.name}).reward
             known = [*self.config.model_fields, *(f"reward.{key}" for key in type(reward).model_fields)]
             raise ConfigError.from_validation("task", error, known) from error
 
@@ -60,9 +60,9 @@ class Kind(NamedTuple):
         Raises:
             PipenavError: the robot is for the other environment.
         """
-        if robot.free and self.kind == "reach":
+        if robot.free and self.name == "reach":
             raise PipenavError(f"robot {robot.name!r} stands free, and {CORNER_ID} moves an arm: make {TRAVERSE_ID}.")
-        if not robot.free and self.kind == "traverse":
+        if not robot.free and self.name == "traverse":
             raise PipenavError(
                 f"robot {robot.name!r} hangs on a mount, and {TRAVERSE_ID} moves a whole robot: make {CORNER_ID}."
             )
@@ -71,7 +71,7 @@ class Kind(NamedTuple):
 def _corner_scene(batch: ReachBatch, episodes: ReachEpisodes, i: int) -> Scene:
     turn_sign, base = float(episodes.turn_sign[0]), float(episodes.base[0])
     ranges = batch.snapshot.ranges[i, :: int(turn_sign)]  # the canonical frame mirrors right turns
-    target = frames.robot_to_pipe(frames.canonical_to_robot(episodes.target[0], turn_sign), base)
+    target = frames.canonical_to_pipe(episodes.target[0], turn_sign, base)
     return Scene(episodes.pipes[0], batch.robot, base, batch.q[i], ranges, target)
 
 
@@ -79,5 +79,5 @@ def _traverse_scene(batch: TraverseBatch, episodes: TraverseEpisodes, i: int) ->
     return Scene(episodes.pipes[0], batch.robot, float(episodes.base[0]), batch.q[i], np.array(batch.ranges[i]))
 
 
-CORNER = Kind("reach", ReachConfig, _corner_scene, 0.4)
-TRAVERSE = Kind("traverse", TraverseConfig, _traverse_scene, 0.7)
+CORNER = EnvTask("reach", ReachConfig, _corner_scene, 0.4)
+TRAVERSE = EnvTask("traverse", TraverseConfig, _traverse_scene, 0.7)
