@@ -13,7 +13,7 @@ import signal
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -25,6 +25,7 @@ from helpers.processes import started  # noqa: E402
 from pipenav.errors import PipenavError  # noqa: E402
 from pipenav.evaluation.report import FILES  # noqa: E402
 from pipenav.evaluation.results import read_evaluation  # noqa: E402
+from pipenav.export.corner_folder import FILES as PIPE_FILES  # noqa: E402
 from pipenav.export.corner_folder import read_pipe  # noqa: E402
 from pipenav.learning.training_folder import TrainingFolder  # noqa: E402
 from pipenav.policies.policy import load_policy  # noqa: E402
@@ -57,16 +58,18 @@ class Victim(NamedTuple):
 
 
 def pipe_problems(folder: Path, _killed: float) -> Iterator[str]:
-    read_pipe(folder / "corner-d100-a75-left")
-    if not (folder / "corner-d100-a75-left" / "drawing.png").is_file():
-        yield "the drawing is gone"
+    read_pipe(pipe := folder / "corner-d100-a75-left")
+    yield from _gone(pipe, PIPE_FILES)
 
 
 def evaluation_problems(folder: Path, _killed: float) -> Iterator[str]:
     read_evaluation(folder / "measured")
-    missing = set(FILES) - {path.name for path in (folder / "measured").iterdir()}
-    if missing:
-        yield f"{', '.join(sorted(missing))} are gone"
+    yield from _gone(folder / "measured", FILES)
+
+
+def _gone(folder: Path, names: Collection[str]) -> Iterator[str]:
+    if missing := set(names) - {path.name for path in folder.iterdir()}:
+        yield f"{', '.join(sorted(missing))} gone from {folder.name}"
 
 
 def training_problems(folder: Path, killed: float) -> Iterator[str]:
