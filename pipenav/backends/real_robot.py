@@ -205,13 +205,13 @@ class RealRobot(Stoppable, Backend):
 
     @classmethod
     @abstractmethod
-    def calibrator(cls, robot: RobotSpec, ports: Mapping[str, str], store: bool = False) -> Calibrator:
+    def calibrator(cls, robot: RobotSpec, ports: Mapping[str, str], may_write: bool = False) -> Calibrator:
         """A calibration of a new arm.
 
         Args:
             robot: the robot that the arm is to be.
             ports: devices of `servos`, `scanner` and, where there is one, `front`.
-            store: whether servos that could not be calibrated as they are may be given settings.
+            may_write: whether servos that could not be calibrated as they are may be given settings.
         """
 
     @classmethod
