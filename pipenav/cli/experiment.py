@@ -122,8 +122,8 @@ def _rounds(threads: int) -> Sequence[_Round]:
 
     return (
         _Round("training", lambda plan: training_jobs(plan, threads)),
-        _Round("measuring the fronts", lambda plan: evaluation_jobs(plan, threads, ("reach",))),
-        # These may need the best agent of the fronts.
+        _Round("measuring reach", lambda plan: evaluation_jobs(plan, threads, ("reach",))),
+        # These may need the agent that reached most targets.
         _Round("measuring passages", lambda plan: evaluation_jobs(plan, threads, ("reach-rear", "locate", "passage"))),
     )
 

@@ -25,7 +25,7 @@ PATIENCE = 4.0
 """Factor on the driver's time limits: tests run on busy machines, where an idle one keeps the true limits."""
 
 CLOSE = 0.01
-"""How near to its target a joint must come to have reached it [rad or m]."""
+"""Largest distance of a joint from its target that counts as reached [rad or m]."""
 
 
 def few_ids(monkeypatch: pytest.MonkeyPatch) -> None:
