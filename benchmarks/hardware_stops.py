@@ -49,7 +49,7 @@ ENDINGS = {
 """Endings of the driver, and the time within which torque must be off on every servo [s]."""
 
 LONGEST_END = 5.0
-"""How long a driver may take to end after its ending [s]; one that goes on is killed and counts as failed."""
+"""Longest time until a driver has ended after its ending [s]; one that goes on is killed and counts as failed."""
 
 SECOND = 0.03
 """Longest time from the first Ctrl-C to the second [s]."""

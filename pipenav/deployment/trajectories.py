@@ -16,7 +16,7 @@ from pipenav.tasks.outcome import Outcome
 
 
 class ArmPlacement(NamedTuple):
-    """Where an arm stood.
+    """Placement of an arm in a pipe.
 
     Attributes:
         pipe: the pipe around it.
@@ -42,7 +42,7 @@ NEXT = {"locate": "reach", "reach": "back"}
 
 
 def placement_of(pipe: PipeCorner, target: Floats, depth: float) -> ArmPlacement:
-    """Where an arm stands in a known pipe, from the target that it located.
+    """Placement of an arm in a known pipe, from the target that it located.
 
     Args:
         pipe: the pipe.
@@ -53,7 +53,7 @@ def placement_of(pipe: PipeCorner, target: Floats, depth: float) -> ArmPlacement
 
 
 def parts(policy: Policy, ticks: Sequence[dict[str, Any]], placement: ArmPlacement) -> Iterator[tuple[str, Trajectory]]:
-    """The parts of a mission that succeeded, each with its name.
+    """The parts of a mission that succeeded, each with the name of its file.
 
     A tick in which the arm held still repeats its pose.
     """

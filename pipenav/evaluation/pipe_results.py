@@ -78,7 +78,7 @@ class PipeRecord(Record):
 
     @model_validator(mode="after")
     def _counts_fit(self) -> Self:
-        """No stage begins with more episodes than the stage before left."""
+        """Check that no stage has more attempts than the stage before it had successes."""
         given = [value is not None for value in (self.angle_deg, self.turn)]
         if given != [self.route is None] * 2:
             raise ValueError("a corner has angle_deg and turn, and a route has neither but its name in route")

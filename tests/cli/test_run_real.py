@@ -38,7 +38,7 @@ from pipenav.storage import shipped
 pytestmark = pytest.mark.realtime
 
 GOALS = "fffffe18831e04"
-"""How a packet of four goals begins."""
+"""First bytes of a packet of four goals."""
 
 EMULATED = ("run-real", "--emulate", "--robot", "basic", "--d", "130", "--patience", "8", "--allow-slow-bus")
 

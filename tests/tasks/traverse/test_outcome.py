@@ -1,4 +1,4 @@
-"""How traverses end, and what they are rewarded with."""
+"""Ends of traverses, and their rewards."""
 
 from __future__ import annotations
 
