@@ -21,7 +21,7 @@ import numpy as np
 from pipenav_hardware.beam_filter import BeamFilter
 from pipenav_hardware.codec import STEP_SLACK, Codec, Raw
 from pipenav_hardware.dynamixel import Bus
-from pipenav_hardware.emulator import judge
+from pipenav_hardware.emulator import byte_log
 from pipenav_hardware.emulator.client import Emulator
 from pipenav_hardware.emulator.config import EmulatorSettings
 from pipenav_hardware.ranging import RangeScan
@@ -115,7 +115,7 @@ def arrived(log: Path, codec: Codec) -> Arrived:
     """The goals that reached the servos."""
     bounds, speeds = codec.bounds, codec.speeds
     goals = wrong = 0
-    for goal in judge.goals(log):
+    for goal in byte_log.goals(log):
         i = goal.servo - 1
         step = bounds.step[i]
         inside = bounds.lower[i] <= goal.goal <= bounds.upper[i]

@@ -47,7 +47,7 @@ WANTED = 10.0
 """Longest time that a tick is wanted to take [ms]."""
 
 QUIET = 0.02
-"""How long after a tick the bare questions are asked [s]: the emulator has computed the arm's motion by then."""
+"""Time from a tick to the bare questions [s]: the emulator has computed the arm's motion by then."""
 
 STAGES = {"reach": "policy and its observation", "locate": "locating", "back": "backing out"}
 

@@ -48,7 +48,7 @@ def main() -> int:
 
 
 class Ended(NamedTuple):
-    """How a mission ended, and whether a target was found."""
+    """End of a mission, and whether a target was found."""
 
     outcome: str
     located: bool

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 from pipenav_hardware import packets
-from pipenav_hardware.emulator import judge
+from pipenav_hardware.emulator import byte_log
 from pipenav_hardware.emulator.client import Emulator
 from pipenav_hardware.emulator.config import EmulatorSettings
 
@@ -110,8 +110,8 @@ def fall_silent(emulator: Emulator, servo: int, moment: float, patience: float) 
 
 def measured(log: Path) -> list[Silence]:
     """Every silence that ended with torque off."""
-    begins = [r["t"] for r in judge.records(log) if r.get("event") == "order" and r["order"].get("fault") == "dead"]
-    heard = judge.instructions(log)
+    begins = [r["t"] for r in byte_log.records(log) if r.get("event") == "order" and r["order"].get("fault") == "dead"]
+    heard = byte_log.instructions(log)
     asked = [one.time for one in heard if one.packet.code == packets.READ]
     ticks = [after for before, after in pairwise(asked) if after - before > CONTROL_PERIOD / 3]
     offs = [one.time for one in heard if one.packet.encode() == packets.TORQUE_OFF_ALL]

@@ -26,7 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 from pipenav_hardware import packets, table
-from pipenav_hardware.emulator import judge
+from pipenav_hardware.emulator import byte_log
 from pipenav_hardware.emulator.client import Emulator
 from pipenav_hardware.emulator.config import EmulatorSettings
 
@@ -49,7 +49,7 @@ ENDINGS = {
 """Endings of the driver, and the time within which torque must be off on every servo [s]."""
 
 LONGEST_END = 5.0
-"""How long a driver may take to end after its ending [s]; one that goes on is killed and counts as failed."""
+"""Longest time until a driver has ended after its ending [s]; one that goes on is killed and counts as failed."""
 
 SECOND = 0.03
 """Longest time from the first Ctrl-C to the second [s]."""
@@ -126,7 +126,7 @@ def torque_writes(log: Path, servo: int) -> list[Torque]:
     register = table.TORQUE_ENABLE.address
     return [
         Torque(heard.time, bool(heard.packet.parameters[1]))
-        for heard in judge.instructions(log)
+        for heard in byte_log.instructions(log)
         if heard.packet.code == packets.WRITE
         and heard.packet.parameters[0] == register
         and heard.packet.id in (servo, packets.BROADCAST)

@@ -26,7 +26,7 @@ RENAMED = {"run": "route", "min_clearance_m": "min_range_m", "front": "reach", "
 
 
 class Job(NamedTuple):
-    """One command, and the file or folder under its output folder that is compared."""
+    """A command, and the file or folder under its output folder that is compared."""
 
     command: str
     result: str
@@ -105,7 +105,7 @@ def run_jobs(tree: Path, names: list[str], results: Path) -> None:
 
 
 def differences(name: str, earlier: Path, now: Path) -> Iterator[str]:
-    """What differs between a job's two results, in words."""
+    """Differences between a job's two results, in words."""
     before, after = (results / name / JOBS[name].result for results in (earlier, now))
     if before.suffix == ".json":
         yield from changed_values(json.loads(before.read_bytes()), json.loads(after.read_bytes()))

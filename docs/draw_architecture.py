@@ -45,7 +45,7 @@ LEFT = {
     "arrays": 4.8,
     "errors": 8.0,
 }
-"""How far from the left each package's box stands [in], chosen so that no arrow meets a box."""
+"""Distance of each package's box from the left [in], chosen so that no arrow meets a box."""
 
 Edges = set[tuple[str, str]]
 """Pairs of packages: the first imports the second."""

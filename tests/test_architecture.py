@@ -34,7 +34,7 @@ DOORS = {"__init__": 0, "__main__": 10, "env": 8, "train": 8}
 """Modules beside the packages, and the floor above which each stands: the ways in that other people's code knows."""
 
 OPEN_TO_PLUGINS = {"backends", "robots", "pipes", "errors", "arrays", "units"}
-"""What a plugin may import of pipenav."""
+"""Packages of pipenav that a plugin may import."""
 
 SIMULATORS = {"mujoco", "pybullet", "serial", "dynamixel_sdk"}
 HEAVY = {"torch", "stable_baselines3", "gymnasium", "matplotlib", "mujoco", "pybullet", "tensorboard", "trimesh"}

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ast
+import inspect
 import re
 import statistics
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
@@ -17,8 +19,11 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 FILE_LINES, MEDIAN_FILE_LINES, FUNCTION_LINES = 320, 120, 50
 PARAMETERS, COMMAND_PARAMETERS = 6, 12
 
-IN_MID_SENTENCE = re.compile(r"(Of|That|Those|As|One|What)\b")
-"""How no docstring begins: its subject comes first, so that it can be read alone."""
+IN_MID_SENTENCE = re.compile(r"(Of|That|Those|As|One|What|From|Between|Where|How)\b")
+"""Words with which no docstring begins: its subject comes first, so that it can be read alone."""
+
+DOCUMENTED = ("pipenav", "plugins", "tests", "benchmarks", "examples", "docs")
+"""Folders whose docstrings are checked."""
 
 
 def named(path: Path) -> str:
@@ -54,11 +59,16 @@ def test_functions_take_few_parameters(path: Path) -> None:
     assert not [f.name for f in functions(path) if parameters(f) > most]
 
 
-@pytest.mark.parametrize("path", FILES, ids=named)
+def docstrings(tree: ast.Module) -> Iterator[str]:
+    """Docstrings of the module, its classes, functions, attributes and constants: all strings that stand alone."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
+            yield inspect.cleandoc(node.value.value)
+
+
+@pytest.mark.parametrize("path", sorted(p for d in DOCUMENTED for p in (ROOT / d).rglob("*.py")), ids=named)
 def test_docstrings_begin_with_their_subject(path: Path) -> None:
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    described = [n for n in ast.walk(tree) if isinstance(n, Function | ast.ClassDef | ast.Module)]
-    odd = [getattr(n, "name", "the module") for n in described if IN_MID_SENTENCE.match(ast.get_docstring(n) or "")]
+    odd = [text for text in docstrings(ast.parse(path.read_text(encoding="utf-8"))) if IN_MID_SENTENCE.match(text)]
     assert not odd, f"docstrings that begin in mid-sentence: {odd}"
 
 

@@ -66,7 +66,7 @@ class LagBackend(Simulator):
         return Truth(self._tip(), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros((n, len(self._robot.links), 2)))
 
     def close(self) -> None:
-        """There is nothing to release."""
+        pass
 
     def _tip(self) -> Floats:
         """Tip position and heading in the pipe's frame, (n, 3) [m, m, rad]."""

@@ -1,8 +1,7 @@
 """The seams that a simulator or an arm implements, how plugins are found, and what they may use.
 
-A plugin imports from `pipenav.backends`, `pipenav.robots`, `pipenav.pipes` and `pipenav.errors`, and takes array types
-and unit conversions from `pipenav.arrays` and `pipenav.units`. `read_toml` is the reader of
-every TOML file. It imports nothing else of pipenav.
+A plugin imports `pipenav.backends`, `robots`, `pipes`, `errors`, `arrays` and `units`, and nothing else of pipenav.
+`read_toml` reads TOML files safely.
 """
 
 from pipenav.backends import safety

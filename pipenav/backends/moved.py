@@ -27,6 +27,7 @@ MOVED = {
     "pipenav.pipe_run_legs": "pipenav.pipes",
     "pipenav.pipe_run_shapes": "pipenav.pipes",
     "pipenav.pipe_shapes": "pipenav.pipes",
+    "pipenav.pipe_shapes.wall_boxes": "pipenav.pipes.corner_boxes",
     "pipenav.registry": "pipenav.backends",
     "pipenav.robot": "pipenav.robots",
     "pipenav.robot_parts": "pipenav.robots",

@@ -46,11 +46,11 @@ class Finding(NamedTuple):
 
 
 class ArmStart(NamedTuple):
-    """Where an arm stands in a pipe at its start.
+    """Pose of an arm in a pipe at its start.
 
     Attributes:
         q: joint positions, (joints,) [rad or m].
-        base: where the robot's frame starts on the first leg's axis, x in the pipe's frame [m].
+        base: origin of the robot's frame on the first leg's axis, x in the pipe's frame [m].
     """
 
     q: Floats
@@ -142,7 +142,7 @@ class Calibrator(Stoppable):
 
     @abstractmethod
     def write_servos(self) -> list[str]:
-        """Store the arm's limits in the servos' EEPROM.
+        """Store the limits of arm.toml in the servos' EEPROM.
 
         Returns:
             What was written, one line for each servo.
@@ -205,19 +205,19 @@ class RealRobot(Stoppable, Backend):
 
     @classmethod
     @abstractmethod
-    def calibrator(cls, robot: RobotSpec, ports: Mapping[str, str], store: bool = False) -> Calibrator:
+    def calibrator(cls, robot: RobotSpec, ports: Mapping[str, str], may_write: bool = False) -> Calibrator:
         """A calibration of a new arm.
 
         Args:
             robot: the robot that the arm is to be.
             ports: devices of `servos`, `scanner` and, where there is one, `front`.
-            store: whether servos that could not be calibrated as they are may be given settings.
+            may_write: whether servos that could not be calibrated as they are may be given settings.
         """
 
     @classmethod
     @abstractmethod
     def store(cls, options: BackendOptions) -> list[str]:
-        """Store a described arm's limits in its servos' EEPROM.
+        """Store the limits of arm.toml in the servos' EEPROM.
 
         Args:
             options: settings that open the arm.

@@ -39,7 +39,7 @@ COMMANDS = {
     ),
     "locate-target": (
         "pipenav.cli.locate_target:locate_target",
-        "Let the robot find a target around the corner by itself (approach I), knowing only the turn's side.",
+        "Let the robot find a target (approach I), knowing only whether the corner turns left or right.",
     ),
     "mirror-rear": (
         "pipenav.cli.mirror_rear:mirror_rear",
@@ -55,11 +55,11 @@ COMMANDS = {
     ),
     "hw-check": (
         "pipenav.cli.hw_check:hw_check",
-        "Look at the arm's bus, servos and sensors, name what is missing and the next cable; change nothing.",
+        "Check the arm's bus, servos and sensors; say what is missing and which cable to look at. Changes nothing.",
     ),
     "calibrate": (
         "pipenav.cli.calibrate:calibrate",
-        "Describe an arm: each joint moves a few degrees, you say which way, and arm.toml is written.",
+        "Describe an arm: it moves each joint a few degrees, asks which way it went, and writes arm.toml.",
     ),
     "replay": (
         "pipenav.cli.replay:replay",

@@ -28,7 +28,7 @@ def calibrate(
         bool, typer.Option("--store-only", help="Ask nothing: store what --arm says in the servos' EEPROM.")
     ] = False,
 ) -> None:
-    """Describe an arm: each joint moves a few degrees, you say which way, and arm.toml is written.
+    """Describe an arm: it moves each joint a few degrees, asks which way it went, and writes arm.toml.
 
     Examples:
 

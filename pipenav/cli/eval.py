@@ -72,7 +72,8 @@ def evaluate(
 ) -> None:
     """Measure in which pipes a policy passes: success with 95 % intervals, failures, ranges, contact, pictures.
 
-    Every stage begins where the one before ended. The rear's share is one of the successful fronts.
+    Every stage begins where the one before ended. Success of `rear` is a share of the episodes whose front half
+    reached its target.
 
     Examples:
 

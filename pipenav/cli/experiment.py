@@ -123,7 +123,7 @@ def _rounds(threads: int) -> Sequence[_Round]:
     return (
         _Round("training", lambda plan: training_jobs(plan, threads)),
         _Round("measuring the front halves", lambda plan: evaluation_jobs(plan, threads, ("reach",))),
-        # These may need the best agent of the fronts.
+        # These may need the agent that reached most targets.
         _Round("measuring passages", lambda plan: evaluation_jobs(plan, threads, ("reach-rear", "locate", "passage"))),
     )
 

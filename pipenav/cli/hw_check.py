@@ -21,7 +21,7 @@ STYLES = {"ok": "green", "warning": "yellow", "problem": "red"}
 def hw_check(
     arm: Annotated[Path, typer.Option(help="The arm's description, from pipenav calibrate.")] = Path("arm.toml"),
 ) -> None:
-    """Look at the arm's bus, servos and sensors, name what is missing and the next cable; change nothing.
+    """Check the arm's bus, servos and sensors; say what is missing and which cable to look at. Changes nothing.
 
     Example:
 

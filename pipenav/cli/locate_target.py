@@ -51,7 +51,7 @@ def locate_target(
     option: SettingsOption = None,
     out: OutOption = None,
 ) -> None:
-    """Let the robot find a target around the corner by itself (approach I), knowing only the turn's side.
+    """Let the robot find a target (approach I), knowing only whether the corner turns left or right.
 
     Exit code 1 if no target was found, or one outside the second leg.
 

@@ -86,7 +86,7 @@ def run_real(
 
 
 def _drop_if_empty(folder: Path) -> None:
-    """A mission that did not begin leaves no folder behind."""
+    """Remove the folder of a mission that did not begin."""
     with contextlib.suppress(OSError):
         folder.rmdir()
 

@@ -255,7 +255,7 @@ def progress_text(progress: TrainingProgress) -> str:
 
 @contextmanager
 def _removed_if_unsaved(folder: TrainingFolder) -> Iterator[None]:
-    """An interrupt before the first saving leaves no folder behind."""
+    """Remove the training folder if an interrupt comes before the first save."""
     try:
         yield
     except Interrupted:

@@ -118,7 +118,7 @@ def _write(drawing: Drawing, paths: Sequence[Path]) -> None:
 
 
 def _default_picture(pipe: str, source: str, wanted: Wanted, simulator: Sequence[str]) -> Path:
-    """A name for a picture that nobody named, in which everything stands that sets it apart from others."""
+    """Default name of a picture: policy, pipe and every option that is not the default."""
     from pipenav.evaluation.folder import label
 
     parts = ["view", source.removesuffix(".zip").removeprefix("./"), pipe]

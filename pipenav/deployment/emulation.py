@@ -57,7 +57,7 @@ def plan_emulation(robot: RobotSpec, pipe: PipeCorner, seed: int, faults: str | 
 
 
 def draw_start(robot: RobotSpec, pipe: PipeCorner, seed: int) -> ArmStart:
-    """Where the arm stands in a pipe: the start of an episode of the reach task."""
+    """Pose in which the arm starts in a pipe: the start of an episode of the reach task."""
     episodes = episode.sample(robot, ReachConfig(), [pipe], np.random.default_rng(seed))
     return ArmStart(episodes.q[0], float(episodes.base[0]))
 

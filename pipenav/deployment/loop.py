@@ -21,7 +21,7 @@ from pipenav.deployment.telemetry import Telemetry
 from pipenav.errors import FileProblem
 
 HOLD_PERIOD = 0.05
-"""How often the supervisor of a held arm hears that the driver is alive [s]."""
+"""Period of the sign of life to the supervisor while the arm is held [s]."""
 
 RETREATABLE = {"stall"}
 """Causes after which the arm may still be moved: bus, sensors and clock are well."""

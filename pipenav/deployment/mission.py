@@ -16,7 +16,7 @@ from pipenav.policies.policy import Policy
 
 
 class Mission:
-    """The stages one after another.
+    """A mission: its stages one after another.
 
     Attributes:
         target: target in the robot's own frame, (2,) [m]; None before one is known.

@@ -88,7 +88,7 @@ def _drawable(tick: dict[str, Any], robot: RobotSpec) -> bool:
 def _draw_scans(
     axes: Axes, robot: RobotSpec, ticks: Sequence[dict[str, Any]], pose: kinematics.ChainPose, offset: Floats
 ) -> None:
-    """Where the beams ended: the walls as the robot saw them. Beams at either end of the range saw no wall."""
+    """Draw the ends of the beams: the walls as the robot saw them. Beams at either end of the range saw no wall."""
     ranges = np.array([tick["ranges"] for tick in ticks])
     beams = pose.headings[:, -1:] + robot.laser.angles
     ends = pose.tip[:, None] + offset + ranges[..., None] * np.stack([np.cos(beams), np.sin(beams)], axis=-1)

@@ -28,7 +28,7 @@ PASSED = "passed"
 
 
 class Ending(NamedTuple):
-    """How a mission ended.
+    """End of a mission.
 
     Attributes:
         outcome: `passed`, or the word for how it failed.

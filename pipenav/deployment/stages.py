@@ -1,6 +1,6 @@
 """The stages of a mission, each a decision from a reading to a command: locate a target, reach it, back out again.
 
-They know no clock and no arm, so that a replay makes the same decisions again.
+Stages know no clock and no arm, so that a replay makes the same decisions again.
 """
 
 from __future__ import annotations
@@ -27,13 +27,14 @@ LOCATE_TICKS = 300
 """Number of ticks in which a target must be found: time to go to the corner and back several times."""
 
 HOME_TOLERANCE = 0.25
-"""How close to its start pose every joint must come back, as a share of its fastest motion in a tick."""
+"""Largest distance of each joint from its start pose that counts as home, as a share of its fastest motion in a
+tick."""
 
 USE = "a mission of the arm"
-"""How a message names the use that a policy is unfit for."""
+"""Words by which a message names this use of a policy."""
 
 PUSH = 0.01
-"""How far the slide of a caught arm goes forwards from where it is [m]: a slide that pulls presses the shoulder of a
+"""Distance that the slide of a caught arm goes forwards [m]: a slide that pulls presses the shoulder of a
 link against the corner's edge, from which the hinges cannot lift it."""
 
 

@@ -18,7 +18,7 @@ from pipenav.storage.atomic_files import atomic_write
 
 
 class Pace(NamedTuple):
-    """How well the loop kept its time.
+    """Punctuality of the control loop.
 
     Attributes:
         ticks: number of ticks.
@@ -38,7 +38,7 @@ class Pace(NamedTuple):
 
 
 def pace(ticks: Sequence[dict[str, Any]]) -> Pace:
-    """How well recorded ticks kept their time."""
+    """Punctuality of recorded ticks."""
     timed = [tick for tick in ticks if "seconds" in tick]
     names = ("bus", "read", "decide", "send", "taken")
     parts = {
@@ -58,7 +58,7 @@ def pace(ticks: Sequence[dict[str, Any]]) -> Pace:
 
 
 def located_placement(plan: MissionPlan, ticks: Sequence[dict[str, Any]], pipe: PipeCorner) -> ArmPlacement | None:
-    """Where the arm stood in a known pipe; None where it located no target."""
+    """Placement of the arm in a known pipe; None where it located no target."""
     target = next((tick["target"] for tick in reversed(ticks) if tick.get("target")), None)
     if plan.target is not None or target is None:
         return None

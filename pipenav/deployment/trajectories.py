@@ -16,7 +16,7 @@ from pipenav.tasks.outcome import Outcome
 
 
 class ArmPlacement(NamedTuple):
-    """Where an arm stood.
+    """Placement of an arm in a pipe.
 
     Attributes:
         pipe: the pipe around it.
@@ -34,15 +34,15 @@ class _Poses(NamedTuple):
     q: Floats
 
 
-PARTS = {"locate": "locate", "reach": "front"}
-"""Stages of a mission that move towards the target, and what trajectory files call them."""
+FILE_NAMES = {"locate": "locate", "reach": "front"}
+"""Names of the trajectory files of these stages, the ones that move towards the target."""
 
 NEXT = {"locate": "reach", "reach": "back"}
 """Stage that follows a stage that succeeded."""
 
 
 def placement_of(pipe: PipeCorner, target: Floats, depth: float) -> ArmPlacement:
-    """Where an arm stands in a known pipe, from the target that it located.
+    """Placement of an arm in a known pipe, from the target that it located.
 
     Args:
         pipe: the pipe.
@@ -53,12 +53,12 @@ def placement_of(pipe: PipeCorner, target: Floats, depth: float) -> ArmPlacement
 
 
 def parts(policy: Policy, ticks: Sequence[dict[str, Any]], placement: ArmPlacement) -> Iterator[tuple[str, Trajectory]]:
-    """The parts of a mission that succeeded, each with its name.
+    """The parts of a mission that succeeded, each with the name of its file.
 
     A tick in which the arm held still repeats its pose.
     """
     stages, q = _filled(ticks)
-    for stage, part in PARTS.items():
+    for stage, file_name in FILE_NAMES.items():
         ends = [i for i, pair in enumerate(pairwise(stages)) if pair == (stage, NEXT[stage])]
         if not ends:
             continue
@@ -68,14 +68,14 @@ def parts(policy: Policy, ticks: Sequence[dict[str, Any]], placement: ArmPlaceme
                 "robot": policy.header.robot.name,
                 "pipe": placement.pipe,
                 "base_m": placement.base,
-                "goal_m": _target(ticks, placement) if part == "front" else None,
-                "stage": part,
+                "goal_m": _target(ticks, placement) if stage == "reach" else None,
+                "stage": stage,
                 "outcome": Outcome.REACHED.label,
                 "backend": "hardware",
-                "controller": str(policy.path) if part == "front" else "locate",
+                "controller": str(policy.path) if stage == "reach" else "locate",
             }
         )
-        yield part, Trajectory(header, policy.header.robot, q[first : ends[0] + 2])
+        yield file_name, Trajectory(header, policy.header.robot, q[first : ends[0] + 2])
 
 
 def _target(ticks: Sequence[dict[str, Any]], placement: ArmPlacement) -> tuple[float, float] | None:

@@ -56,12 +56,15 @@ class Drawing:
         return drawn
 
     def line(self, start: Any, end: Any) -> None:
+        """Draw a thin line between two points."""
         self.axes.plot(*self.to_axes([start, end]).T, color=DIMENSION, linewidth=0.6, zorder=4)
 
     def double_arrow(self, start: Any, end: Any) -> None:
+        """Draw an arrow with a head at either end, as of a dimension."""
         self.arrow(start, end, DIMENSION, 1.0, style="<|-|>")
 
     def arrow(self, start: Any, end: Any, colour: str, width: float, style: str = "-|>") -> None:
+        """Draw an arrow from `start` to `end`, by default with a head at its end."""
         arrow = {"arrowstyle": style, "color": colour, "linewidth": width, "mutation_scale": 8 + 4 * width}
         head, tail = tuple(self.to_axes(end)), tuple(self.to_axes(start))
         self.axes.annotate("", head, tail, arrowprops={**arrow, "shrinkA": 0, "shrinkB": 0}, zorder=5)

@@ -122,7 +122,7 @@ def _draw_map(axes: Axes, panel: _Panel) -> AxesImage:
 
 
 def _map_colours() -> Colormap:
-    """From dark red over orange to pale where little fails, blue only at the very top: failures draw the eye.
+    """Colours of the map: dark red over orange to pale, blue only at the very top, so that failures draw the eye.
 
     Red and blue ends also differ in lightness, so that the map reads without colour vision and in grey.
     """

@@ -44,13 +44,13 @@ class PipeRecord(Record):
         route: name of a route, as `PipeRoute.name`; None for a single corner.
         episodes: episodes that were run.
         located: episodes in which the robot found a target itself.
-        reach_attempts: front passages begun.
-        reach_successes: front passages that reached their target.
+        reach_attempts: episodes in which the stage reach began.
+        reach_successes: episodes in which the front half reached its target.
         rear_attempts, rear_successes: rear passages begun, and those that left the corner.
         traverse_attempts, traverse_successes: traverses begun, and those in which the whole robot came through.
         failures: number of episodes that ended by each reason other than success.
-        mean_steps: mean control steps of a successful front passage or traverse, or of finding a target where neither
-            was run; None without one.
+        mean_steps: mean control steps of a successful stage reach or traverse, or of finding a target where neither was
+            run; None without one.
         min_range_m: smallest laser reading of all episodes [m].
         max_penetration_m: deepest overlap of robot and wall of all episodes [m].
         peak_force_n: largest contact force of all episodes [N].
@@ -78,7 +78,7 @@ class PipeRecord(Record):
 
     @model_validator(mode="after")
     def _counts_fit(self) -> Self:
-        """No stage begins with more episodes than the stage before left."""
+        """Check that no stage has more attempts than the stage before it had successes."""
         given = [value is not None for value in (self.angle_deg, self.turn)]
         if given != [self.route is None] * 2:
             raise ValueError("a corner has angle_deg and turn, and a route has neither but its name in route")
@@ -98,13 +98,13 @@ class PipeRecord(Record):
     @computed_field  # type: ignore[prop-decorator]  # mypy knows no decorated properties
     @property
     def reach_success_low(self) -> float | None:
-        """Lower end of the 95 % interval of the front's success."""
+        """Lower end of the 95 % interval of the success of the stage reach."""
         return self.reach_interval and self.reach_interval.low
 
     @computed_field  # type: ignore[prop-decorator]
     @property
     def reach_success_high(self) -> float | None:
-        """Upper end of the 95 % interval of the front's success."""
+        """Upper end of the 95 % interval of the success of the stage reach."""
         return self.reach_interval and self.reach_interval.high
 
     @property
@@ -133,13 +133,14 @@ class DiameterRecord(Record):
         pipes: number of pipes.
         episodes: episodes in all of them.
         located_share: share of the episodes in which a target was found.
-        reach_success: share of the front attempts that succeeded, mean over the pipes (as the thesis takes it over
-            the angles).
+        reach_success: share of the attempts at the stage reach that succeeded, mean over the pipes (as the thesis takes
+            it over the angles).
         reach_success_low, reach_success_high: 95 % interval of that share, over all attempts together.
         rear_success: share of the rear attempts that succeeded, mean over the pipes that had any.
         traverse_success: share of the traverses that succeeded, mean over the pipes.
         traverse_success_low, traverse_success_high: 95 % interval of that share, over all of them together.
-        thesis_percent: the thesis's best front success [percent]; None unless the pipes are those of the thesis.
+        thesis_percent: the thesis's best success of the stage reach [percent]; None unless the pipes are those of the
+            thesis.
     """
 
     diameter_mm: Typed

@@ -25,9 +25,9 @@ MotionSource = Callable[[Ints], Sequence[Motion]]
 class RearStage(Stage):
     """The rear half leaves the corner: its motion is sent, row by row, to the position controllers, see `Follower`.
 
-    Every robot starts at rest in its motion's first row, the mirrored final pose of the front passage, and holds the
+    Every robot starts at rest in its motion's first row, the mirrored final pose of the stage reach, and holds the
     last row. REACHED: the whole arm is out of the corner; TIMEOUT: it is not within the follower's patience. Joint
-    limits and overlap end an episode as in the front's task.
+    limits and overlap end an episode as in the reach task.
     """
 
     def __init__(

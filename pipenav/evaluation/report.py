@@ -133,7 +133,7 @@ def _columns(pipes: Sequence[PipeRecord]) -> list[_Column]:
     if located:
         columns.append(_Column("located\n%", lambda row: _percent(row.located_share)))
     if reached:
-        heading = "front\n%" if located or rear else "success\n%"
+        heading = "reach\n%" if located or rear else "success\n%"
         columns += [
             _Column(heading, lambda row: _percent(row.reach_success)),
             _Column("95 %\ninterval", lambda row: _interval(row.reach_success_low, row.reach_success_high)),

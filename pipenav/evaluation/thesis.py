@@ -19,7 +19,7 @@ class ThesisRow(NamedTuple):
         table: number of the table, e.g. `5.1`.
         control: `torque` or `position`.
         robot: `basic` or `high-fidelity`.
-        stage: `reach` or `rear`; the rear's figures are shares of the successful front passages.
+        stage: `reach` or `rear`; figures of `rear` are shares of the episodes in which `reach` succeeded.
         agent: state, reward weights and target, in words.
         percent: success [percent] by diameter [mm].
     """

@@ -29,8 +29,8 @@ COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#0
 
 STAGE_WORDS: dict[ShownStage, str] = {
     "locate": "target located",
-    "reach": "front",
-    "rear": "rear of the successful fronts",
+    "reach": "target reached",
+    "rear": "rear, where reach succeeded",
 }
 
 

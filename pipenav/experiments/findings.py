@@ -70,7 +70,7 @@ def _rear_fails_in_narrow_pipes(results: Sequence[Result]) -> Finding:
     listed = ", ".join(f"{spread.mean:.1f} % at {d:g} mm" for d, spread in sorted(rear.items(), reverse=True))
     narrow = rear.get(min(rear)) if rear else None
     held = narrow is not None and narrow.mean < 50.0
-    because = f"of the successful fronts, the rear followed in {listed}."
+    because = f"where the front half reached its target, the rear half followed in {listed}."
     if not held:
         because += (
             " The rear replays what the front's joints did, not what they were sent, through controllers that follow it"
@@ -96,15 +96,15 @@ def _always_located(results: Sequence[Result]) -> Finding:
 
 def _locating_helps(results: Sequence[Result]) -> Finding:
     given, located = results
-    fronts = given.line("reach").mean, located.line("reach").mean
+    reaches = given.line("reach").mean, located.line("reach").mean
     rears = given.line("rear").mean, located.line("rear").mean
-    held = fronts[1] - fronts[0] > NOTICEABLE
+    held = reaches[1] - reaches[0] > NOTICEABLE
     because = (
-        f"with the target given {fronts[0]:.1f} % of the fronts and {rears[0]:.1f} % of their rears succeeded, with the"
-        f" target located {fronts[1]:.1f} % and {rears[1]:.1f} %."
+        f"with the target given reach succeeded in {reaches[0]:.1f} % and rear in {rears[0]:.1f} % of these, with the"
+        f" target located in {reaches[1]:.1f} % and {rears[1]:.1f} %."
     )
     if not held:
-        because += f" With the target given only {100 - fronts[0]:.1f} points were left to gain."
+        because += f" With the target given only {100 - reaches[0]:.1f} points were left to gain."
     return Finding(held, because)
 
 

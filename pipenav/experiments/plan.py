@@ -124,7 +124,7 @@ def add_elapsed(plan: ExperimentPlan, seconds: float) -> None:
 
 
 def resolved_agent(plan: ExperimentPlan, row: Row) -> str | None:
-    """The agent of a row; for `best of c` the one whose fronts succeeded most, over all seeds and pipes of (c)."""
+    """The agent of a row; for `best of c` the one that reaches best, over all seeds and pipes of (c)."""
     if row.agent is None or not row.agent.startswith(BEST_OF):
         return row.agent
     rows = [r for r in load_experiment(row.agent.removeprefix(BEST_OF)).rows if r.candidate]

@@ -19,7 +19,8 @@ from pipenav.storage.atomic_files import Content, atomic_write_all
 INTRODUCTION = (
     "Success in percent, mean over the corner angles of one diameter (55 to 125 deg in steps of 5). Ours is the mean"
     " over the seeds, with the lowest and highest seed in brackets where they differ; the thesis gives one figure each."
-    " A rear's success is over the successful fronts; `whole` is every stage together, over all episodes."
+    " Success of `rear` is a share of the episodes in which `reach` succeeded; `whole` is every stage together,"
+    " over all episodes."
 )
 
 STAGE_LABELS = {"locate": "locate", "reach": "reach", "rear": "rear", "whole": "whole passage"}

@@ -21,7 +21,8 @@ SHOWN_STAGES: dict[str, tuple[ShownStage, ...]] = {
     "locate": ("locate",),
     "passage": ("locate", "reach", "rear", "whole"),
 }
-"""Stages that an evaluation has figures of, by its own stage; the rear's are shares of the successful fronts."""
+"""Stages that an evaluation reports, by the stage it ran; `rear` is a share of the episodes in which `reach`
+succeeded."""
 
 
 class Spread(NamedTuple):

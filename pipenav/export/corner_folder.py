@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from pipenav.errors import ConfigError
 from pipenav.export.scene_xml import COLOUR, Shape, about_z, add, mjcf, sdf, text, urdf, write_xml
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.corner_solids import Box, Mesh, boards_mesh, tube_mesh, wall_boxes
+from pipenav.pipes.corner_solids import Box, Mesh, boards_mesh, corner_boxes, tube_mesh
 from pipenav.pipes.json_keys import CORNER_KEYS
 from pipenav.storage.atomic_folder import read_record, refuse_contradictions, write_folder, write_record
 from pipenav.units import m_to_mm, rad_to_deg
@@ -48,7 +48,7 @@ def write_pipe_folder(pipe: PipeCorner, out_root: Path) -> Path:
 def _write_files(pipe: PipeCorner, folder: Path) -> None:
     from pipenav.drawing.corner import draw_pipe
 
-    boxes = wall_boxes(pipe)
+    boxes = corner_boxes(pipe)
     shapes = [_shape(box, pipe) for box in boxes]
     write_record(folder / "pipe.json", pipe_record(pipe))
     write_stl(folder / "boards.stl", boards_mesh(pipe))

@@ -111,7 +111,7 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         return not self.stopped
 
     def _after_update(self) -> None:
-        """Between two rollouts the policy is a sound one: the moment to look at it and to save it."""
+        """Check, report and save after an update, when the policy is whole."""
         self.require_sound()
         self._report_progress()
         if self.num_timesteps >= self._next_check:

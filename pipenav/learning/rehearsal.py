@@ -1,4 +1,4 @@
-"""A rehearsal of a training before anything is made on disk: its robots are put into its pipes once."""
+"""Trial of a training before its folder is made: its robots are put into its pipes once."""
 
 from __future__ import annotations
 

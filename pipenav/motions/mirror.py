@@ -32,7 +32,7 @@ SAME_POSE = 1e-3
 
 
 class HandOver(NamedTuple):
-    """Jump from the front's last to the rear's first pose, which no robot has carried out.
+    """Jump from the front's last to the rear's first pose, which no robot performs.
 
     The robot's middle is the rear end of the front arm's first link, where the rear half is joined to it. At the
     front's end that point is still before the corner. When the rear motion starts, the rear arm's own base, which is

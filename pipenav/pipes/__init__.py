@@ -3,7 +3,7 @@
 from pipenav.pipes.centre_lines import CentreLines, LegCoordinates
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.corner_sets import corner_set_names, parse_corners
-from pipenav.pipes.corner_solids import Box, Mesh, boards_mesh, tube_mesh, wall_boxes
+from pipenav.pipes.corner_solids import Box, Mesh, boards_mesh, corner_boxes, tube_mesh
 from pipenav.pipes.json_keys import PipeInFile
 from pipenav.pipes.pipe import LegFrames, Pipe, Turn, WallSide
 from pipenav.pipes.route import PipeRoute, as_route
@@ -31,6 +31,7 @@ __all__ = [
     "about_x",
     "as_route",
     "boards_mesh",
+    "corner_boxes",
     "corner_set_names",
     "parse_corners",
     "parse_pipes",
@@ -39,6 +40,5 @@ __all__ = [
     "route_set_names",
     "route_tube_mesh",
     "tube_mesh",
-    "wall_boxes",
     "wall_prisms",
 ]

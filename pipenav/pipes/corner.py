@@ -67,13 +67,13 @@ class PipeCorner(Pipe):
             OutOfRange: a number outside its allowed range; for the leg that range begins past the bend.
             PipenavError: an unknown turn.
         """
-        side = check_turn(turn)
+        checked_turn = check_turn(turn)
         wall = DEFAULT_WALL if wall_mm is None else mm_to_m(wall_mm)
         diameter, angle, bend = mm_to_m(diameter_mm), deg_to_rad(angle_deg), mm_to_m(bend_radius_mm)
         check_corner(diameter, angle, bend, wall)  # before the leg, whose default follows from these
         shortest = shortest_leg(diameter, angle, bend, wall)
         leg = default_leg(shortest, diameter) if leg_mm is None else mm_to_m(leg_mm)
-        return cls(diameter=diameter, angle=angle, turn=side, bend_radius=bend, leg=leg, wall=wall)
+        return cls(diameter=diameter, angle=angle, turn=checked_turn, bend_radius=bend, leg=leg, wall=wall)
 
     @model_validator(mode="after")
     def _within_ranges(self) -> Self:

@@ -123,7 +123,7 @@ def at_height(line: Floats, z: float) -> Floats:
     return np.column_stack([line, np.full(len(line), z)])
 
 
-def wall_boxes(pipe: PipeCorner) -> list[Box]:
+def corner_boxes(pipe: PipeCorner) -> list[Box]:
     """The walls as boxes; only the last `EDGE_TOLERANCE` of a sharp inner edge stays unfilled."""
     count = len(pipe.walls.outer) - 1
     order = 1 if pipe.turn == "left" else -1  # segments have the pipe on their left: those of a right turn run back

@@ -47,6 +47,6 @@ class _BlindFinder(MetaPathFinder):
 
 
 def ignore_local_matplotlibrc() -> None:
-    """From now on, import Matplotlib as if no matplotlibrc lay in the current folder; twice is harmless."""
+    """Make later imports of Matplotlib ignore a matplotlibrc in the current folder; calling it twice is harmless."""
     if not any(isinstance(finder, _BlindFinder) for finder in sys.meta_path):
         sys.meta_path.insert(0, _BlindFinder())

@@ -46,7 +46,7 @@ class Located(NamedTuple):
     """A recorded search for a target (approach I).
 
     Attributes:
-        trajectory: trajectory of the stage `locate`; its goal is the target that was found.
+        trajectory: trajectory of the stage `locate`; its header's `goal_m` is the target that was found.
         ranges: the laser's scan of each row of the trajectory, (rows, beams) [m].
         found: row whose scan gave the target, which is also the control steps before it; None where none did.
         beam: beam on which the target lies, or the nearest one, from right to left from 0; None where none was found.

@@ -94,8 +94,8 @@ def record_in_space(
             normals.append(truth.normals[0])
             force.append(float(truth.contact_force[0]))
             doing.append(batch.doing[0])
-            told = live_text(route.label, CONTROL_PERIOD * (len(points) - 1), force[-1], outcome)
-            look(world, Sight(f"{told}, {doing[-1]}"))
+            line = live_text(route.label, CONTROL_PERIOD * (len(points) - 1), force[-1], outcome)
+            look(world, Sight(f"{line}, {doing[-1]}"))
     long = batch.pipes[0]
     arrays = np.array(points), np.array(normals), np.array(force)
     settings = simulator.options, seed

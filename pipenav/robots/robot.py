@@ -49,17 +49,17 @@ class RobotSpec(Table):
 
     @model_validator(mode="after")
     def _named(self) -> Self:
-        driven: list[Joint | Wheel] = [*self.joints, *self.wheels, *([self.roll.joint] if self.roll else [])]
-        for part in driven:
+        parts: list[Joint | Wheel] = [*self.joints, *self.wheels, *([self.roll.joint] if self.roll else [])]
+        for part in parts:
             if part.actuator not in self.actuators:
                 kind = "wheel" if isinstance(part, Wheel) else "joint"
                 raise ValueError(f"{kind} {part.name!r} names actuator {part.actuator!r}, which is not described")
-        if len({part.name for part in driven}) < len(driven):
+        if len({part.name for part in parts}) < len(parts):
             raise ValueError("joint names must differ")
         bodies = [link.name for link in self.links] + [wheel.name for wheel in self.wheels]
         if len(set(bodies)) < len(bodies):
             raise ValueError("names of links and wheels must differ")
-        for name in [*bodies, *(part.name for part in driven)]:
+        for name in [*bodies, *(part.name for part in parts)]:
             if TAKEN_NAMES.fullmatch(name):
                 raise ValueError(f"the name {name!r} is taken by a part of the models: choose another")
         if self.roll and self.roll.link not in [link.name for link in self.links]:
@@ -101,14 +101,14 @@ class RobotSpec(Table):
         return tuple(self.actuators[joint.actuator] for joint in self.joints)
 
     @property
-    def driven(self) -> tuple[Joint | Wheel, ...]:
+    def commanded_parts(self) -> tuple[Joint | Wheel, ...]:
         """Commanded parts: the joints, then the wheels."""
         return self.joints + self.wheels
 
     @property
     def driven_actuators(self) -> tuple[Actuator, ...]:
         """Actuators of the commanded parts, in order."""
-        return tuple(self.actuators[part.actuator] for part in self.driven)
+        return tuple(self.actuators[part.actuator] for part in self.commanded_parts)
 
     @property
     def length(self) -> float:
@@ -166,7 +166,7 @@ class RobotSpec(Table):
         return constant([*([1.0, -1.0, -1.0] if self.free else []), *self.mirror_signs])
 
     @cached_property
-    def mirror_drives(self) -> Floats:
+    def mirror_actuators(self) -> Floats:
         """Factors on commands in a reflection about the first leg's axis, (actuators,).
 
         Joints have the factors of `mirror_signs`. Wheels have -1: reflected, they roll on their other side.

@@ -67,7 +67,7 @@ class KinematicBackend(Simulator):
         return Truth(self._tip(), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros((n, len(self._robot.links), 2)))
 
     def close(self) -> None:
-        """There is nothing to release."""
+        pass
 
     def _tip(self) -> Floats:
         pose = kinematics.forward(self._robot, self._q)

@@ -63,7 +63,7 @@ def check_left_and_right_mirror(bench: Bench) -> None:
             subject.reset(start.indices, pipes, q, start.base)
         for command in bench.commands(3, "position"):
             left.step(command)
-            right.step(Command("position", command.values * robot.mirror_drives))
+            right.step(Command("position", command.values * robot.mirror_actuators))
         mirrored = left.read().q * robot.mirror_signs
         np.testing.assert_allclose(right.read().q, mirrored, atol=1e-3, err_msg="joints in mirrored pipes")
 

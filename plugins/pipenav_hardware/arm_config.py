@@ -19,7 +19,7 @@ from pipenav_hardware.servo_config import Servo, reachable
 from pipenav_hardware.table import BAUD_VALUES, CENTRE, COUNT
 
 DEFAULT_ARM = Path("arm.toml")
-"""Where an arm's description lies unless told otherwise."""
+"""Default path of an arm's description."""
 
 Port = Annotated[str, Field(max_length=1000, pattern=r"^[^\x00-\x1f]*$")]
 """Name of a device, which no control character is part of."""

@@ -224,8 +224,8 @@ class HardwareBackend(RealRobot):
         return findings(arm, Path(options.arm), options.allow_slow_bus)
 
     @classmethod
-    def calibrator(cls, robot: RobotSpec, ports: Mapping[str, str], store: bool = False) -> Calibrator:
-        return Calibration(robot, ports, store)
+    def calibrator(cls, robot: RobotSpec, ports: Mapping[str, str], may_write: bool = False) -> Calibrator:
+        return Calibration(robot, ports, may_write)
 
     @classmethod
     def store(cls, options: BackendOptions) -> list[str]:

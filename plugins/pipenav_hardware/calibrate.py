@@ -42,7 +42,7 @@ NUDGE_TIME = 2.0
 class Calibration(Calibrator):
     """Calibration of an AX-12A arm, see `pipenav.backends.Calibrator`. Servos have the ids 1, 2, ... in joint order."""
 
-    def __init__(self, robot: RobotSpec, ports: Mapping[str, str], store: bool) -> None:
+    def __init__(self, robot: RobotSpec, ports: Mapping[str, str], may_write: bool) -> None:
         scanner = ScannerConfig(driver="scip2", port=ports["scanner"])
         front = FrontSensorConfig(port=ports["front"]) if "front" in ports else None
         self._robot = robot
@@ -53,7 +53,7 @@ class Calibration(Calibrator):
         self._unconfirmed: list[str] = []
         try:
             for servo in self._arm.servos:
-                self._refuse_unfit(servo, store)
+                self._refuse_unfit(servo, may_write)
             self._watchdog = Watchdog(self._bus.descriptor, servos=self._arm.joints)
         except BaseException:
             self._bus.close()
@@ -126,14 +126,14 @@ class Calibration(Calibrator):
         if unconfirmed and not named:
             raise TorqueUnconfirmed(unconfirmed)
 
-    def _refuse_unfit(self, servo: Servo, store: bool) -> None:
+    def _refuse_unfit(self, servo: Servo, may_write: bool) -> None:
         """Refuse a servo that does not answer, or that could not be stopped by its angle limits.
 
         Args:
             servo: the servo.
-            store: whether it may be given settings that make it fit.
+            may_write: whether it may be given settings that make it fit.
         """
-        if store and self._bus.ping(servo.id).data is not None:
+        if may_write and self._bus.ping(servo.id).data is not None:
             make_ready(servo, self._bus)
         model = self._bus.read_register(servo.id, table.MODEL)
         if model is None:
@@ -145,7 +145,7 @@ class Calibration(Calibrator):
             raise PipenavError(f"{named(servo)} says it is model {model}, an AX-12A is model 12: replace it.")
         endless = self._bus.read_register(servo.id, table.CW_LIMIT) == 0
         endless &= self._bus.read_register(servo.id, table.CCW_LIMIT) == 0
-        if endless and not (store and self._give_a_turn(servo)):
+        if endless and not (may_write and self._give_a_turn(servo)):
             raise PipenavError(
                 f"{named(servo)} is in wheel mode and would turn forever: add --write-servos, which limits it."
             )

@@ -147,7 +147,7 @@ def _missing(arm: ArmConfig, servo: Servo, elsewhere: list[Stray]) -> Finding:
 
 
 def _latency(arm: ArmConfig, bus: Bus, allow_slow: bool) -> Finding:
-    """How fast the servos answer."""
+    """Finding about the time that the servos take to answer."""
     times = []
     for i in range(PINGS):
         start = time.monotonic()

@@ -1,4 +1,4 @@
-"""From the bytes of the servos and the sensors to a `Reading`, and from a `Command` to the goals that are sent.
+"""Translation of servo and sensor bytes into a `Reading`, and of a `Command` into servo set-points.
 
 Nothing here has input or output: the same bytes give the same readings and packets, in a mission and in its replay.
 """
@@ -49,8 +49,8 @@ class Encoded(NamedTuple):
 
     Attributes:
         goals: id of a servo -> its goal; empty if nothing may be sent.
-        clamped: joints whose goal was changed, (joints,).
-        positions: the goals in joint coordinates, (joints,) [rad or m].
+        clamped: joints whose set-point was changed, (joints,).
+        positions: the set-points in joint coordinates, (joints,) [rad or m].
     """
 
     goals: dict[int, ServoGoal]
@@ -59,7 +59,7 @@ class Encoded(NamedTuple):
 
 
 class Codec:
-    """Decodes and encodes with what a tick needs of the ticks before: positions, goals, the history of the beams.
+    """Decodes and encodes with what a tick needs of the ticks before: positions, set-points, the history of the beams.
 
     Attributes:
         speeds: Moving Speed of every servo, at the joint's speed limit, never 0 [counts].
@@ -130,10 +130,10 @@ class Codec:
         return Reading(np.array([q]), np.array([qd]), self._ranges[None].copy(), np.array([raw.time]))
 
     def encode(self, command: Command) -> Encoded:
-        """The goals of a command, limited. They count as sent.
+        """Set-points of a command, limited. They count as sent.
 
         Raises:
-            Stopped: values that are not finite, or no goal that would do, twice in a row.
+            Stopped: values that are not finite, or no set-point that would do, twice in a row.
         """
         if command.control != "position":
             raise Stopped("control", "the servos take positions, not torques", "use a policy with position control")

@@ -20,7 +20,7 @@ from pipenav_hardware.serial_port import LOST, Mode, Port
 from pipenav_hardware.table import ServoGoal
 
 REPLY_ALLOWANCE = 0.012
-"""How long a servo may stay silent before it counts as silent [s]; the bytes' own time is added.
+"""Longest silence of a servo before it counts as missing [s]; the bytes' own time is added.
 
 The SDK waits 34 ms; four silent servos would then use up more than a control period. With 12 ms a healthy bus behind
 an adapter of 1 ms had no false time-out in 10,000 ticks.

@@ -70,7 +70,7 @@ class RangeSensor(ABC):
 
 
 AFTER_SCAN = 0.003
-"""How long after a scan a tick begins [s]: scans do not come quite regularly."""
+"""Time from a scan to the beginning of a tick [s]: scans do not come quite regularly."""
 
 MOST_SHIFT = 0.002
 """Farthest that a tick is moved to keep in step with a scanner of ten scans a second [s]: clocks drift apart slower."""
@@ -91,7 +91,7 @@ def await_scan(sensor: RangeSensor, listen: Callable[[float], None], timeout: fl
 
 
 def late_for_scan(due: float, newest: RangeScan | None) -> float:
-    """How much earlier the tick after the one at `due` is to come, so that ticks keep beginning just after a scan [s].
+    """Time by which the tick after the one at `due` is to come earlier, to begin just after a scan [s].
 
     Joints are read where they are now, but a scan shows what was seen where they were when it was taken: in a tenth of
     a second the tip moves by several times what the map of a corner forgives.

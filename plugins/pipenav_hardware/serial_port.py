@@ -24,7 +24,7 @@ from pipenav_hardware import packets, table
 from pipenav_hardware.port_problems import holder_of, port_problem
 
 FIRST_ALLOWANCE = 0.034
-"""How long a servo may stay silent until the adapter's latency is known [s]: as long as the SDK waits."""
+"""Longest silence of a servo before the adapter's latency is known [s]: as long as the SDK waits."""
 
 READ_SLICE = 0.002
 """Longest single wait for bytes [s]: the SDK asks again until its time-out."""
@@ -102,7 +102,7 @@ class Port(PortHandler):  # type: ignore[misc]  # the SDK has no types
 
     @property
     def silence(self) -> float:
-        """How long an answer may take to begin [s]."""
+        """Longest time until an answer begins [s]."""
         return self.allowance * self._patience
 
     def getCurrentTime(self) -> float:

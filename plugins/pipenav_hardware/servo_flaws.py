@@ -28,12 +28,12 @@ MOST_TEMPERATURE = table.TEMPERATURE_LIMIT.initial
 
 
 def named(servo: Servo) -> str:
-    """How messages name a servo."""
+    """Name of a servo in messages."""
     return f"servo {servo.id} ({servo.joint})"
 
 
 def storing(path: Path) -> str:
-    """How to store an arm's settings in its servos, as advice that works as typed."""
+    """Advice to store an arm's settings in its servos, with a command that works as typed."""
     where = "" if path == DEFAULT_ARM else f" --arm {shlex.quote(str(path))}"
     return f"store the arm's settings in the servos: pipenav calibrate --store-only{where}"
 
@@ -44,7 +44,7 @@ def memory_flaws(servo: Servo, eeprom: table.Eeprom, store: str) -> Iterator[Fin
     Args:
         servo: the servo's description.
         eeprom: what it says.
-        store: how to store the arm's settings, see `storing`.
+        store: advice to store the arm's settings, see `storing`.
     """
     name = named(servo)
     low, high = servo.count_limits

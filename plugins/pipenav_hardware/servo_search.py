@@ -61,7 +61,7 @@ def search(arm: ArmConfig, bus: Bus, missing: int) -> list[Stray]:
 
 
 def _places(arm: ArmConfig) -> Iterator[Stray]:
-    """Where a servo may be, the likely places first; without those of arm.toml."""
+    """Places at which a servo may be, the likely ones first; without those of arm.toml."""
     speeds = sorted(table.BAUD_VALUES, key=lambda baud: (baud != arm.baud, -baud))
     likely: Sequence[int] = sorted({*arm.ids, *LIKELY_IDS})
     stages: list[tuple[Sequence[int], Sequence[int]]] = [(speeds, likely), (speeds[:1], ALL_IDS), (speeds[1:], ALL_IDS)]

@@ -39,7 +39,7 @@ LATENCY_REMEDY = (
 
 
 def latency_finding(waiting: float, allow_slow: bool) -> Finding:
-    """How fast the servos answer.
+    """Finding about the time that the servos take to answer.
 
     Args:
         waiting: median time from a question to its answer, beside that of their bytes [s].

@@ -32,7 +32,7 @@ CONFIRMATION, TRIES = 0.06, 2
 """Longest wait for a servo's answer [s], and how often it is asked."""
 
 GRACE = 0.5
-"""How long a driver that hangs may take to speak again before the servos are asked in its place [s].
+"""Longest silence of a driver that hangs before the servos are asked in its place [s].
 
 Two who ask at once take each other's answers.
 """

@@ -108,7 +108,7 @@ class Farewell:
 
 
 def _question(servo: int, joint: str) -> str:
-    """How the supervisor asks a servo whether its torque is off, as an argument of its command line."""
+    """Question of the supervisor to a servo, whether its torque is off, as an argument of its command line."""
     request = Packet(servo, READ, bytes([TORQUE_ENABLE.address, TORQUE_ENABLE.size])).encode()
     off = Packet(servo, 0, bytes(TORQUE_ENABLE.size)).encode()
     return f"{request.hex()}:{off.hex()}:{joint}"

@@ -96,8 +96,8 @@ def _add_robot(spec: Any, robot: RobotSpec, contact: Contact) -> None:
         if link.wheel is not None:
             _add_wheel(body, link.wheel, robot.actuators[link.wheel.actuator], contact)
         parent, offset = body, link.length
-    for driven, actuator in zip(robot.driven, robot.driven_actuators, strict=True):
-        _add_actuator(spec, driven.name, actuator)
+    for part, actuator in zip(robot.commanded_parts, robot.driven_actuators, strict=True):
+        _add_actuator(spec, part.name, actuator)
     parent.add_site(name="tip", pos=[robot.links[-1].length, 0, 0])
 
 
@@ -110,26 +110,26 @@ def _add_base(body: Any) -> None:
 
 
 def add_driven_joint(
-    body: Any, driven: Joint | Wheel, actuator: Actuator, axis: tuple[int, int, int] | None = None
+    body: Any, part: Joint | Wheel, actuator: Actuator, axis: tuple[int, int, int] | None = None
 ) -> None:
     """Add the joint of a link or a wheel with its motor's damping and inertia.
 
     Args:
         body: body that the joint moves.
-        driven: the joint or wheel.
+        part: the joint or wheel.
         actuator: its motor.
         axis: axis of the joint; by default x for a slide and z for all others.
     """
-    slide = isinstance(driven, Joint) and driven.type == "slide"
+    slide = isinstance(part, Joint) and part.type == "slide"
     joint = body.add_joint(
-        name=driven.name,
+        name=part.name,
         type=mujoco.mjtJoint.mjJNT_SLIDE if slide else mujoco.mjtJoint.mjJNT_HINGE,
         axis=axis or ((1, 0, 0) if slide else (0, 0, 1)),
         damping=actuator.damping,
         armature=actuator.armature,
     )
-    if isinstance(driven, Joint):
-        joint.range, joint.limited = [driven.lower, driven.upper], True
+    if isinstance(part, Joint):
+        joint.range, joint.limited = [part.lower, part.upper], True
 
 
 def _add_actuator(spec: Any, name: str, actuator: Actuator) -> Any:
@@ -145,10 +145,10 @@ def _add_actuator(spec: Any, name: str, actuator: Actuator) -> Any:
     )
 
 
-def add_servo(spec: Any, driven: Joint | Wheel, actuator: Actuator) -> None:
+def add_servo(spec: Any, part: Joint | Wheel, actuator: Actuator) -> None:
     """Add a motor with its on-board controller, which keeps the position of a joint or the speed of a wheel."""
-    servo, gain = _add_actuator(spec, driven.name, actuator), actuator.controller_gain
-    servo.gainprm[0], servo.biasprm[2 if isinstance(driven, Wheel) else 1] = gain, -gain
+    servo, gain = _add_actuator(spec, part.name, actuator), actuator.controller_gain
+    servo.gainprm[0], servo.biasprm[2 if isinstance(part, Wheel) else 1] = gain, -gain
 
 
 def _add_wheel(link: Any, wheel: Wheel, actuator: Actuator, contact: Contact) -> None:

@@ -60,8 +60,8 @@ def space_spec(robot: RobotSpec, route: PipeRoute, timestep: float, contact: Con
         else:
             _add_boxes(body, link, Stretch(0.0, link.length), surface(robot.friction, contact))
             parent, offset = body, link.length
-    for driven, actuator in zip(robot.driven, robot.driven_actuators, strict=True):
-        add_servo(spec, driven, actuator)
+    for part, actuator in zip(robot.commanded_parts, robot.driven_actuators, strict=True):
+        add_servo(spec, part, actuator)
     add_servo(spec, robot.roll.joint, roll_actuator(robot))
     parent.add_site(name="tip", pos=[offset, 0, 0])
     _add_gyroscopes(spec, [robot.roll.link, robot.roll.link + FRONT])

@@ -46,7 +46,7 @@ TIMED = ("command.txt", "progress.csv", "resume.safetensors", "training.png", "e
 
 
 def contents(file: Path) -> bytes:
-    """What a file holds; of a policy file its weights."""
+    """Content of a file; of a policy file its weights."""
     if file.suffix != ".zip":
         return file.read_bytes()
     with zipfile.ZipFile(file) as archive:
@@ -54,7 +54,7 @@ def contents(file: Path) -> bytes:
 
 
 class Ended:
-    """What a command left: exit code, stdout, and the files without times in them, by name."""
+    """Traces of a command: exit code, stdout, and the files without times in them, by name."""
 
     def __init__(self, args: tuple[str, ...], variables: dict[str, str]) -> None:
         unset = {"MPLBACKEND", "MUJOCO_GL", "OMP_NUM_THREADS", "COLUMNS", "LC_ALL"}

@@ -19,7 +19,7 @@ import pytest
 from helpers.command import run
 from helpers.emulated import few_ids
 from helpers.waiting import wait_until
-from pipenav_hardware.emulator import judge
+from pipenav_hardware.emulator import byte_log
 from pipenav_hardware.emulator.client import Emulator
 from pipenav_hardware.emulator.config import EmulatorSettings
 
@@ -38,7 +38,7 @@ from pipenav.storage import shipped
 pytestmark = pytest.mark.realtime
 
 GOALS = "fffffe18831e04"
-"""How a packet of four goals begins."""
+"""First bytes of a packet of four goals."""
 
 EMULATED = ("run-real", "--emulate", "--robot", "basic", "--d", "130", "--patience", "8", "--allow-slow-bus")
 
@@ -69,7 +69,7 @@ def test_an_emulated_mission_goes_around_the_corner_and_back(passage: Path, reco
     assert recording.end is not None and recording.end["end"] == "passed"
     stages = [tick["stage"] for tick in recording.ticks if tick["stage"] != "hold"]
     assert list(dict.fromkeys(stages)) == ["locate", "reach", "back", "passed"]
-    assert not any(on for on, _ in judge.torque(passage / "bus.jsonl", (1, 2, 3, 4)).values())
+    assert not any(on for on, _ in byte_log.torque(passage / "bus.jsonl", (1, 2, 3, 4)).values())
     assert {path.name for path in passage.iterdir()} == {
         *("telemetry.jsonl", "policy.zip", "run.png", "bus.jsonl", "locate.csv", "front.csv")
     }
@@ -78,7 +78,7 @@ def test_an_emulated_mission_goes_around_the_corner_and_back(passage: Path, reco
 
 def test_what_the_telemetry_says_was_sent_is_what_arrived(passage: Path, recording: Recording) -> None:
     sent = [tick["packet"] for tick in recording.ticks if tick.get("packet")]
-    arrived = [heard.packet.encode().hex() for heard in judge.instructions(passage / "bus.jsonl")]
+    arrived = [heard.packet.encode().hex() for heard in byte_log.instructions(passage / "bus.jsonl")]
     assert [packet for packet in arrived if packet.startswith(GOALS)] == sent
     assert len(sent) > 15
 
@@ -133,7 +133,7 @@ def test_an_arm_in_a_known_pipe_is_placed_by_the_target_that_it_located(passage:
 def test_a_dry_run_sends_nothing_that_moves(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(*EMULATED, "--dry-run", "--ticks", "8", "--out", str(tmp_path / "run")) == 0
     assert "would move" in capsys.readouterr().out
-    assert judge.only_asked(tmp_path / "run" / "bus.jsonl")
+    assert byte_log.only_asked(tmp_path / "run" / "bus.jsonl")
     ticks = read_telemetry(tmp_path / "run" / "telemetry.jsonl").ticks
     assert len(ticks) == 8 and ticks[-1]["packet"]
 
@@ -166,7 +166,7 @@ def test_an_emergency_stop_ends_with_torque_off(
     shown = capsys.readouterr()
     assert words in shown.err
     assert "the last" in shown.out, "the last ticks are shown"
-    assert not any(on for on, _ in judge.torque(folder / "bus.jsonl", (1, 2, 3, 4)).values())
+    assert not any(on for on, _ in byte_log.torque(folder / "bus.jsonl", (1, 2, 3, 4)).values())
     assert read_telemetry(folder / "telemetry.jsonl").end is not None
     assert run("replay", str(folder / "telemetry.jsonl")) == 0
 
@@ -180,9 +180,9 @@ def test_a_killed_mission_leaves_its_ticks_and_no_torque(tmp_path: Path) -> None
     driver.wait()
     ticks = read_telemetry(folder / "telemetry.jsonl").ticks
     switched = (folder / "bus.jsonl", (1, 2, 3, 4))
-    wait_until(lambda: not any(on for on, _ in judge.torque(*switched).values()), "the watchdog lets go of the arm")
+    wait_until(lambda: not any(on for on, _ in byte_log.torque(*switched).values()), "the watchdog lets go of the arm")
     goals = [
-        h for h in judge.instructions(folder / "bus.jsonl") if h.packet.encode().hex().startswith("fffffe18831e04")
+        h for h in byte_log.instructions(folder / "bus.jsonl") if h.packet.encode().hex().startswith("fffffe18831e04")
     ]
     assert len(goals) - len([tick for tick in ticks if tick.get("packet")]) in (0, 1), (
         "all but a running tick are there"
@@ -224,7 +224,7 @@ def test_a_full_disk_ends_a_mission_in_one_sentence_with_torque_off(
     said = capfd.readouterr().err
     assert said.count("\n") == 1
     assert "stopped (telemetry): cannot write" in said and "No space left on device; make room" in said
-    assert not any(on for on, _ in judge.torque(tmp_path / "run" / "bus.jsonl", (1, 2, 3, 4)).values())
+    assert not any(on for on, _ in byte_log.torque(tmp_path / "run" / "bus.jsonl", (1, 2, 3, 4)).values())
 
 
 def test_a_mission_whose_output_nobody_reads_goes_on(tmp_path: Path) -> None:
@@ -237,7 +237,7 @@ def test_a_mission_whose_output_nobody_reads_goes_on(tmp_path: Path) -> None:
         said = mission.stderr.read()
     assert "Traceback" not in said
     assert len(read_telemetry(tmp_path / "run" / "telemetry.jsonl").ticks) == 12
-    assert not any(on for on, _ in judge.torque(tmp_path / "run" / "bus.jsonl", (1, 2, 3, 4)).values())
+    assert not any(on for on, _ in byte_log.torque(tmp_path / "run" / "bus.jsonl", (1, 2, 3, 4)).values())
 
 
 @pytest.fixture
@@ -333,7 +333,7 @@ def test_a_servo_that_would_not_shut_down_is_refused_by_every_command(
     for command in (("hw-check",), ("run-real", "--policy", "arm", "--yes")):
         assert run(*command, "--arm", str(emulator.arm_path)) == 1
         assert "does not switch itself off on overload and overheating" in capsys.readouterr().out
-    assert judge.only_asked(emulator.log_path)
+    assert byte_log.only_asked(emulator.log_path)
     assert run("calibrate", "--store-only", "--arm", str(emulator.arm_path)) == 0
     assert run("hw-check", "--arm", str(emulator.arm_path)) == 0
 

@@ -46,7 +46,7 @@ def test_training_writes_a_policy_that_says_what_it_is_for(trained: Path) -> Non
     assert header.robot == load_robot("pirate")
     assert header.task.kind == "traverse"
     assert [part.name for part in header.observation][-1] == "turns_beside"
-    assert [part.joint for part in header.action] == [one.name for one in header.robot.driven]
+    assert [part.joint for part in header.action] == [one.name for one in header.robot.commanded_parts]
     assert {part.unit for part in header.action} == {"rad", "rad/s"}
     table = json.loads((trained / "config.json").read_text(encoding="utf-8"))
     assert table["task"]["kind"] == "traverse"

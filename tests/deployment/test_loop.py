@@ -1,4 +1,4 @@
-"""How a guarded arm is left: in order, by an error, by a signal."""
+"""Ways to leave a guarded arm: in order, by an error, by a signal."""
 
 from __future__ import annotations
 

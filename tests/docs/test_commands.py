@@ -52,7 +52,7 @@ OTHERS = {command.argv: command for command in FENCED if command.argv[0] not in 
 
 
 def cases() -> list[object]:
-    """One case for each different tiny command."""
+    """Test cases, one for each different tiny command."""
     first: dict[Words, Command] = {}
     for command in OURS:
         first.setdefault(tiny(command.argv), command)

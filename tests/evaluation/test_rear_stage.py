@@ -21,7 +21,7 @@ FAST = {"timestep": 0.005, "threads": 1}
 
 
 def run(stage: RearStage) -> tuple[list[str], list[int]]:
-    """How the first episode of every robot ends, and after how many steps."""
+    """Outcome of the first episode of every robot, and its number of steps."""
     stage.start(np.arange(stage.n))
     outcome, steps = np.zeros(stage.n, int), np.zeros(stage.n, int)
     while not outcome.all():

@@ -38,7 +38,7 @@ PIPE_KEYS = {
     "peak_force_n",
     "contact_time_share",
 }
-"""What other programs rely on."""
+"""Keys of a pipe in eval.json that other programs rely on."""
 
 
 def pipe(diameter: float = 90, angle: float | None = 60, successes: int = 9, **facts: Any) -> PipeRecord:

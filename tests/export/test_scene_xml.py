@@ -15,7 +15,7 @@ import trimesh
 from pipenav.arrays import Floats
 from pipenav.export.corner_folder import FILES, read_pipe, write_pipe_folder
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.corner_solids import wall_boxes
+from pipenav.pipes.corner_solids import corner_boxes
 
 TENTH_OF_A_MM = 1e-4
 CASES = [
@@ -170,12 +170,12 @@ def test_sdf_keeps_the_rules_of_its_schema(made: tuple[PipeCorner, Path]) -> Non
         assert len(names) == len(set(names)) and not any("__" in name for name in names)
     for size in root.iter("size"):
         assert len(size.text.split()) == 3 and min(map(float, size.text.split())) > 0
-    assert [len(pose.text.split()) for pose in root.iter("pose")] == [6] * 2 * len(wall_boxes(pipe))
+    assert [len(pose.text.split()) for pose in root.iter("pose")] == [6] * 2 * len(corner_boxes(pipe))
 
 
 def test_scenes_hold_the_same_boxes(made: tuple[PipeCorner, Path]) -> None:
     pipe, folder = made
-    expected = [(box.x, box.y, box.yaw, box.length, box.thickness, pipe.diameter) for box in wall_boxes(pipe)]
+    expected = [(box.x, box.y, box.yaw, box.length, box.thickness, pipe.diameter) for box in corner_boxes(pipe)]
     urdf, sdf = ET.parse(folder / "pipe.urdf").getroot(), ET.parse(folder / "pipe.sdf").getroot()
     for part in ("collision", "visual"):
         ours = [

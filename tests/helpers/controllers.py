@@ -23,7 +23,7 @@ def reach_batch(controller: AnyController, pipes: list[PipeCorner], n: int, seed
 
 
 def first_outcomes(controller: AnyController, pipes: list[PipeCorner], n: int) -> list[str]:
-    """How the first episode of each of n robots ends."""
+    """Outcome of the first episode of each of n robots."""
     batch = reach_batch(controller, pipes, n)
     observation = batch.reset()
     first = np.zeros(n, int)

@@ -1,4 +1,4 @@
-"""How a documented command is run in a test: with sizes that take a second, or not at all where it needs a machine.
+"""Documented commands as tests run them: with sizes that take a second, or not at all where they need an arm.
 
 A command that no rule here knows is refused, so that a new one in the docs gets its rule.
 """
@@ -18,7 +18,7 @@ DROPPED = {"--out", "--episodes", "--seed", "--steps", "--seeds"}
 """Options that change nothing of what a test looks at: commands that differ in them alone are run once."""
 
 CORNERS = {"working-range": "d=100,angle=90", "thesis": "d=100,angle=90", "thesis-real": "d=130,angle=90"}
-"""One corner in place of a set of many."""
+"""Corners that stand for sets of many."""
 
 ROUTES = {"runs-level": "my-route.toml", "runs-rolled": "my-rolled-route.toml"}
 """A short route in place of a set."""
@@ -35,7 +35,7 @@ TRAINING = (
 
 
 class Expected(NamedTuple):
-    """How a command ends: its exit code, and words that it says."""
+    """Expected end of a command: its exit code, and words that it says."""
 
     code: int = 0
     words: str = ""
@@ -91,7 +91,7 @@ class Options(NamedTuple):
 
     @property
     def argv(self) -> Words:
-        """What `pipenav` is given."""
+        """Words that follow `pipenav` on the command line."""
         words = [word for option, value in self.given for word in (option, value) if word is not None]
         return (self.command, *self.arguments, *words)
 
@@ -108,7 +108,7 @@ def pipenav(*words: str) -> int:
 
 
 def tiny(argv: Words) -> Words:
-    """What a test runs in place of `pipenav ...`.
+    """Small command that a test runs in place of `pipenav ...`.
 
     Raises:
         KeyError: a command that has no rule.
@@ -118,7 +118,7 @@ def tiny(argv: Words) -> Words:
 
 
 def expected(argv: Words) -> Expected:
-    """How the tiny command ends."""
+    """Expected end of the tiny command."""
     if argv[0] == "run-real" and "--emulate" in argv:
         return Expected(0, "5 ticks")
     if "lag" in argv and argv[0] == "compare-backends":

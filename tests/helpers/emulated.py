@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from pipenav_hardware import servo_search
 from pipenav_hardware.backend import HardwareBackend
-from pipenav_hardware.emulator import judge
+from pipenav_hardware.emulator import byte_log
 from pipenav_hardware.emulator.client import Emulator
 from pipenav_hardware.emulator.faults import ONCE
 
@@ -25,7 +25,7 @@ PATIENCE = 4.0
 """Factor on the driver's time limits: tests run on busy machines, where an idle one keeps the true limits."""
 
 CLOSE = 0.01
-"""How near to its target a joint must come to have reached it [rad or m]."""
+"""Largest distance of a joint from its target that counts as reached [rad or m]."""
 
 
 def few_ids(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -76,7 +76,7 @@ def strike(emulator: Emulator, **order: Any) -> None:
     """Order a fault and wait until it has struck."""
 
     def struck() -> int:
-        return sum(record.get("event") == "fault" for record in judge.records(emulator.log_path))
+        return sum(record.get("event") == "fault" for record in byte_log.records(emulator.log_path))
 
     before = struck()
     emulator.order(**order)

@@ -33,7 +33,7 @@ ONE = np.arange(1)
 
 
 class Search(NamedTuple):
-    """How one search ended: outcome, target in the pipe's frame (2,), all poses (rows, joints)."""
+    """End of one search: outcome, target in the pipe's frame (2,), all poses (rows, joints)."""
 
     outcome: Outcome
     target: Floats

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from pipenav.arrays import Floats
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.corner_solids import EDGE_TOLERANCE, Box, Mesh, boards_mesh, tube_mesh, wall_boxes
+from pipenav.pipes.corner_solids import EDGE_TOLERANCE, Box, Mesh, boards_mesh, corner_boxes, tube_mesh
 
 diameters = st.floats(40, 300)
 angles = st.one_of(st.floats(30, 180), st.sampled_from([30.0, 90.0, 179.999, 180.0]))
@@ -52,7 +52,7 @@ def test_volumes_of_a_mitred_pipe(diameter: float, angle: float, turn: str) -> N
 @given(pipes)
 @example(PipeCorner.of(40, 30, "right", 1, wall_mm=50))
 def test_no_box_reaches_into_free_space(pipe: PipeCorner) -> None:
-    points = np.stack([inside_box(box, shrink=1e-7) for box in wall_boxes(pipe)])
+    points = np.stack([inside_box(box, shrink=1e-7) for box in corner_boxes(pipe)])
     assert not pipe.contains(points).any()
 
 
@@ -60,7 +60,7 @@ def test_no_box_reaches_into_free_space(pipe: PipeCorner) -> None:
 @given(pipes)
 @example(PipeCorner.of(40, 30, "right", 1, wall_mm=50))
 def test_boxes_cover_every_wall_face(pipe: PipeCorner) -> None:
-    boxes = wall_boxes(pipe)
+    boxes = corner_boxes(pipe)
     step = pipe.segments[:, 1] - pipe.segments[:, 0]
     length = np.linalg.norm(step, axis=1, keepdims=True)
     right = np.stack([step[:, 1], -step[:, 0]], axis=1) / length

@@ -37,7 +37,7 @@ def faces_of(prisms: Floats) -> tuple[Floats, Floats]:
 
 
 def depth_in_any(prisms: Floats, points: Floats) -> Floats:
-    """How deep points (p, 3) lie in the prism that holds them deepest, negative outside of all: (p,) [m]."""
+    """Depth of points (p, 3) in the prism that holds them deepest, negative outside of all: (p,) [m]."""
     normal, offset = (x.reshape(-1, 12, *x.shape[3:]) for x in faces_of(prisms))
     outside = np.einsum("pi,kfi->pkf", points, normal) - offset  # (p, prisms, 12)
     return np.asarray(-outside.max(axis=2).min(axis=1))

@@ -93,7 +93,7 @@ def test_the_installed_command_runs_nothing_of_the_current_folder(path: str, tmp
 
 
 def test_children_run_nothing_of_the_current_folder(tmp_path: Path) -> None:
-    """From a program that has the current folder on its own path, as a notebook has."""
+    """The parent has the current folder on its own path, as a notebook has."""
     marker = plant(tmp_path, LIBRARIES)
     program = (
         "import sys\n"

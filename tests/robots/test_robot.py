@@ -123,7 +123,9 @@ def test_the_whole_robot_stands_free_on_six_wheels_with_six_bends() -> None:
     robot = load_robot("pirate")
     assert (robot.free, len(robot.links), len(robot.joints), len(robot.wheels)) == (True, 7, 6, 6)
     assert robot.coordinates == 3 + 6
-    assert [one.name for one in robot.driven] == [f"bend{i}" for i in range(1, 7)] + [f"wheel{i}" for i in range(1, 7)]
+    assert [one.name for one in robot.commanded_parts] == [f"bend{i}" for i in range(1, 7)] + [
+        f"wheel{i}" for i in range(1, 7)
+    ]
     assert robot.effort_limits.tolist() == [1.0] * 6 + [0.15] * 6
     assert robot.roll is not None
     assert robot.roll.link == "middle"

@@ -17,7 +17,7 @@ from pipenav.robots.robot import load_robot
 from pipenav.testing import ALL_LAWS, CONTRACT, Bench, KinematicBackend
 
 NEEDS_A_MACHINE = {"hardware"}
-"""Backends that cannot be opened without their machine: their own tests run them over a fake wire."""
+"""Backends that cannot be opened without their arm: their own tests run them over a fake wire."""
 
 
 def _subjects() -> list[object]:

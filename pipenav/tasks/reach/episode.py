@@ -96,7 +96,7 @@ def check_robot(robot: RobotSpec) -> None:
         )
 
 
-START_CLEARANCE = 0.002
+START_WALL_DISTANCE = 0.002
 """Least distance between the robot and the wall at the start [m]."""
 
 
@@ -106,7 +106,7 @@ def check_fits(robot: RobotSpec, pipes: Sequence[Pipe]) -> None:
     Raises:
         PipenavError: the first such pipe.
     """
-    need = robot.width + 2 * START_CLEARANCE
+    need = robot.width + 2 * START_WALL_DISTANCE
     for pipe in pipes:
         if pipe.diameter < need:
             raise PipenavError(
@@ -122,7 +122,7 @@ def _bend_factor(robot: RobotSpec, bend: Floats, radius: Floats) -> Floats:
     """
     following = np.cumsum(robot.lengths[::-1])[::-1]
     sideways = np.abs(bend) @ following
-    free = radius - robot.width / 2 - START_CLEARANCE
+    free = radius - robot.width / 2 - START_WALL_DISTANCE
     return np.asarray(np.clip(free / np.maximum(sideways, 1e-9), 0.0, 1.0))
 
 

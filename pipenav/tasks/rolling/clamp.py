@@ -1,4 +1,4 @@
-"""How a robot of two mirrored halves clamps in a straight pipe, and how it rolls forward when clamped.
+"""Clamping of a robot of two mirrored halves in a straight pipe, and rolling forward when clamped.
 
 A robot clamps in its plane as a zigzag: its wheels stand on the left wall and on the right wall alternately, and the
 joint in the middle of each half presses. There are two such zigzags, mirror images of each other. The zigzag's sign

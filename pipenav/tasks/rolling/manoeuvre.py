@@ -87,7 +87,7 @@ class Roll:
     Args:
         robot: the robot, as `check_robot` accepts it.
         radius: radius of the bore [m].
-        turn: angle by which to turn the plane, by the right-hand rule about the direction of travel [rad].
+        roll_angle: angle by which to roll the plane, by the right-hand rule about the direction of travel [rad].
         bends: joint positions now, (6,) [rad].
         down: direction of down in each half's frame, as `SpaceReading.down`, (halves, 3).
 
@@ -95,8 +95,8 @@ class Roll:
         phase: the phase now.
     """
 
-    def __init__(self, robot: RobotSpec, radius: float, turn: float, bends: Floats, down: Floats) -> None:
-        self._turn = turn
+    def __init__(self, robot: RobotSpec, radius: float, roll_angle: float, bends: Floats, down: Floats) -> None:
+        self._roll_angle = roll_angle
         self._speed = SPEED * np.append(robot.speed_limits, robot.speed_limits[0]) * CONTROL_PERIOD
         self._steepness = steepness(robot, radius)
         sign = nearest_zigzag(bends)
@@ -159,7 +159,7 @@ class Roll:
     @property
     def _roll_to(self) -> float:
         turned = RollPhase.TURN_FIRST <= self.phase < RollPhase.TURN_SECOND
-        return self._turn * (1 if self._first == FRONT else -1) * turned
+        return self._roll_angle * (1 if self._first == FRONT else -1) * turned
 
     @property
     def _holds(self) -> Flags:

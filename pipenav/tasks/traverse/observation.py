@@ -50,7 +50,7 @@ def actuator_signs(robot: RobotSpec, turn_sign: Floats) -> Floats:
         robot: the robot.
         turn_sign: +1 for a left turn, -1 for a right one, (n,).
     """
-    return np.where(turn_sign[:, None] > 0, 1.0, robot.mirror_drives)
+    return np.where(turn_sign[:, None] > 0, 1.0, robot.mirror_actuators)
 
 
 def mirror_action(robot: RobotSpec, action: Floats, change: Floats) -> Floats:

@@ -14,7 +14,7 @@ from pipenav_hardware.emulator.sensors import BOOT_TIME
 
 
 class EmulatorSettings(Table):
-    """How an emulated arm is built, and what goes wrong with it."""
+    """Settings of an emulated arm: its build, and what goes wrong with it."""
 
     backend: str = Field("mujoco", description="simulator that moves the arm in its pipe")
     seed: int = Field(0, description="seed of noise and of random faults")

@@ -16,7 +16,7 @@ TURN = 2 * np.pi / COUNT
 
 
 class _Pull(NamedTuple):
-    """Where a motor pulls its shaft [counts], and how fast at most [counts/s]."""
+    """Position to which a motor pulls its shaft [counts], and its largest speed [counts/s]."""
 
     goal: float
     fastest: float

@@ -40,7 +40,7 @@ class PipePlant(Plant):
     """
 
     GRACE = 0.3 * CONTROL_PERIOD
-    """How much earlier or later than a whole period after the last command the next one may come [s]."""
+    """Largest deviation of the time between two commands from a whole period [s]."""
 
     def __init__(
         self, robot: RobotSpec, arm: ArmConfig, simulator: Simulator, pipe: PipeCorner, start: ArmStart

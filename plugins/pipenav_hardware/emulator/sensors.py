@@ -33,7 +33,7 @@ PATCH = 18
 
 FRONT_PERIOD = 0.04
 BOOT_TIME = 1.5
-"""How long a classic Arduino is deaf after its port was opened [s]."""
+"""Time for which a classic Arduino is deaf after its port was opened [s]."""
 
 
 def _nowhere(what: str, **more: Any) -> None:

@@ -34,13 +34,13 @@ from pipenav_hardware.emulator.sensors import FrontDevice, Scip2Device
 from pipenav_hardware.emulator.servo import EmulatedServo
 
 AFTERLIFE = 1.0
-"""How long the devices outlive their orders where a servo's torque, or the scanner's laser, is on then [s].
+"""Time for which the devices outlive their orders if a servo's torque, or the scanner's laser, is on then [s].
 
 The process that gave the orders may have been killed; real servos would still hear the supervisor, and answer it.
 """
 
 TURNAROUND = 0.002
-"""How soon an answer must come for its servo to have the line [s]."""
+"""Time before a servo's answer is due for which the servo has the line [s]."""
 
 
 class _Outgoing(NamedTuple):

@@ -13,8 +13,8 @@ NOMINAL_VOLTAGE = 12.0
 AMBIENT = 32.0
 
 OVERLOAD_TIME = 2.0
-"""How long a stalled servo gives more than `OVERLOAD_SHARE` of its torque before it reports overload [s]: the maker
-does not publish it; reports say one to three seconds."""
+"""Time for which a stalled servo gives more than `OVERLOAD_SHARE` of its torque before it reports overload [s]: the
+maker does not publish it; reports say one to three seconds."""
 OVERLOAD_SHARE = 0.95
 
 HEATING, COOLING = 6.0, 0.02

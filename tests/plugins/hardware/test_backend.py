@@ -7,7 +7,7 @@ import pytest
 from helpers.emulated import ROBOT, driver, reach, switch_on, tick
 from pipenav_hardware import packets
 from pipenav_hardware.backend import HardwareBackend, HardwareOptions
-from pipenav_hardware.emulator import judge
+from pipenav_hardware.emulator import byte_log
 from pipenav_hardware.emulator.client import Emulator
 from pipenav_hardware.emulator.config import EmulatorSettings
 
@@ -25,7 +25,7 @@ def test_the_arm_goes_to_its_target_within_its_limits(emulator: Emulator) -> Non
         steps = arm._codec.bounds.step
         assert arm.off() == []
     limits = {servo.id: servo.count_limits for servo in emulator.arm.servos}
-    goals = list(judge.goals(emulator.log_path))
+    goals = list(byte_log.goals(emulator.log_path))
     assert len(goals) > 4 * 3, "it takes several steps"
     for goal in goals:
         low, high = limits[goal.servo]
@@ -34,7 +34,7 @@ def test_the_arm_goes_to_its_target_within_its_limits(emulator: Emulator) -> Non
         assert goal.present is not None and abs(goal.goal - goal.present) <= step + 2
         assert goal.last is None or abs(goal.goal - goal.last) <= step
         assert goal.speed is None or goal.speed >= 1
-    assert not any(on for on, _ in judge.torque(emulator.log_path, (1, 2, 3, 4)).values())
+    assert not any(on for on, _ in byte_log.torque(emulator.log_path, (1, 2, 3, 4)).values())
 
 
 @pytest.mark.parametrize("auto", [False, True])
@@ -46,9 +46,9 @@ def test_torque_comes_on_without_a_jump(emulator: Emulator, auto: bool) -> None:
     emulator.order(place=places)
     with driver(emulator) as arm:
         switch_on(arm)
-        for goal in judge.goals(emulator.log_path):
+        for goal in byte_log.goals(emulator.log_path):
             assert abs(goal.goal - places[goal.servo - 1]) <= 1
-        read_back = [h.packet for h in judge.instructions(emulator.log_path) if h.packet.code == packets.READ]
+        read_back = [h.packet for h in byte_log.instructions(emulator.log_path) if h.packet.code == packets.READ]
         assert all(packets.Packet(i, packets.READ, bytes([30, 2])) in read_back for i in (1, 2, 3, 4))
         position = arm.read().q
         tick(arm, position, 3)
@@ -59,8 +59,8 @@ def test_no_start_outside_the_limits(emulator: Emulator) -> None:
     emulator.order(place=[500, 500, 500, 985])
     with driver(emulator) as arm, pytest.raises(PipenavError, match="joint theta3 is outside its limits"):
         switch_on(arm)
-    assert not list(judge.goals(emulator.log_path))
-    assert judge.torque(emulator.log_path, (4,))[4] == (False, 0.0)
+    assert not list(byte_log.goals(emulator.log_path))
+    assert byte_log.torque(emulator.log_path, (4,))[4] == (False, 0.0)
 
 
 def test_a_dry_run_only_asks(emulator: Emulator) -> None:
@@ -73,18 +73,18 @@ def test_a_dry_run_only_asks(emulator: Emulator) -> None:
         assert sent.packet.startswith("fffffe18831e04"), "what would be sent is known"
         arm.cut()
         arm.off()
-    assert judge.only_asked(emulator.log_path)
-    assert len(judge.instructions(emulator.log_path)) > 20
+    assert byte_log.only_asked(emulator.log_path)
+    assert len(byte_log.instructions(emulator.log_path)) > 20
 
 
 def test_not_a_number_sends_nothing(emulator: Emulator) -> None:
     with driver(emulator) as arm:
         start = switch_on(arm)
         arm.read()
-        before = len(list(judge.goals(emulator.log_path)))
+        before = len(list(byte_log.goals(emulator.log_path)))
         with pytest.raises(Stopped, match="not a finite number"):
             arm.send(Command("position", start * np.nan))
-        assert len(list(judge.goals(emulator.log_path))) == before
+        assert len(list(byte_log.goals(emulator.log_path))) == before
 
 
 def test_other_limits_than_the_servos_are_refused(emulator: Emulator) -> None:
@@ -117,7 +117,7 @@ def test_the_arm_must_be_where_a_reset_says(emulator: Emulator) -> None:
         start = arm.read().q
         with pytest.raises(PipenavError, match=r"joint theta2 is 0\.500 from its start position"):
             arm.reset(np.array([0]), [], start + np.array([[0, 0, 0.5, 0]]), np.zeros(1))
-    assert judge.only_asked(emulator.log_path)
+    assert byte_log.only_asked(emulator.log_path)
 
 
 def test_one_arm_only(emulator: Emulator) -> None:

@@ -6,7 +6,7 @@ import time
 
 import pytest
 from helpers.emulated import PATIENCE, driver, switch_on, tick
-from pipenav_hardware.emulator import judge
+from pipenav_hardware.emulator import byte_log
 from pipenav_hardware.emulator.client import Emulator
 from pipenav_hardware.servos import Servos
 
@@ -25,12 +25,12 @@ def test_a_slow_decision_stops_before_its_command_is_sent(emulator: Emulator) ->
     with driver(emulator) as arm:
         target = switch_on(arm) + 0.02
         arm.read()
-        before = len(list(judge.goals(emulator.log_path)))
+        before = len(list(byte_log.goals(emulator.log_path)))
         time.sleep(MUCH_TOO_LATE)
         with pytest.raises(Stopped) as stopped:
             arm.send(Command("position", target))
         assert stopped.value.cause == "deadline"
-        assert len(list(judge.goals(emulator.log_path))) == before
+        assert len(list(byte_log.goals(emulator.log_path))) == before
 
 
 @pytest.fixture

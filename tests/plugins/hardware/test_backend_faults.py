@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers.emulated import PATIENCE, driver, reach, strike, switch_on, tick
 from pipenav_hardware import packets
-from pipenav_hardware.emulator import judge
+from pipenav_hardware.emulator import byte_log
 from pipenav_hardware.emulator.client import Emulator
 
 from pipenav.backends.messages import Command
@@ -57,7 +57,7 @@ def test_what_goes_wrong_stops_the_arm_for_its_own_reason(
         assert stopped.value.cause == cause
         arm.off()
     reachable = [] if cause == "bus-lost" else [servo for servo in (1, 2, 3, 4) if servo != order.get("servo")]
-    assert not any(on for on, _ in judge.torque(emulator.log_path, reachable).values())
+    assert not any(on for on, _ in byte_log.torque(emulator.log_path, reachable).values())
 
 
 @pytest.mark.parametrize(
@@ -108,13 +108,13 @@ def test_a_missing_answer_holds_the_arm_for_that_tick(emulator: Emulator) -> Non
     with driver(emulator) as arm:
         target = switch_on(arm) + 0.02
         tick(arm, target, 2)
-        before = len(list(judge.goals(emulator.log_path)))
+        before = len(list(byte_log.goals(emulator.log_path)))
         emulator.order(fault="drop", servo=2, count=2)  # the question and its repetition
         arm.read()
         assert not arm.complete
         arm.hold()
         arm.wait()
-        assert len(list(judge.goals(emulator.log_path))) == before
+        assert len(list(byte_log.goals(emulator.log_path))) == before
         arm.read()
         assert arm.complete
 
@@ -129,11 +129,11 @@ def test_a_trip_is_final(emulator: Emulator) -> None:
             tick(arm, target, 5)
         arm.off()
         emulator.order(clear=True)
-        told = len(judge.instructions(emulator.log_path))
+        told = len(byte_log.instructions(emulator.log_path))
         arm.read()
         with pytest.raises(PipenavError, match="only listens now"):
             arm.send(Command("position", target))
-        after = [heard.packet for heard in judge.instructions(emulator.log_path)[told:]]
+        after = [heard.packet for heard in byte_log.instructions(emulator.log_path)[told:]]
         assert after and all(packet.code == packets.READ for packet in after)
 
 
@@ -147,13 +147,13 @@ def test_an_arm_that_would_fall_is_held_until_someone_has_it(emulator: Emulator,
         held = []
 
         def released() -> bool:
-            held.extend(on for on, _ in judge.torque(emulator.log_path, (1, 2, 4)).values())
+            held.extend(on for on, _ in byte_log.torque(emulator.log_path, (1, 2, 4)).values())
             return len(held) >= 3 * 8 * PATIENCE  # beyond the supervisor's patience
 
         hold_until(arm, released)
         assert all(held)
         arm.off()
-    assert not any(on for on, _ in judge.torque(emulator.log_path, (1, 2, 4)).values())
+    assert not any(on for on, _ in byte_log.torque(emulator.log_path, (1, 2, 4)).values())
 
 
 @pytest.mark.parametrize(
@@ -174,4 +174,4 @@ def test_an_unfit_arm_is_refused_before_anything_moves(emulator: Emulator, order
     strike(emulator, **order)
     with pytest.raises(PipenavError, match=message), driver(emulator):
         pass
-    assert judge.only_asked(emulator.log_path)
+    assert byte_log.only_asked(emulator.log_path)

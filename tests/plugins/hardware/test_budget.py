@@ -1,4 +1,4 @@
-"""How long a tick waits for the servos, on a clock that only waiting moves: no busy machine changes it."""
+"""Time that a tick waits for the servos, on a clock that only waiting moves: no busy machine changes it."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ from pipenav_hardware import servos, table
 from pipenav_hardware.backend import HardwareBackend, HardwareOptions
 from pipenav_hardware.calibrate import Calibration
 from pipenav_hardware.check import findings
-from pipenav_hardware.emulator import judge
+from pipenav_hardware.emulator import byte_log
 from pipenav_hardware.emulator.client import Emulator
 from pipenav_hardware.emulator.config import EmulatorSettings
 from pipenav_hardware.servo_flaws import READ_BYTES, tick_bytes
@@ -41,7 +41,7 @@ def test_a_check_of_a_healthy_arm_finds_nothing_and_changes_nothing(
     found = levels(emulator)
     assert set(found.values()) == {"ok"}
     assert any("servo 4 (theta3): model 12, firmware 24, 12.0 V" in what for what in found)
-    assert judge.only_asked(emulator.log_path)
+    assert byte_log.only_asked(emulator.log_path)
 
 
 @pytest.mark.parametrize(
@@ -72,7 +72,7 @@ def test_a_check_names_what_is_wrong_and_what_to_do(
     strike(emulator, **order)
     problems = [finding for finding in findings(emulator.arm) if finding.level == "problem"]
     assert any(words in problem.what and remedy in problem.remedy for problem in problems), problems
-    assert judge.only_asked(emulator.log_path)
+    assert byte_log.only_asked(emulator.log_path)
 
 
 def test_a_calibration_finds_how_the_arm_is_mounted(tmp_path: Path) -> None:
@@ -103,7 +103,7 @@ def test_a_calibration_finds_how_the_arm_is_mounted(tmp_path: Path) -> None:
             assert [s.sign for s in arm.arm.servos] == [1, -1, 1, 1]
             assert arm.arm.servos[0].unit == pytest.approx(0.075, rel=0.05)
             assert arm.read().q == pytest.approx(np.zeros((1, 4)), abs=0.01)
-        assert not any(on for on, _ in judge.torque(emulator.log_path, (1, 2, 3, 4)).values())
+        assert not any(on for on, _ in byte_log.torque(emulator.log_path, (1, 2, 3, 4)).values())
 
 
 def test_a_calibration_names_the_joint_that_does_not_confirm(
@@ -171,7 +171,7 @@ def test_an_arm_of_another_robot_is_refused_before_any_port_is_opened(emulator: 
     options = HardwareOptions(arm=str(emulator.arm_path))
     with pytest.raises(PipenavError, match="this arm is a 'basic', not a 'real-setup'"):
         HardwareBackend.check(options, load_robot("real-setup"))
-    assert not judge.instructions(emulator.log_path)
+    assert not byte_log.instructions(emulator.log_path)
 
 
 @pytest.mark.parametrize("baud", sorted(table.BAUD_VALUES))
@@ -190,7 +190,7 @@ def test_a_speed_drives_the_arm_or_is_refused_with_the_arithmetic(baud: int) -> 
             with driver(emulator) as arm:
                 assert arm.read().q == pytest.approx(np.zeros((1, 4)), abs=0.2)
         assert all(f"servo {i} " in " ".join(levels(emulator)) for i in (1, 2, 3, 4)), "a check finds them all the same"
-        assert judge.only_asked(emulator.log_path)
+        assert byte_log.only_asked(emulator.log_path)
 
 
 def test_a_scanner_that_was_left_in_time_stamp_mode_is_set_right(emulator: Emulator) -> None:
@@ -218,8 +218,8 @@ def test_the_laser_is_off_when_a_check_or_a_connection_ends(emulator: Emulator, 
         strike(emulator, fault="unplug", device="front")
         with pytest.raises(PipenavError, match="front"), driver(emulator):
             pass
-    wait_until(lambda: any(r.get("event") == "laser" for r in judge.records(emulator.log_path)), "the laser was on")
-    wait_until(lambda: not judge.laser(emulator.log_path), "the laser is off")
+    wait_until(lambda: any(r.get("event") == "laser" for r in byte_log.records(emulator.log_path)), "the laser was on")
+    wait_until(lambda: not byte_log.laser(emulator.log_path), "the laser is off")
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGHUP])
@@ -230,7 +230,7 @@ def test_the_laser_is_off_when_a_program_is_killed(emulator: Emulator, number: i
         f"scanner = open_scanner(ScannerConfig.model_validate_json({config!r}), 0.5); time.sleep(600)"
     )
     killed = subprocess.Popen([sys.executable, "-c", program])
-    wait_until(lambda: judge.laser(emulator.log_path), "the laser is on")
+    wait_until(lambda: byte_log.laser(emulator.log_path), "the laser is on")
     killed.send_signal(number)
     killed.wait()
-    wait_until(lambda: not judge.laser(emulator.log_path), "the laser is off")
+    wait_until(lambda: not byte_log.laser(emulator.log_path), "the laser is off")

@@ -12,7 +12,7 @@ import pytest
 from helpers.emulated import PATIENCE, strike
 from pipenav_hardware import packets, table
 from pipenav_hardware.dynamixel import REPLY_ALLOWANCE, Bus, BusLost
-from pipenav_hardware.emulator import judge
+from pipenav_hardware.emulator import byte_log
 from pipenav_hardware.emulator.client import Emulator
 from pipenav_hardware.emulator.config import EmulatorSettings
 from pipenav_hardware.serial_port import Mode, Port
@@ -107,9 +107,9 @@ def test_an_answer_within_its_time_is_taken_and_not_asked_for_again(emulator: Em
     emulator.order(fault="delay", servo=1, value=REPLY_ALLOWANCE * UNHURRIED / 3)
     with closing(Bus(emulator.arm.port, 1_000_000, UNHURRIED)) as bus:
         bus.expect(0.0)
-        before = len(judge.instructions(emulator.log_path))
+        before = len(byte_log.instructions(emulator.log_path))
         assert bus.read(1, *STATE).data is not None
-        assert len(judge.instructions(emulator.log_path)) == before + 1
+        assert len(byte_log.instructions(emulator.log_path)) == before + 1
 
 
 def test_a_port_that_was_never_opened_closes(tmp_path: Path) -> None:
@@ -178,11 +178,11 @@ def test_torque_goes_off_everywhere_although_one_servo_is_dead(emulator: Emulato
     for servo in (1, 2, 3, 4):
         assert bus.write_register(servo, table.TORQUE_ENABLE, 1)
     emulator.order(fault="dead", servo=1)
-    before = len(judge.instructions(emulator.log_path))
+    before = len(byte_log.instructions(emulator.log_path))
     assert bus.off((1, 2, 3, 4)) == [1]
-    told = [heard.packet.encode() for heard in judge.instructions(emulator.log_path)[before:]]
+    told = [heard.packet.encode() for heard in byte_log.instructions(emulator.log_path)[before:]]
     assert told[:3] == [packets.TORQUE_OFF_ALL] * 3, "no servo is asked before all are switched off"
-    assert not any(on for on, _ in judge.torque(emulator.log_path, (2, 3, 4)).values())
+    assert not any(on for on, _ in byte_log.torque(emulator.log_path, (2, 3, 4)).values())
     emulator.order(clear=True)
     assert bus.off((1, 2, 3, 4)) == []
 
@@ -203,7 +203,7 @@ def test_the_sent_packet_is_the_one_that_is_returned(emulator: Emulator, bus: Bu
     assert sent == [packet]
     assert len(packet) == 28
     bus.off((1, 2, 3, 4))
-    assert packet in [heard.packet.encode() for heard in judge.instructions(emulator.log_path)]
+    assert packet in [heard.packet.encode() for heard in byte_log.instructions(emulator.log_path)]
 
 
 def test_a_pulled_adapter_is_one_error_and_works_when_plugged_in_again() -> None:

@@ -55,7 +55,7 @@ def test_start_poses_keep_off_the_wall(seed: int) -> None:
     ends = np.concatenate([pose.joints[:, 1:], pose.tip[:, None]], axis=1)
     corners = np.stack([pose.joints + normal, pose.joints - normal, ends + normal, ends - normal])
     radius = np.array([pipe.radius for pipe in PIPES])[:, None]
-    assert np.all(np.abs(corners[..., 1]) <= radius - episode.START_CLEARANCE + 1e-9)
+    assert np.all(np.abs(corners[..., 1]) <= radius - episode.START_WALL_DISTANCE + 1e-9)
     edge = np.array([pipe.inner_edge for pipe in PIPES])
     front = corners[..., 0].max(axis=(0, 2)) + episodes.base
     assert np.all(front <= -edge - TASK.start_gap[0] + half.max() * 0.2)  # a bent tip's corner stands out a little

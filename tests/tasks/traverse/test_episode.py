@@ -1,4 +1,4 @@
-"""How traverses start: where, how bent, and which way is down."""
+"""Starts of traverses: where, how bent, and which way is down."""
 
 from __future__ import annotations
 

@@ -73,7 +73,7 @@ def test_a_command_keeps_to_the_limits_and_near_the_joints_and_is_mirrored(seed:
     left = observation.to_command(ROBOT, config, action, q, before, np.ones(2)).values
     signs = ROBOT.mirror_signs
     right = observation.to_command(ROBOT, config, action, q * signs, before * signs, -np.ones(2)).values
-    assert right == pytest.approx(left * ROBOT.mirror_drives)
+    assert right == pytest.approx(left * ROBOT.mirror_actuators)
     assert np.all((left[:, :6] >= ROBOT.lower) & (left[:, :6] <= ROBOT.upper))
     assert np.abs(left[:, :6] - q).max() <= config.alpha + 1e-12
     assert np.abs(left[:, 6:]).max() <= observation.wheel_limits(ROBOT).max()

@@ -1,4 +1,4 @@
-"""How traverses end, and what they are rewarded with."""
+"""Ends of traverses, and their rewards."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ class Course:
 
     def __init__(self, **config: object) -> None:
         self.config = CONFIG.model_copy(update={"patience": 3, **config})
-        self._judge, self._steps = OutcomeTracker(ROBOT, self.config, 1), np.zeros(1, int)
+        self._tracker, self._steps = OutcomeTracker(ROBOT, self.config, 1), np.zeros(1, int)
         self._start = np.linspace(-1.0, -0.4, 8)[None]
-        self._judge.start(np.arange(1), self._start)
+        self._tracker.start(np.arange(1), self._start)
 
     def step(self, moved: float, depth: float = 0.0, spin: float = 0.0, q: float = 0.0, fold: bool = False) -> Outcome:
         along = self._start + moved
@@ -29,7 +29,7 @@ class Course:
         zero = np.zeros(1)
         truth = Truth(np.zeros((1, 3)), zero, np.array([depth]), zero, np.zeros((1, 7, 2)))
         self._steps += 1
-        self.facts, outcome = self._judge.step(
+        self.facts, outcome = self._tracker.step(
             self._steps, np.array([self.config.max_steps]), along, np.array([0.1]), reading, truth
         )
         return Outcome(outcome[0])

@@ -151,7 +151,7 @@ def test_a_route_and_its_mirror_image_are_seen_and_driven_alike_through_all_corn
         seen = indices.step(action).observation
         assert seen[0] == pytest.approx(seen[1])
         left, right = ghost.asked[-1].values
-        assert right == pytest.approx(left * ROBOT.mirror_drives)
+        assert right == pytest.approx(left * ROBOT.mirror_actuators)
 
 
 @pytest.mark.slow
