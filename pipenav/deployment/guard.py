@@ -16,7 +16,7 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1)
 """Signals that stop the arm from outside; SIGUSR1 is the emergency stop for scripts and foot switches."""
 
 
-class Interrupted(Stopped):
+class StoppedBySignal(Stopped):
     """A signal stopped the arm.
 
     Attributes:
@@ -34,7 +34,8 @@ class Interrupted(Stopped):
 def guarded(arm: Stoppable) -> Iterator[None]:
     """Torque off at the end of this context, however it is left.
 
-    A signal cuts torque inside its handler, before anything else can happen, and leaves the context by `Interrupted`;
+    A signal cuts torque inside its handler, before anything else can happen, and leaves the context by
+    `StoppedBySignal`;
     further signals cut once more and disturb nothing. A death without a handler is the supervisor process's business.
     The joints that did not confirm are named by whatever leaves this context.
 
@@ -52,7 +53,7 @@ def guarded(arm: Stoppable) -> Iterator[None]:
         arm.cut()
         if not stopping:
             stopping = True
-            raise Interrupted(number)
+            raise StoppedBySignal(number)
 
     before = {number: signal.signal(number, stop) for number in SIGNALS}
     error: BaseException | None = None

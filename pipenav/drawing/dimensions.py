@@ -28,7 +28,7 @@ TALLEST_IN = 10.0
 DPI = 160
 
 
-class Drawing:
+class DimensionedDrawing:
     """Dimensions and texts on axes in millimetres; `unit` is about a hundredth of the drawing's width.
 
     Points are given in the coordinates of a left turn and mirrored about the x axis for a right one.

@@ -23,7 +23,7 @@ from pipenav.drawing.dimensions import (
     ROBOT,
     TALLEST_IN,
     WIDTH_IN,
-    Drawing,
+    DimensionedDrawing,
     frame_axes,
     number,
     save_figure,
@@ -117,7 +117,7 @@ def _in_space(route: PipeRoute, axes: Axes) -> float:
     return tall
 
 
-class _Sketch(Drawing):
+class _Sketch(DimensionedDrawing):
     """Dimensions along the centre line as it lies in the picture, (corners + 2, 2) [mm]."""
 
     def __init__(self, route: PipeRoute, axes: Axes, line: Floats) -> None:

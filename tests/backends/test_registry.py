@@ -211,7 +211,10 @@ def test_a_syntax_error_shows_in_the_listing(install: Installer) -> None:
             "pipenav.robot (pipenav.robots now)",
         ),
         ("from pipenav.task.episode import sample", "it imports pipenav.task, which this pipenav no longer has"),
-        ("from pipenav import assets, files", "it imports pipenav.assets, pipenav.files, which this pipenav no longer has"),
+        (
+            "from pipenav import assets, files",
+            "it imports pipenav.assets, pipenav.files, which this pipenav no longer has",
+        ),
     ],
 )
 def test_a_plugin_that_imports_old_names_is_told_the_new_ones(install: Installer, imports: str, sentence: str) -> None:
@@ -223,7 +226,9 @@ def test_a_plugin_that_imports_old_names_is_told_the_new_ones(install: Installer
 
 def test_an_old_module_inside_a_package_that_is_there_is_named(install: Installer) -> None:
     install("inner", f"import pipenav.learning.run_folder\n{GOOD}", module="inner_backend")
-    with pytest.raises(BackendUnavailable, match=r"pipenav.learning.run_folder, which this pipenav no longer has; update"):
+    with pytest.raises(
+        BackendUnavailable, match=r"pipenav.learning.run_folder, which this pipenav no longer has; update"
+    ):
         load_backend("inner")
 
 

@@ -33,7 +33,9 @@ def test_every_program_is_tested() -> None:
 def test_program(name: str, lag_plugin: Path, tmp_path: Path) -> None:
     arguments, printed, written = PROGRAMS[name]
     command = [sys.executable, str(EXAMPLES / name), *arguments]
-    result = subprocess.run(command, cwd=tmp_path, env=environment(lag_plugin), capture_output=True, text=True, check=False)
+    result = subprocess.run(
+        command, cwd=tmp_path, env=environment(lag_plugin), capture_output=True, text=True, check=False
+    )
     assert result.returncode == 0, result.stderr
     assert printed in result.stdout
     assert written is None or (tmp_path / written).is_file()
