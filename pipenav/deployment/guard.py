@@ -35,9 +35,8 @@ def guarded(arm: Stoppable) -> Iterator[None]:
     """Torque off at the end of this context, however it is left.
 
     A signal cuts torque inside its handler, before anything else can happen, and leaves the context by
-    `StoppedBySignal`;
-    further signals cut once more and disturb nothing. A death without a handler is the supervisor process's business.
-    The joints that did not confirm are named by whatever leaves this context.
+    `StoppedBySignal`; further signals cut once more and disturb nothing. A death without a handler is the supervisor
+    process's business. The joints that did not confirm are named by whatever leaves this context.
 
     Python's own garbage collection comes at any moment and takes longer the more there is to look through, half a tick
     after some thousand ticks: it waits until torque is off, and `control_loop` collects what is new between ticks.

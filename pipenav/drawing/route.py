@@ -166,9 +166,8 @@ class _Sketch(DimensionedDrawing):
 
     def directions(self, view: View) -> None:
         """Axes of the route's frame, below the picture's left end."""
-        low, _ = self.frame()
         length = 7 * self.unit
-        origin = low + np.array([length, -0.4 * length])
+        origin = self.frame().low + np.array([length, -0.4 * length])
         for name, axis in zip("xyz", np.eye(3), strict=True):
             tip = origin + length * view.flat(axis)
             self.arrow(origin, tip, INK, 1.0)
