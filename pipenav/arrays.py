@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict
 
+__all__ = ["Flags", "Floats", "Ints", "Table", "ordered"]
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
 Flags = NDArray[np.bool_]
-
 
 Number = TypeVar("Number", int, float)
 

@@ -9,6 +9,16 @@ from typing import Any
 
 from pydantic import ValidationError
 
+__all__ = [
+    "BackendUnavailable",
+    "ConfigError",
+    "FileProblem",
+    "OutOfRange",
+    "PipenavError",
+    "UnknownName",
+    "shown",
+]
+
 
 class PipenavError(Exception):
     """Base of every error that the command line prints as one line, with exit code 1."""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+__all__ = ["deg_to_rad", "m_to_mm", "mm_to_m", "rad_to_deg"]
+
 
 def mm_to_m(mm: float) -> float:
     return mm / 1000.0

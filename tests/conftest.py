@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,6 +16,9 @@ if TYPE_CHECKING:
 
     from pipenav.experiments.plan import ExperimentPlan
     from pipenav.motions.trajectory import Trajectory
+
+# nohup starts programs with SIGHUP ignored, and their children inherit that: tests that send one would see nothing.
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 sys.path.append(str(Path(__file__).parent))
 pytest.register_assert_rewrite("helpers")

@@ -54,13 +54,13 @@ IN_PLUGINS = {name: path for plugin in PLUGINS for name, path in modules(ROOT / 
 
 
 @cache
-def imported(path: Path, everywhere: bool = True) -> set[str]:
-    """Modules that a file imports: anywhere but under TYPE_CHECKING, or only at module level."""
+def imported(path: Path, everywhere: bool = True, for_types: bool = False) -> set[str]:
+    """Modules that a file imports: anywhere, or only at module level; with those under TYPE_CHECKING if asked."""
 
     def nodes(body: list[ast.stmt]) -> Iterator[ast.stmt]:
         for node in body:
             yield node
-            if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+            if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test) and not for_types:
                 continue
             if everywhere or not isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
                 for child in ("body", "orelse", "finalbody", "handlers"):
@@ -99,9 +99,16 @@ def floor(module: str) -> int:
 
 @pytest.mark.parametrize("module", ALL)
 def test_every_module_imports_only_its_own_package_and_what_lies_below(module: str) -> None:
-    ours = {name for name in imported(ALL[module]) if name in ALL and name != "pipenav"}
+    ours = {name for name in imported(ALL[module], for_types=True) if name in ALL and name != "pipenav"}
     beside = sorted(n for n in ours if room(n) != room(module) and floor(n) >= floor(module))
     assert not beside, f"{module}, on floor {floor(module)}, imports from its own floor or above: {beside}"
+
+
+def test_imports_for_types_count_only_where_asked(tmp_path: Path) -> None:
+    path = tmp_path / "module.py"
+    path.write_text("if TYPE_CHECKING:\n    from pipenav.cli import train\nimport numpy\n")
+    assert imported(path) == {"numpy"}
+    assert imported(path, for_types=True) == {"numpy", "pipenav.cli.train"}
 
 
 def test_packages_of_the_table_exist() -> None:
@@ -131,7 +138,7 @@ def test_the_core_imports_no_plugin_simulator_or_serial_library(module: str) -> 
 
 @pytest.mark.parametrize("module", IN_PLUGINS)
 def test_plugins_stand_on_the_open_packages_alone(module: str) -> None:
-    names = imported(IN_PLUGINS[module])
+    names = imported(IN_PLUGINS[module], for_types=True)
     others = set(PLUGINS) - {module.partition(".")[0]}
     assert not tops(names) & others, f"{module} imports another plugin"
     closed = sorted(n for n in names if n.startswith("pipenav.") and n.split(".")[1] not in OPEN_TO_PLUGINS)

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from importlib.util import find_spec
+
+import pipenav
 
 UPDATE = "update it, as pipenav's guide 'Write a backend' shows"
 """Remedy for a plugin that was written for an older pipenav."""
@@ -43,6 +46,26 @@ MOVED = {
 
 def outdated(names: Iterable[str]) -> str:
     """Sentence about the old names among those that a plugin imports, with the new ones; empty where there are none."""
-    old = sorted({name for name in names if name in MOVED})
+    names = set(names)
+    old = sorted(name for name in names if name in MOVED)
     exact = [name for name in old if not any(other.startswith(f"{name}.") for other in old)]
-    return "it imports " + ", ".join(f"{name} ({MOVED[name]} now)" for name in exact) if exact else ""
+    if exact:
+        return "it imports " + ", ".join(f"{name} ({MOVED[name]} now)" for name in exact)
+    gone = sorted({top for name in names if (top := _module_of_pipenav(name)) and not _exists(top)})
+    return no_longer_here(", ".join(gone)) if gone else ""
+
+
+def no_longer_here(module: str) -> str:
+    """Sentence about a module of an older pipenav that no single name of today stands for."""
+    return f"it imports {module}, which this pipenav no longer has"
+
+
+def _module_of_pipenav(name: str) -> str:
+    """Module or package right below `pipenav` that a dotted name begins with; empty for other people's names."""
+    top, *below = name.split(".")
+    return f"{top}.{below[0]}" if top == pipenav.__name__ and below else ""
+
+
+def _exists(module: str) -> bool:
+    """Whether a name right below `pipenav` is there, as a module or as an attribute such as its version."""
+    return hasattr(pipenav, module.rpartition(".")[2]) or find_spec(module) is not None

@@ -11,7 +11,7 @@ import sys
 from importlib.metadata import requires
 from typing import NamedTuple
 
-from pipenav.backends.moved import UPDATE, outdated
+from pipenav.backends.moved import UPDATE, no_longer_here, outdated
 from pipenav.backends.plugins import BackendPlugin
 from pipenav.backends.source_imports import can_find, imported_modules
 
@@ -53,6 +53,8 @@ def without(plugin: BackendPlugin, module: str) -> Availability:
     """Availability of a plugin that imports a module which is not here, or which has another name now."""
     if old := outdated([module]):
         return Availability(False, old, UPDATE)
+    if module.startswith("pipenav."):
+        return Availability(False, no_longer_here(module), UPDATE)
     return Availability(False, f"Python module {module!r} is not installed", _remedy(plugin, module))
 
 

@@ -10,7 +10,7 @@ from rich.console import Console
 
 from pipenav.cli.terminal import say
 from pipenav.deployment.emulation import Emulation
-from pipenav.deployment.guard import Interrupted
+from pipenav.deployment.guard import StoppedBySignal
 from pipenav.deployment.plan import TELEMETRY, MissionPlan
 from pipenav.deployment.session import PASSED, Ending
 from pipenav.deployment.summary import located_placement, pace, write_motions
@@ -82,7 +82,7 @@ def require_success(plan: MissionPlan, ending: Ending) -> None:
         PipenavError: the mission ended without success, and not because all its ticks were done.
     """
     stopped = ending.stopped
-    if isinstance(stopped, Interrupted):
+    if isinstance(stopped, StoppedBySignal):
         typer.echo(f"pipenav: {stopped}", err=True)
         raise typer.Exit(128 + stopped.number)
     if stopped is not None:

@@ -12,7 +12,7 @@ from pipenav.comparison.trials import record_passages, run_trials
 from pipenav.robots.robot import RobotSpec
 
 
-class Sides(NamedTuple):
+class SimulatorPair(NamedTuple):
     """The same array from the reference simulator and from the other one."""
 
     reference: Floats
@@ -26,12 +26,12 @@ class Sides(NamedTuple):
 class Agreement(NamedTuple):
     """Trials of both simulators, with the fields of `pipenav.comparison.trials.Trials`."""
 
-    driven: Sides
-    stepped: Sides
-    ranges: Sides
-    tips: Sides
-    pressed: Sides
-    force: Sides
+    driven: SimulatorPair
+    stepped: SimulatorPair
+    ranges: SimulatorPair
+    tips: SimulatorPair
+    pressed: SimulatorPair
+    force: SimulatorPair
 
 
 class Check(NamedTuple):
@@ -58,7 +58,7 @@ def compare(robot: RobotSpec, reference: SimulatorSettings, other: SimulatorSett
     """
     passages = record_passages(robot, reference)
     trials = [run_trials(robot, simulator, passages) for simulator in (reference, other)]
-    return Agreement(*(Sides(*pair) for pair in zip(*trials, strict=True)))
+    return Agreement(*(SimulatorPair(*pair) for pair in zip(*trials, strict=True)))
 
 
 ROTORS = "a simulator may have to carry a rotor's inertia on a link, which shifts motion by some milliseconds"
@@ -82,9 +82,9 @@ def checks(robot: RobotSpec, agreement: Agreement) -> list[Check]:
     lines.append(Check("tip on the same passage: on the way", float(np.nanmax(apart)), 8.0, "mm", ROTORS))
     ends = [row[~np.isnan(row)][-1] for row in apart]
     lines.append(Check("tip on the same passage: at its end", max(ends), 5.0, "mm", ROTORS))
-    touch = Sides(*((side > 0).argmax(axis=1) for side in found.force))
+    touch = SimulatorPair(*((side > 0).argmax(axis=1) for side in found.force))
     lines.append(Check("first touch of a wall", float(touch.difference.max()), 1.0, "steps", NEXT_STEP))
-    push = Sides(*(side[:, -1] for side in found.force))
+    push = SimulatorPair(*(side[:, -1] for side in found.force))
     share = 100 * float((push.difference / push.reference).max())
     lines.append(Check("force at rest on a wall", share, 2.0, "%", STATICS))
     rest = milli * found.pressed.difference[:, -1, hinges].max()

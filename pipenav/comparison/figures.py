@@ -8,7 +8,7 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD
-from pipenav.comparison.agreement import Agreement, Sides, tip_distance
+from pipenav.comparison.agreement import Agreement, SimulatorPair, tip_distance
 from pipenav.comparison.trials import CORNERS
 from pipenav.drawing.style import GRID, INK, MAIN, MUTED, SECOND
 from pipenav.robots.robot import RobotSpec
@@ -32,7 +32,7 @@ def free_motion_figure(robot: RobotSpec, agreement: Agreement, names: tuple[str,
         factor, unit = (rad_to_deg(1.0), "deg") if joint.type == "hinge" else (1e3, "mm")
         for row, (what, sides) in enumerate((("pulse of duty", agreement.driven), ("step", agreement.stepped))):
             axes = rows[row, j]
-            _curves(axes, Sides(*(factor * side[j, :, j] for side in sides)), names)
+            _curves(axes, SimulatorPair(*(factor * side[j, :, j] for side in sides)), names)
             axes.set_ylabel(f"{joint.name} [{unit}]")
             axes.set_title(f"{joint.name}, {what}", fontsize=10, color=INK)
         axes = rows[2, j]
@@ -79,7 +79,7 @@ def walls_figure(robot: RobotSpec, agreement: Agreement, names: tuple[str, str])
     """Contact force while each joint in turn presses on a wall."""
     figure = _figure(3.0 * len(robot.joints), 3.6)
     for j, (joint, axes) in enumerate(zip(robot.joints, np.ravel(figure.subplots(1, len(robot.joints))), strict=True)):
-        _curves(axes, Sides(*(side[j] for side in agreement.force)), names)
+        _curves(axes, SimulatorPair(*(side[j] for side in agreement.force)), names)
         axes.set(xlabel="time [s]", ylim=(0.0, None))
         axes.set_title(f"{joint.name} presses", fontsize=10, color=INK)
         if j == 0:
@@ -97,7 +97,7 @@ def _figure(width: float, height: float) -> Figure:
     return Figure((width, height), facecolor="white", layout="constrained")
 
 
-def _curves(axes: Axes, sides: Sides, names: tuple[str, str]) -> None:
+def _curves(axes: Axes, sides: SimulatorPair, names: tuple[str, str]) -> None:
     for side, style, name in zip(sides, (REFERENCE, OTHER), names, strict=True):
         axes.plot(_times(len(side)), np.append(0.0, side), label=name, **style)
     _plain(axes)

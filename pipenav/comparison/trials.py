@@ -38,7 +38,7 @@ CORNERS = [
 """Pipes of the open-loop passages and of the laser readings."""
 
 
-class Passages(NamedTuple):
+class OpenLoopPassages(NamedTuple):
     """Open-loop passages of CORNERS, as a controller made them in the reference.
 
     Attributes:
@@ -72,7 +72,7 @@ class Trials(NamedTuple):
     force: Floats
 
 
-def record_passages(robot: RobotSpec, reference: SimulatorSettings) -> Passages:
+def record_passages(robot: RobotSpec, reference: SimulatorSettings) -> OpenLoopPassages:
     """Let a scripted controller pass CORNERS in the reference, and record its set-points."""
     controller = CentrelineController(robot)
     n = len(CORNERS)
@@ -88,10 +88,10 @@ def record_passages(robot: RobotSpec, reference: SimulatorSettings) -> Passages:
             now = (result.outcome != Outcome.RUNNING) & (ended == 0)
             set_points.append(np.where((ended > 0)[:, None], set_points[-1] if set_points else 0.0, batch.q))
             ended[now] = len(set_points)
-    return Passages(np.stack(set_points, axis=1), ended, start)
+    return OpenLoopPassages(np.stack(set_points, axis=1), ended, start)
 
 
-def run_trials(robot: RobotSpec, simulator: SimulatorSettings, passages: Passages) -> Trials:
+def run_trials(robot: RobotSpec, simulator: SimulatorSettings, passages: OpenLoopPassages) -> Trials:
     """Run all trials in one simulator."""
     joints = len(robot.joints)
     pulse = np.zeros((FREE_STEPS, joints, joints))
@@ -144,14 +144,14 @@ def _press(backend: Simulator, robot: RobotSpec, set_points: Floats) -> _Pressin
     return _Pressing(np.stack(q, axis=1), np.stack(force, axis=1))
 
 
-def _scan(backend: Simulator, passages: Passages) -> Floats:
+def _scan(backend: Simulator, passages: OpenLoopPassages) -> Floats:
     """Laser readings in every third pose of the passages, (poses, beams)."""
     indices, base = np.arange(len(CORNERS)), passages.start.base
     poses = passages.set_points.swapaxes(0, 1)[::3]
     return np.concatenate([backend.reset(indices, CORNERS, q, base).ranges for q in poses])
 
 
-def _pass(backend: Simulator, passages: Passages) -> Floats:
+def _pass(backend: Simulator, passages: OpenLoopPassages) -> Floats:
     """Tips on the passages under the recorded set-points, (corners, steps, 2)."""
     start, tips = passages.start, []
     backend.reset(np.arange(len(CORNERS)), CORNERS, start.q, start.base)

@@ -16,7 +16,7 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1)
 """Signals that stop the arm from outside; SIGUSR1 is the emergency stop for scripts and foot switches."""
 
 
-class Interrupted(Stopped):
+class StoppedBySignal(Stopped):
     """A signal stopped the arm.
 
     Attributes:
@@ -34,9 +34,9 @@ class Interrupted(Stopped):
 def guarded(arm: Stoppable) -> Iterator[None]:
     """Torque off at the end of this context, however it is left.
 
-    A signal cuts torque inside its handler, before anything else can happen, and leaves the context by `Interrupted`;
-    further signals cut once more and disturb nothing. A death without a handler is the supervisor process's business.
-    The joints that did not confirm are named by whatever leaves this context.
+    A signal cuts torque inside its handler, before anything else can happen, and leaves the context by
+    `StoppedBySignal`; further signals cut once more and disturb nothing. A death without a handler is the supervisor
+    process's business. The joints that did not confirm are named by whatever leaves this context.
 
     Python's own garbage collection comes at any moment and takes longer the more there is to look through, half a tick
     after some thousand ticks: it waits until torque is off, and `control_loop` collects what is new between ticks.
@@ -52,7 +52,7 @@ def guarded(arm: Stoppable) -> Iterator[None]:
         arm.cut()
         if not stopping:
             stopping = True
-            raise Interrupted(number)
+            raise StoppedBySignal(number)
 
     before = {number: signal.signal(number, stop) for number in SIGNALS}
     error: BaseException | None = None

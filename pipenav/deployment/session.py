@@ -13,7 +13,7 @@ import numpy as np
 from pipenav.backends.messages import Reading
 from pipenav.backends.real_robot import RealRobot
 from pipenav.backends.safety import Stopped
-from pipenav.deployment.guard import Interrupted, guarded
+from pipenav.deployment.guard import StoppedBySignal, guarded
 from pipenav.deployment.loop import control_loop, hold_until
 from pipenav.deployment.mission import mission_of, mission_settings
 from pipenav.deployment.plan import POLICY_COPY, TELEMETRY, MissionPlan
@@ -66,7 +66,7 @@ def execute(
                 except FileProblem as problem:
                     raise Stopped("telemetry", str(problem).rstrip("."), "make room, then start again") from problem
                 except Stopped as stopped:
-                    if released is not None and not isinstance(stopped, Interrupted):
+                    if released is not None and not isinstance(stopped, StoppedBySignal):
                         _end(telemetry, stopped)
                         hold_until(arm, released)
                     raise

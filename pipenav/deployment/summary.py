@@ -87,7 +87,7 @@ def write_motions(
     atomic_write(picture, mission_picture(robot, ticks, title, pipe, base))
     yield picture
     if placement is not None:
-        for name, trajectory in parts(plan.policy, ticks, placement):
-            path = plan.folder / f"{name}.csv"
-            write_trajectory(path, trajectory)
+        for part in parts(plan.policy, ticks, placement):
+            path = plan.folder / f"{part.name}.csv"
+            write_trajectory(path, part.trajectory)
             yield path

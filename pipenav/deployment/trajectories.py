@@ -27,6 +27,13 @@ class ArmPlacement(NamedTuple):
     base: float
 
 
+class MissionPart(NamedTuple):
+    """A part of a mission: the name of its file, and its motion."""
+
+    name: str
+    trajectory: Trajectory
+
+
 class _Poses(NamedTuple):
     """Stages of k ticks, and their joint positions, (k, joints) [rad or m]."""
 
@@ -52,8 +59,8 @@ def placement_of(pipe: PipeCorner, target: Floats, depth: float) -> ArmPlacement
     return ArmPlacement(pipe, float((pipe.inner_edge + depth) * pipe.second_leg[0] - target[0]))
 
 
-def parts(policy: Policy, ticks: Sequence[dict[str, Any]], placement: ArmPlacement) -> Iterator[tuple[str, Trajectory]]:
-    """The parts of a mission that succeeded, each with the name of its file.
+def parts(policy: Policy, ticks: Sequence[dict[str, Any]], placement: ArmPlacement) -> Iterator[MissionPart]:
+    """The parts of a mission that succeeded.
 
     A tick in which the arm held still repeats its pose.
     """
@@ -75,7 +82,7 @@ def parts(policy: Policy, ticks: Sequence[dict[str, Any]], placement: ArmPlaceme
                 "controller": str(policy.path) if stage == "reach" else "locate",
             }
         )
-        yield file_name, Trajectory(header, policy.header.robot, q[first : ends[0] + 2])
+        yield MissionPart(file_name, Trajectory(header, policy.header.robot, q[first : ends[0] + 2]))
 
 
 def _target(ticks: Sequence[dict[str, Any]], placement: ArmPlacement) -> tuple[float, float] | None:

@@ -22,7 +22,7 @@ from pipenav.drawing.dimensions import (
     TALLEST_IN,
     WALL,
     WIDTH_IN,
-    Drawing,
+    DimensionedDrawing,
     frame_axes,
     number,
     save_figure,
@@ -70,7 +70,7 @@ def draw_walls(axes: Axes, pipe: Pipe) -> None:
         axes.fill(*outline.T, facecolor=WALL, edgecolor=WALL, linewidth=0.8, zorder=3, label=label)
 
 
-class _Sketch(Drawing):
+class _Sketch(DimensionedDrawing):
     """The parts of one drawing, in the coordinates of a left turn [mm]."""
 
     def __init__(self, pipe: PipeCorner, axes: Axes) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -28,7 +28,14 @@ TALLEST_IN = 10.0
 DPI = 160
 
 
-class Drawing:
+class Frame(NamedTuple):
+    """Lower left and upper right corner of a picture, in coordinates of its axes, (2,) each [mm]."""
+
+    low: Floats
+    high: Floats
+
+
+class DimensionedDrawing:
     """Dimensions and texts on axes in millimetres; `unit` is about a hundredth of the drawing's width.
 
     Points are given in the coordinates of a left turn and mirrored about the x axis for a right one.
@@ -44,10 +51,10 @@ class Drawing:
         self.unit = float(np.ptp(outline, axis=0).max()) / 75
         self.drawn = [outline]
 
-    def frame(self) -> tuple[Floats, Floats]:
-        """Lower left and upper right corner around all that was drawn, with a margin, (2,) each [mm]."""
+    def frame(self) -> Frame:
+        """Frame around all that was drawn, with a margin."""
         points = np.concatenate(self.drawn)
-        return points.min(axis=0) - 4 * self.unit, points.max(axis=0) + 4 * self.unit
+        return Frame(points.min(axis=0) - 4 * self.unit, points.max(axis=0) + 4 * self.unit)
 
     def to_axes(self, points: Any) -> Floats:
         """Given points (..., 2) in coordinates of the axes [mm]; `frame` will go around them."""

@@ -23,7 +23,7 @@ from pipenav.drawing.dimensions import (
     ROBOT,
     TALLEST_IN,
     WIDTH_IN,
-    Drawing,
+    DimensionedDrawing,
     frame_axes,
     number,
     save_figure,
@@ -117,7 +117,7 @@ def _in_space(route: PipeRoute, axes: Axes) -> float:
     return tall
 
 
-class _Sketch(Drawing):
+class _Sketch(DimensionedDrawing):
     """Dimensions along the centre line as it lies in the picture, (corners + 2, 2) [mm]."""
 
     def __init__(self, route: PipeRoute, axes: Axes, line: Floats) -> None:
@@ -166,9 +166,8 @@ class _Sketch(Drawing):
 
     def directions(self, view: View) -> None:
         """Axes of the route's frame, below the picture's left end."""
-        low, _ = self.frame()
         length = 7 * self.unit
-        origin = low + np.array([length, -0.4 * length])
+        origin = self.frame().low + np.array([length, -0.4 * length])
         for name, axis in zip("xyz", np.eye(3), strict=True):
             tip = origin + length * view.flat(axis)
             self.arrow(origin, tip, INK, 1.0)

@@ -6,7 +6,7 @@ import hashlib
 import json
 import re
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from pipenav.errors import PipenavError
 from pipenav.evaluation.config import EvaluationConfig
@@ -62,9 +62,9 @@ def check_folder(folder: Path, config: EvaluationConfig) -> None:
     except PipenavError as error:
         raise PipenavError(f"{error} Move {folder} away, or choose another --out.") from error
     differences = [
-        f"{key} {_shown(given)} there, {_shown(wanted)} now"
-        for key, given, wanted in _compared(earlier, config)
-        if not _equal(given, wanted)
+        f"{pair.key} {_shown(pair.there)} there, {_shown(pair.now)} now"
+        for pair in _compared(earlier, config)
+        if not _equal(pair.there, pair.now)
     ]
     if differences:
         raise PipenavError(
@@ -72,12 +72,20 @@ def check_folder(folder: Path, config: EvaluationConfig) -> None:
         )
 
 
-def _compared(earlier: Evaluation, config: EvaluationConfig) -> list[tuple[str, Any, Any]]:
-    """Keys of a configuration, with the earlier value and the present one."""
+class _Compared(NamedTuple):
+    """Key of a configuration, with its value in the folder and the one that is wanted now."""
+
+    key: str
+    there: Any
+    now: Any
+
+
+def _compared(earlier: Evaluation, config: EvaluationConfig) -> list[_Compared]:
+    """All keys of an earlier evaluation's configuration and of the present one."""
     there, now = earlier.config.model_dump(), config.model_dump()
     if there["robot"] is None or now["robot"] is None:
         there["robot"], now["robot"] = earlier.robot, config.robot or _default_robot(config, earlier.robot)
-    return [(key, there[key], now[key]) for key in now]
+    return [_Compared(key, there[key], now[key]) for key in now]
 
 
 def _default_robot(config: EvaluationConfig, brought: str) -> str:

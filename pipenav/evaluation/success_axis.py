@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -25,6 +25,13 @@ TICKS = {
 
 ROOM = 0.05
 """Room beyond both ends, as a share of the axis, so that markers there are whole."""
+
+
+class AxisLimits(NamedTuple):
+    """Ends of an axis [percent]."""
+
+    low: float
+    high: float
 
 
 def axis_start(lowest: float) -> float:
@@ -59,8 +66,8 @@ def _back(height: Floats) -> Floats:
     return np.asarray(100.0 + np.sign(height) * height**2)
 
 
-def limits(lowest: float) -> tuple[float, float]:
+def limits(lowest: float) -> AxisLimits:
     """Ends of the axis [percent] with room for markers at both."""
     start = float(_forward(np.array(axis_start(lowest))))
     low, high = _back(np.array([start * (1 + ROOM), -start * ROOM]))
-    return float(low), float(high)
+    return AxisLimits(float(low), float(high))

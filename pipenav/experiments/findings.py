@@ -14,7 +14,7 @@ NOTICEABLE = 2.0
 """Difference in percentage points below which two agents count as alike: about as much as seeds differ by."""
 
 
-class Finding(NamedTuple):
+class FindingCheck(NamedTuple):
     """A finding of the thesis: whether it held here, and the numbers that say so."""
 
     held: bool
@@ -32,7 +32,7 @@ def paragraph(name: str, results: Sequence[Result]) -> str:
     return f"The thesis: {load_experiment(name).finding} {opening}: {found.because} {end}"
 
 
-def _sweet_spot(results: Sequence[Result]) -> Finding:
+def _sweet_spot(results: Sequence[Result]) -> FindingCheck:
     means = [result.line("reach").mean for result in results]
     best = means.index(max(means))
     inside = 0 < best < len(means) - 1
@@ -45,10 +45,10 @@ def _sweet_spot(results: Sequence[Result]) -> Finding:
             f" The weights are {max(means) - min(means):.1f} points apart, against 79.8 in the thesis. The learner here"
             " explores by a schedule; whether that is why the weight decides so little was not measured."
         )
-    return Finding(inside and drops, because)
+    return FindingCheck(inside and drops, because)
 
 
-def _change_reward_helps(results: Sequence[Result]) -> Finding:
+def _change_reward_helps(results: Sequence[Result]) -> FindingCheck:
     basic, without, _, full = (result.line("reach").mean for result in results[:4])
     held = full - without > NOTICEABLE and full - basic > NOTICEABLE
     narrow = [result.line("reach") for result in results[:4]]
@@ -62,10 +62,10 @@ def _change_reward_helps(results: Sequence[Result]) -> Finding:
         because += f" The others leave it {100 - max(basic, without):.1f} points to add."
     elif not held:
         because += f" It added {full - without:+.1f} and {full - basic:+.1f} points to them."
-    return Finding(held, because)
+    return FindingCheck(held, because)
 
 
-def _rear_fails_in_narrow_pipes(results: Sequence[Result]) -> Finding:
+def _rear_fails_in_narrow_pipes(results: Sequence[Result]) -> FindingCheck:
     rear = results[0].line("rear").ours
     listed = ", ".join(f"{spread.mean:.1f} % at {d:g} mm" for d, spread in sorted(rear.items(), reverse=True))
     narrow = rear.get(min(rear)) if rear else None
@@ -76,7 +76,7 @@ def _rear_fails_in_narrow_pipes(results: Sequence[Result]) -> Finding:
             " The rear replays what the front's joints did, not what they were sent, through controllers that follow it"
             f" closely; its largest contact force was {max(_peak_forces(results)):.0f} N over all stages."
         )
-    return Finding(held, because)
+    return FindingCheck(held, because)
 
 
 def _peak_forces(results: Sequence[Result]) -> list[float]:
@@ -84,17 +84,17 @@ def _peak_forces(results: Sequence[Result]) -> list[float]:
     return [record.peak_force_n for record in pipes if record.peak_force_n is not None] or [0.0]
 
 
-def _always_located(results: Sequence[Result]) -> Finding:
+def _always_located(results: Sequence[Result]) -> FindingCheck:
     printed, ours = (result.line("locate").mean for result in results)
     because = (
         f"as printed, the behaviour found a target inside the second leg in {printed:.1f} % of the episodes; ours did"
         f" in {ours:.1f} %. The thesis gives neither its starts nor which beams lie ahead (eq 3.18); here those within"
         f" {rad_to_deg(LocateConfig().front):.0f} deg do, which decides where a target is found."
     )
-    return Finding(printed == 100.0, because)
+    return FindingCheck(printed == 100.0, because)
 
 
-def _locating_helps(results: Sequence[Result]) -> Finding:
+def _locating_helps(results: Sequence[Result]) -> FindingCheck:
     given, located = results
     reaches = given.line("reach").mean, located.line("reach").mean
     rears = given.line("rear").mean, located.line("rear").mean
@@ -105,10 +105,10 @@ def _locating_helps(results: Sequence[Result]) -> Finding:
     )
     if not held:
         because += f" With the target given only {100 - reaches[0]:.1f} points were left to gain."
-    return Finding(held, because)
+    return FindingCheck(held, because)
 
 
-_FINDINGS: dict[str, Callable[[Sequence[Result]], Finding]] = {
+_FINDINGS: dict[str, Callable[[Sequence[Result]], FindingCheck]] = {
     "a": _sweet_spot,
     "b": _change_reward_helps,
     "c": _change_reward_helps,

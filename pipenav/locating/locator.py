@@ -59,7 +59,7 @@ class LocateConfig(Table):
     scans: int = Field(2, ge=1, description="scans in a row that must find the same target")
 
 
-class Decision(NamedTuple):
+class SearchStep(NamedTuple):
     """Next step of k robots, and the targets that they know.
 
     Attributes:
@@ -94,7 +94,7 @@ class Locator(Protocol):
         """
         ...
 
-    def act(self, reading: Reading) -> Decision:
+    def act(self, reading: Reading) -> SearchStep:
         """Decide one control step of all n robots."""
         ...
 

@@ -12,7 +12,7 @@ import numpy as np
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.messages import Reading
 from pipenav.locating.corner_map import CornerMap
-from pipenav.locating.locator import Decision, LocateConfig, advance
+from pipenav.locating.locator import LocateConfig, SearchStep, advance
 from pipenav.robots import frames, kinematics
 from pipenav.robots.robot import RobotSpec
 
@@ -48,7 +48,7 @@ class MapLocator:
         self._agreed[indices], self._back[indices], self._wall[indices] = 0, False, -np.inf
         self._target[indices], self._beam[indices] = np.nan, -1
 
-    def act(self, reading: Reading) -> Decision:
+    def act(self, reading: Reading) -> SearchStep:
         robot, config = self._robot, self._config
         looking = np.flatnonzero(self._beam < 0)
         if len(looking):
@@ -59,7 +59,7 @@ class MapLocator:
         ahead = np.minimum(reading.q[:, 0] + self._advance, robot.upper[0])
         set_points = np.zeros_like(reading.q)
         set_points[:, 0] = np.where(self._back, np.maximum(reading.q[:, 0] - config.v0, self._home), ahead)
-        return Decision(set_points, found & at_home, self._target.copy(), self._beam.copy())
+        return SearchStep(set_points, found & at_home, self._target.copy(), self._beam.copy())
 
     def _without_dropouts(self, reading: Reading) -> Floats:
         """Readings, (n, beams) [m], with the minimum replaced by what the beam read before, less the advance since.

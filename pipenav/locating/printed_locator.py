@@ -11,7 +11,7 @@ import numpy as np
 
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.messages import Reading
-from pipenav.locating.locator import Decision, LocateConfig, advance
+from pipenav.locating.locator import LocateConfig, SearchStep, advance
 from pipenav.robots import kinematics
 from pipenav.robots.robot import RobotSpec
 
@@ -27,7 +27,7 @@ class PrintedLocator:
     def start(self, indices: Ints, reading: Reading, turn_sign: Floats) -> None:
         self._advance[indices], self._turn_sign[indices], self._start[indices] = self._config.v0, turn_sign, reading.q
 
-    def act(self, reading: Reading) -> Decision:
+    def act(self, reading: Reading) -> SearchStep:
         robot, config = self._robot, self._config
         self._advance = advance(robot, config, self._advance, reading.ranges)
         set_points = self._start.copy()
@@ -35,7 +35,7 @@ class PrintedLocator:
         set_points[:, -1] = reading.q[:, -1] + config.omega0 * self._turn_sign
         beam = reading.ranges.argmax(axis=1)
         found = reading.ranges.max(axis=1) > config.open_range
-        return Decision(
+        return SearchStep(
             np.where(found[:, None], reading.q, np.clip(set_points, robot.lower, robot.upper)),
             found,
             np.where(found[:, None], point_on_beam(robot, reading.q, beam, config.target_range), np.nan),

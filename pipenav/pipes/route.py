@@ -123,7 +123,7 @@ class PipeRoute(Pipe):
         check_straights(self.straights, shortest_straights(self.diameter, self.corners, self.wall))
         met = self.legs.meeting(self.radius + self.wall)
         if met:
-            raise CrossesItself(met[0] + 1, met[1] + 1)
+            raise CrossesItself(met.first + 1, met.second + 1)
         return self
 
     def __hash__(self) -> int:

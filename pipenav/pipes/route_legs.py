@@ -26,6 +26,13 @@ ROUND = 32
 """Sides of the prism around a leg, in the test whether legs are apart."""
 
 
+class MeetingLegs(NamedTuple):
+    """Two legs that meet, by their numbers from 0."""
+
+    first: int
+    second: int
+
+
 class Legs(NamedTuple):
     """Geometry of the straight legs, without twist; the arrays are read-only.
 
@@ -60,7 +67,7 @@ class Legs(NamedTuple):
         end = self.start[-1] + self.length[-1] * along[-1]
         return np.concatenate([self.start[0] + sideways[:, :1], mitred, end + sideways[:, -1:]], axis=1)
 
-    def meeting(self, radius: float) -> tuple[int, int] | None:
+    def meeting(self, radius: float) -> MeetingLegs | None:
         """Two legs that are no neighbours and yet meet, or nearly so (`SPACING`), as solid rods of a radius [m]."""
         around = (np.arange(ROUND) + 0.5) * 2 * math.pi / ROUND
         lines = self.lines(radius / math.cos(math.pi / ROUND), around)
@@ -69,7 +76,7 @@ class Legs(NamedTuple):
         for i, j in combinations(range(len(rods)), 2):
             spacing = SPACING if j > i + 2 else min(SPACING, SHORT_SPACING * shortest[i + 1])
             if j > i + 1 and not apart(rods[i], rods[j], spacing):
-                return i, j
+                return MeetingLegs(i, j)
         return None
 
 

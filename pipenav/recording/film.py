@@ -62,7 +62,7 @@ SUCCEEDED, FAILED = "#007a5a", "#b04a00"
 """Colours behind an outcome's word."""
 
 
-class Box(NamedTuple):
+class ViewBox(NamedTuple):
     """A rectangle in millimetres of the pipe's frame."""
 
     left: float
@@ -97,7 +97,7 @@ def write_film(path: Path, trajectories: Sequence[Trajectory], progress: Progres
         write_frames(path, _frames(trajectories, report_progress), ends)
 
 
-def box_of(trajectory: Trajectory) -> Box:
+def box_of(trajectory: Trajectory) -> ViewBox:
     """Box that a picture of the motion must show: the robot in every pose, the target, the pipe's walls around them."""
     header, pipe = trajectory.header, trajectory.header.pipe
     polygons = [polygon for link in link_outlines(trajectory.robot, trajectory.q) for polygon in link]
@@ -109,7 +109,7 @@ def box_of(trajectory: Trajectory) -> Box:
     points = np.concatenate([points, [[rear, -pipe.radius], [rear, pipe.radius]]])
     margin = MARGIN * float(np.ptp(points[:, 0]))
     low, high = m_to_mm(1.0) * (points.min(axis=0) - margin), m_to_mm(1.0) * (points.max(axis=0) + margin)
-    return Box(float(low[0]), float(high[0]), float(low[1] - KEY_ROOM * (high[0] - low[0])), float(high[1]))
+    return ViewBox(float(low[0]), float(high[0]), float(low[1] - KEY_ROOM * (high[0] - low[0])), float(high[1]))
 
 
 def _strip(trajectories: Sequence[Trajectory], report_progress: Progress) -> bytes:
@@ -180,7 +180,7 @@ def _frames(trajectories: Sequence[Trajectory], report_progress: Progress) -> Fr
             report_progress(drawn := drawn + 1, total)
 
 
-def _frame(axes: Axes, trajectory: Trajectory, row: int, box: Box, size: float) -> None:
+def _frame(axes: Axes, trajectory: Trajectory, row: int, box: ViewBox, size: float) -> None:
     """Draw a panel: the scene, above it time, largest contact force and, at the end, the outcome."""
     draw_scene(axes, scene_of(trajectory, row))
     width = box.right - box.left

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,21 @@ class StepResult(NamedTuple):
     min_range: Floats
     truth: Truth | SpaceTruth
     cut_off: Flags
+
+
+Facts = TypeVar("Facts")
+
+
+class Assessment(NamedTuple, Generic[Facts]):
+    """Assessment of one control step.
+
+    Attributes:
+        facts: quantities that the task's reward depends on.
+        outcome: an `Outcome` for each robot, (n,).
+    """
+
+    facts: Facts
+    outcome: NDArray[np.int8]
 
 
 class TaskBatch(ABC):

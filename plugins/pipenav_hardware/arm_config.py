@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
@@ -95,7 +94,7 @@ class ArmConfig(Table):
         for servo, joint in zip(self.servos, robot.joints, strict=True):
             if (servo.drive == "pinion") != (joint.type == "slide"):
                 raise ConfigError(f"joint {joint.name!r} is a {joint.type}, its servo is described as {servo.drive}.")
-            if servo.limits[0] < joint.lower - 1e-6 or servo.limits[1] > joint.upper + 1e-6:
+            if servo.limits.lower < joint.lower - 1e-6 or servo.limits.upper > joint.upper + 1e-6:
                 raise ConfigError(f"joint {joint.name!r}: the arm's limits go beyond those in robot.toml.")
 
 
@@ -125,7 +124,7 @@ def default_arm(robot: RobotSpec, port: str, scanner: ScannerConfig, front: Fron
     A pinion's radius is how far the rack moves at the position error of full duty, over the angle that this error is
     at a hinge's servo.
     """
-    full_duty = next(actuator.full_drive_error for actuator, joint in _driven(robot) if joint.type == "hinge")
+    full_duty = next(driven.actuator.full_drive_error for driven in _driven(robot) if driven.joint.type == "hinge")
     servos: list[dict[str, Any]] = []
     for number, (actuator, joint) in enumerate(_driven(robot), start=1):
         servo = {"joint": joint.name, "id": number, "sign": 1, "torque_limit_percent": 100 * actuator.output_limit}
@@ -153,9 +152,16 @@ def default_arm(robot: RobotSpec, port: str, scanner: ScannerConfig, front: Fron
     )
 
 
-def _driven(robot: RobotSpec) -> Iterable[tuple[Actuator, Joint]]:
-    """Actuator and joint of every servo, in joint order."""
-    return zip(robot.joint_actuators, robot.joints, strict=True)
+class _DrivenJoint(NamedTuple):
+    """A joint that a servo moves, and the actuator that stands for the servo."""
+
+    actuator: Actuator
+    joint: Joint
+
+
+def _driven(robot: RobotSpec) -> list[_DrivenJoint]:
+    """Every joint with its actuator, in joint order."""
+    return [_DrivenJoint(*pair) for pair in zip(robot.joint_actuators, robot.joints, strict=True)]
 
 
 def arm_toml(config: ArmConfig) -> str:

@@ -172,7 +172,7 @@ class Calibration(Calibrator):
         unit = mm_to_m(values["pinion_radius_mm"]) if servo.drive == "pinion" else 1.0
         convert, name = (m_to_mm, "mm") if servo.drive == "pinion" else (rad_to_deg, "deg")
         ends = reachable(joint.lower, joint.upper, values["sign"], values["zero_count"], unit)
-        lower, upper = math.ceil(100 * convert(ends[0])) / 100, math.floor(100 * convert(ends[1])) / 100
+        lower, upper = math.ceil(100 * convert(ends.lower)) / 100, math.floor(100 * convert(ends.upper)) / 100
         if not lower < 0 < upper:
             raise PipenavError(
                 f"servo {servo.id} ({servo.joint}) is at {values['zero_count']:.0f} counts, at the end of its turn: "

@@ -113,7 +113,7 @@ def _one_servo(servo: Servo, bus: Bus, store: str) -> Iterator[Finding]:
 def _state_flaws(servo: Servo, name: str, state: table.State, alarms: table.Alarm) -> Iterator[Finding]:
     """Reasons why a servo should not be switched on now."""
     volts = state.decivolts / 10
-    if not servo.count_limits[0] <= state.position <= servo.count_limits[1]:
+    if not servo.count_limits.lower <= state.position <= servo.count_limits.upper:
         yield Finding("problem", f"{name} stands outside its limits", "move it back by hand")
     if not LEAST_VOLTS <= volts <= MOST_VOLTS:
         yield Finding("problem", f"{name} gets {volts:.1f} V", f"supply {LEAST_VOLTS:g} to {MOST_VOLTS:g} V")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal, Self
+from typing import Annotated, Generic, Literal, NamedTuple, Self, TypeVar
 
 from pydantic import Field, model_validator
 
@@ -18,9 +18,18 @@ PINION_TRAVEL = TRAVEL - 2 * STOP_MARGIN * COUNT
 """Longest travel of a rack, in pinion radii: 5.236 less the margin. More needs more than one turn, and an AX-12A
 cannot count turns: it has no reading in 60 of 360 deg."""
 
-
 LONGEST_RACK = 20_000.0
 """Largest position of a rack [mm]: the longest leg of a pipe."""
+
+
+Number = TypeVar("Number", int, float)
+
+
+class Range(NamedTuple, Generic[Number]):
+    """Smallest and largest value of something."""
+
+    lower: Number
+    upper: Number
 
 
 class _Servo(Table):
@@ -38,7 +47,7 @@ class _Servo(Table):
         raise NotImplementedError
 
     @property
-    def limits(self) -> tuple[float, float]:
+    def limits(self) -> Range[float]:
         """Allowed joint positions [rad, or m]."""
         raise NotImplementedError
 
@@ -56,10 +65,10 @@ class _Servo(Table):
         return self.sign * (counts - self.zero_count) * self.unit * COUNT
 
     @property
-    def count_limits(self) -> tuple[int, int]:
-        """Smallest and largest goal inside the joint's limits [counts]."""
+    def count_limits(self) -> Range[int]:
+        """Goals inside the joint's limits [counts]."""
         low, high = sorted(map(self.to_counts, self.limits))
-        return math.ceil(low - 1e-9), math.floor(high + 1e-9)
+        return Range(math.ceil(low - 1e-9), math.floor(high + 1e-9))
 
     @model_validator(mode="after")
     def _reachable(self) -> Self:
@@ -91,8 +100,8 @@ class HingeServo(_Servo):
         return 1.0
 
     @property
-    def limits(self) -> tuple[float, float]:
-        return deg_to_rad(self.lower_deg), deg_to_rad(self.upper_deg)
+    def limits(self) -> Range[float]:
+        return Range(deg_to_rad(self.lower_deg), deg_to_rad(self.upper_deg))
 
 
 class PinionServo(_Servo):
@@ -108,8 +117,8 @@ class PinionServo(_Servo):
         return mm_to_m(self.pinion_radius_mm)
 
     @property
-    def limits(self) -> tuple[float, float]:
-        return mm_to_m(self.lower_mm), mm_to_m(self.upper_mm)
+    def limits(self) -> Range[float]:
+        return Range(mm_to_m(self.lower_mm), mm_to_m(self.upper_mm))
 
     def _require_a_turn(self) -> None:
         longest = PINION_TRAVEL * self.pinion_radius_mm
@@ -124,7 +133,7 @@ class PinionServo(_Servo):
 Servo = Annotated[HingeServo | PinionServo, Field(discriminator="drive")]
 
 
-def reachable(lower: float, upper: float, sign: int, zero_count: float, unit: float) -> tuple[float, float]:
+def reachable(lower: float, upper: float, sign: int, zero_count: float, unit: float) -> Range[float]:
     """The part of a joint's travel that its servo reaches without coming near its ends.
 
     Args:
@@ -133,4 +142,4 @@ def reachable(lower: float, upper: float, sign: int, zero_count: float, unit: fl
         unit: joint travel per servo angle [1, or m/rad].
     """
     ends = [sign * (counts - zero_count) * unit * COUNT for counts in (STOP_MARGIN, COUNTS - STOP_MARGIN)]
-    return max(lower, min(ends) + 1e-9), min(upper, max(ends) - 1e-9)
+    return Range(max(lower, min(ends) + 1e-9), min(upper, max(ends) - 1e-9))

@@ -210,6 +210,11 @@ def test_a_syntax_error_shows_in_the_listing(install: Installer) -> None:
             "it imports pipenav.backend (pipenav.backends now), pipenav.pipe.Pipe (pipenav.pipes.PipeCorner now), "
             "pipenav.robot (pipenav.robots now)",
         ),
+        ("from pipenav.task.episode import sample", "it imports pipenav.task, which this pipenav no longer has"),
+        (
+            "from pipenav import assets, files",
+            "it imports pipenav.assets, pipenav.files, which this pipenav no longer has",
+        ),
     ],
 )
 def test_a_plugin_that_imports_old_names_is_told_the_new_ones(install: Installer, imports: str, sentence: str) -> None:
@@ -217,6 +222,19 @@ def test_a_plugin_that_imports_old_names_is_told_the_new_ones(install: Installer
     assert why_not("elder") == (
         f"backend 'elder' cannot run: {sentence}; update it, as pipenav's guide 'Write a backend' shows."
     )
+
+
+def test_an_old_module_inside_a_package_that_is_there_is_named(install: Installer) -> None:
+    install("inner", f"import pipenav.learning.run_folder\n{GOOD}", module="inner_backend")
+    with pytest.raises(
+        BackendUnavailable, match=r"pipenav.learning.run_folder, which this pipenav no longer has; update"
+    ):
+        load_backend("inner")
+
+
+def test_names_that_are_there_are_not_taken_for_old_ones(install: Installer) -> None:
+    install("present", f"from pipenav import __version__, errors\n{GOOD}", module="present_backend")
+    assert availability(find_backends()["present"]).can_load
 
 
 def test_an_old_name_in_the_constructor_is_noticed_when_it_is_opened(install: Installer) -> None:

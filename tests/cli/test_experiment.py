@@ -41,9 +41,9 @@ def test_an_experiment_from_end_to_end(tmp_path: Path, capsys: pytest.CaptureFix
     assert "pipenav train --preset thesis-position --set robot=high-fidelity" in text
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert page.count("data:image/png;base64,") == 2
-    run_folder = tmp_path / "agents" / "high-fidelity-history-c3-1_5" / "seed-0"
-    assert json.loads((run_folder / "trained.json").read_text())["steps"] == 2048
-    whole = json.loads((run_folder / "eval-passage" / "eval.json").read_text())
+    training_folder = tmp_path / "agents" / "high-fidelity-history-c3-1_5" / "seed-0"
+    assert json.loads((training_folder / "trained.json").read_text())["steps"] == 2048
+    whole = json.loads((training_folder / "eval-passage" / "eval.json").read_text())
     assert sum(record["located"] for record in whole["pipes"]) == 60
 
     assert "All of it took" in text

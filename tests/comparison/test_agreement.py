@@ -12,7 +12,7 @@ from pipenav.backends.plugins import find_backends
 from pipenav.backends.requirements import availability
 from pipenav.backends.simulators import SimulatorSettings
 from pipenav.cli import main
-from pipenav.comparison.agreement import Agreement, Check, Sides, checks, compare
+from pipenav.comparison.agreement import Agreement, Check, SimulatorPair, checks, compare
 from pipenav.robots.robot import load_robot, robot_names
 
 pytestmark = pytest.mark.slow
@@ -54,7 +54,7 @@ def spoilt(agreement: Agreement, **shifts: float) -> Agreement:
     """With the other simulator off by so much in the named fields."""
     fields = agreement._asdict()
     for name, shift in shifts.items():
-        fields[name] = Sides(fields[name].reference, fields[name].reference + shift)
+        fields[name] = SimulatorPair(fields[name].reference, fields[name].reference + shift)
     return Agreement(**fields)
 
 

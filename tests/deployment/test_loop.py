@@ -11,7 +11,7 @@ import pytest
 
 from pipenav.backends.real_robot import Stoppable
 from pipenav.backends.safety import Stopped
-from pipenav.deployment.guard import Interrupted, guarded
+from pipenav.deployment.guard import StoppedBySignal, guarded
 from pipenav.errors import PipenavError
 
 
@@ -30,7 +30,7 @@ class Arm(Stoppable):
 @pytest.mark.parametrize("ending", ["end", "error", "signal"])
 def test_garbage_is_collected_again_once_torque_is_off(ending: str) -> None:
     arm = Arm()
-    with contextlib.suppress(RuntimeError, Interrupted), guarded(arm):
+    with contextlib.suppress(RuntimeError, StoppedBySignal), guarded(arm):
         assert not gc.isenabled()
         if ending == "error":
             raise RuntimeError
@@ -68,6 +68,6 @@ def test_every_ending_names_the_joints_that_did_not_confirm(error: BaseException
 
 
 def test_a_signal_keeps_its_number_and_names_the_joints_that_did_not_confirm() -> None:
-    with pytest.raises(Interrupted, match="theta1, theta3: switch the supply off") as raised, guarded(SilentArm()):
+    with pytest.raises(StoppedBySignal, match="theta1, theta3: switch the supply off") as raised, guarded(SilentArm()):
         os.kill(os.getpid(), signal.SIGTERM)
     assert raised.value.number == signal.SIGTERM

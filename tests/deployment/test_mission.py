@@ -39,11 +39,11 @@ def simulate(
     backend = open_simulator("mujoco", robot, 1, {"threads": 1}, len(pipe.segments))
     now = before = backend.reset(np.array([0]), [pipe], start.q, start.base)
     given = {"target": None, "retreat": False} | settings
-    run = Mission(policy, float(start.turn_sign[0]), PERIOD, given["target"], LocateConfig(), given["retreat"])
+    mission = Mission(policy, float(start.turn_sign[0]), PERIOD, given["target"], LocateConfig(), given["retreat"])
     made, step = [], robot.speed_limits * PERIOD
     for _ in range(500):
         seen = now._replace(q=now.q - rng.uniform(0, lag) * (now.q - before.q))
-        made.append(run.decide(seen))
+        made.append(mission.decide(seen))
         command = made[-1].command
         if command is None:
             break
@@ -51,19 +51,19 @@ def simulate(
         backend.step(Command("position", target))
         before, now = now, backend.read()
     backend.close()
-    return run, made
+    return mission, made
 
 
 @pytest.mark.parametrize("turn", ["left", "right"])
 @pytest.mark.parametrize("angle", [60, 90, 120])
 def test_an_arm_locates_reaches_and_comes_back(angle: int, turn: str) -> None:
     pipe = PipeCorner.of(130, angle, turn)
-    run, made = simulate(pipe, angle)
+    mission, made = simulate(pipe, angle)
     stages = [decision.stage for decision in made]
-    assert run.outcome == "passed"
+    assert mission.outcome == "passed"
     assert stages == sorted(stages, key=["locate", "reach", "back", "passed"].index)
     assert {"locate", "reach", "back", "passed"} == set(stages)
-    assert run.target is not None and np.sign(run.target[1]) == pipe.turn_sign
+    assert mission.target is not None and np.sign(mission.target[1]) == pipe.turn_sign
     for decision in made:
         assert (decision.observation is not None) == (decision.stage == "reach")
 
@@ -72,17 +72,17 @@ def test_a_given_target_is_not_looked_for() -> None:
     pipe = PipeCorner.of(120, 90, "right")
     start = episode.sample(ROBOT, POLICY.header.task, [pipe], np.random.default_rng(3))
     target = start.target[0] * [1, -1]
-    run, made = simulate(pipe, 3, target=target)
-    assert run.outcome == "passed"
+    mission, made = simulate(pipe, 3, target=target)
+    assert mission.outcome == "passed"
     assert made[0].stage == "reach"
-    assert run.target is target
+    assert mission.target is target
 
 
 def test_a_target_out_of_reach_is_given_up_and_left_if_wished() -> None:
     far = np.array([5.0, 0.0])
     for retreat, last in ((False, "reach"), (True, "back")):
-        run, made = simulate(PipeCorner.of(130, 90), 0, target=far, retreat=retreat)
-        assert run.outcome in ("timeout", "limit")
+        mission, made = simulate(PipeCorner.of(130, 90), 0, target=far, retreat=retreat)
+        assert mission.outcome in ("timeout", "limit")
         assert made[-2].stage == last
 
 
@@ -135,30 +135,30 @@ def test_an_arm_that_catches_is_freed_forwards_and_one_that_stays_caught_is_give
 
 
 def test_a_mission_backs_out_only_once_and_only_if_it_may() -> None:
-    run = Mission(POLICY, 1.0, PERIOD, None, LocateConfig(), False)
-    run.decide(reading(np.zeros(4)))
-    assert not run.back_out("stall")
-    run = Mission(POLICY, 1.0, PERIOD, None, LocateConfig(), True)
-    assert not run.back_out("stall"), "nothing has been recorded yet"
-    run.decide(reading(np.zeros(4)))
-    assert run.back_out("stall")
-    assert not run.back_out("stall")
-    run.decide(reading(np.zeros(4)))
-    assert run.outcome == "stall"
+    mission = Mission(POLICY, 1.0, PERIOD, None, LocateConfig(), False)
+    mission.decide(reading(np.zeros(4)))
+    assert not mission.back_out("stall")
+    mission = Mission(POLICY, 1.0, PERIOD, None, LocateConfig(), True)
+    assert not mission.back_out("stall"), "nothing has been recorded yet"
+    mission.decide(reading(np.zeros(4)))
+    assert mission.back_out("stall")
+    assert not mission.back_out("stall")
+    mission.decide(reading(np.zeros(4)))
+    assert mission.outcome == "stall"
 
 
 def test_the_tip_ends_within_the_tolerance() -> None:
-    run, made = simulate(PipeCorner.of(130, 120), 1)
-    assert run.target is not None
+    mission, made = simulate(PipeCorner.of(130, 120), 1)
+    assert mission.target is not None
     reach = [decision.command for decision in made if decision.stage == "back"]
     assert reach[0] is not None
     tip = kinematics.forward(ROBOT, reach[0].values).tip[0]
-    assert np.linalg.norm(tip - run.target) < 4 * POLICY.header.task.reach_tolerance
+    assert np.linalg.norm(tip - mission.target) < 4 * POLICY.header.task.reach_tolerance
 
 
 def test_an_arm_that_hooks_on_the_corners_edge_is_free_after_a_few_ticks() -> None:
     """A start from which a link's shoulder catches when the arm comes back, which forwards it slid over."""
-    run, made = simulate(PipeCorner.of(130, 60), 108, load_policy(resolve_policy("real-setup")), lag=0.7)
+    mission, made = simulate(PipeCorner.of(130, 60), 108, load_policy(resolve_policy("real-setup")), lag=0.7)
     stages = [decision.stage for decision in made]
-    assert run.outcome == "passed"
+    assert mission.outcome == "passed"
     assert stages.count("back") < stages.count("reach") + 12

@@ -12,12 +12,14 @@ import pytest
 from helpers.doc_pages import ROOT
 from helpers.documented import pipenav
 
+from pipenav.testing import ALL_LAWS
+
 EXAMPLES = ROOT / "examples"
 
 PROGRAMS = {
     "train.py": (["1536", "trained"], "success of the best check", "trained/best.zip"),
     "evaluate.py": (["1", "evaluated"], "90 mm, 60 deg, right: 1 of 1", "evaluated/eval.json"),
-    "own_backend.py": (["3"], "tips in the pipes' frames", None),
+    "own_backend.py": ([], f"{len(ALL_LAWS)} of {len(ALL_LAWS)} laws kept", None),
 }
 """Arguments for a tiny size, what the program prints, and what it writes."""
 
@@ -28,10 +30,12 @@ def test_every_program_is_tested() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PROGRAMS)
-def test_program(name: str, tmp_path: Path) -> None:
+def test_program(name: str, lag_plugin: Path, tmp_path: Path) -> None:
     arguments, printed, written = PROGRAMS[name]
     command = [sys.executable, str(EXAMPLES / name), *arguments]
-    result = subprocess.run(command, cwd=tmp_path, env=environment(), capture_output=True, text=True, check=False)
+    result = subprocess.run(
+        command, cwd=tmp_path, env=environment(lag_plugin), capture_output=True, text=True, check=False
+    )
     assert result.returncode == 0, result.stderr
     assert printed in result.stdout
     assert written is None or (tmp_path / written).is_file()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import re
 import sys
+from pkgutil import resolve_name
 
 import pytest
 from helpers.doc_pages import ROOT
@@ -27,7 +28,7 @@ def listed(module: str) -> list[str]:
 
 
 def test_public_packages_are_listed() -> None:
-    names = ["robots", "pipes", "backends", "policies", "evaluation", "envs", "testing"]
+    names = ["robots", "pipes", "backends", "policies", "evaluation", "envs", "testing", "errors", "arrays", "units"]
     assert [f"pipenav.{name}" for name in names] == PUBLIC
 
 
@@ -42,6 +43,17 @@ def test_public_names_are_listed(module: str) -> None:
 def test_public_names_exist(module: str) -> None:
     loaded = importlib.import_module(module)
     assert [name for name in loaded.__all__ if not hasattr(loaded, name)] == []
+
+
+def test_names_in_modules_exist_and_are_all_that_examples_import() -> None:
+    table = API.partition("## Names in modules\n")[2]
+    names = set(re.findall(r"`(pipenav\.\w+\.\w+\.\w+)`", table))
+    for name in names:
+        resolve_name(name)
+    for path in (ROOT / "examples").glob("*.py"):
+        imports = re.findall(r"^from (pipenav\.[\w.]+) import (.+)$", path.read_text(encoding="utf-8"), re.MULTILINE)
+        used = {f"{module}.{name}" for module, listed in imports if module not in PUBLIC for name in listed.split(", ")}
+        assert used <= names, f"{path.name} imports what docs/python-api.md does not list"
 
 
 def test_moved_names_are_those_that_plugins_are_told() -> None:

@@ -112,7 +112,7 @@ VICTIMS = {
 
 
 def kill(victim: Victim, number: int, after: float) -> list[str]:
-    """What is wrong after a command was killed by a signal, some time after its start [s]."""
+    """Faults after a command was killed by a signal, some time after its start [s]."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         if victim.earlier:

@@ -1,20 +1,24 @@
-"""Recorded episodes are those of an evaluation, and repeat bit for bit."""
+"""Recorded episodes and searches for a target are those of an evaluation, and repeat bit for bit."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+from helpers.locating import FAST, SIMULATOR
 
 from pipenav.backends.backend import Backend
 from pipenav.backends.simulators import SimulatorSettings
-from pipenav.evaluation.passage import run_task
+from pipenav.evaluation.passage import EpisodePlan, Passages, run_task
+from pipenav.locating.printed_locator import point_on_beam
 from pipenav.motions.mirror import plan_rear
 from pipenav.motions.trajectory import Trajectory
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.named import open_controller
-from pipenav.recording.record import RecordingSettings, record_rear, record_task, tracking
+from pipenav.recording.record import RecordingSettings, record_locate, record_rear, record_task, tracking
 from pipenav.robots.kinematics import forward
+from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import Outcome
+from pipenav.tasks.reach.config import ReachConfig
 
 OPTIONS = {"timestep": 0.005, "threads": 1}
 PIPE = PipeCorner.of(85, 70, "right")
@@ -86,3 +90,36 @@ def test_tracking_is_the_largest_difference_beyond_the_plans_end_too(fronts: lis
     assert error.joint == pytest.approx(0.2)
     tips = forward(plan.robot, longer[-2:]).tip
     assert error.tip == pytest.approx(np.linalg.norm(tips[0] - tips[1]))
+
+
+def test_the_printed_method_turns_its_head_past_the_opening_of_a_narrow_pipe() -> None:
+    located = record_locate(load_robot("basic"), "thesis", PipeCorner.of(80, 120), 0, 0, FAST)
+    force = located.trajectory.contact_force
+    assert force is not None
+    assert located.trajectory.header.outcome == "timeout"
+    assert located.found is None
+    assert force.max() > 5.0
+    better = record_locate(load_robot("basic"), "map", PipeCorner.of(80, 120), 0, 0, FAST)
+    assert better.trajectory.succeeded
+
+
+def test_a_recorded_search_is_the_one_that_an_evaluation_runs() -> None:
+    robot, pipe = load_robot("high-fidelity"), PipeCorner.of(85, 70, "right")
+    part = Passages(EpisodePlan(robot, ReachConfig(), [pipe], 3, 5, SIMULATOR)).locate()
+    for number in range(3):
+        located = record_locate(robot, "map", pipe, 5, number, FAST)
+        np.testing.assert_array_equal(located.trajectory.q, part.motions[number])
+        base, set_points = located.trajectory.header.base_m, located.trajectory.header.goal_m
+        assert set_points == pytest.approx(part.targets[number] * [1.0, -1.0] + [base, 0.0])
+        assert located.found is not None
+        assert located.ranges.shape == (len(located.trajectory.q), robot.laser.beams)
+
+
+def test_the_recorded_scan_is_the_one_that_gave_the_printed_target() -> None:
+    located = record_locate(load_robot("basic"), "thesis", PipeCorner.of(120, 120), 0, 0, FAST)
+    trajectory, found, beam = located.trajectory, located.found, located.beam
+    assert found is not None
+    assert beam == located.ranges[found].argmax()
+    assert located.ranges[found, beam] > 0.3 >= located.ranges[:found].max(initial=0.0)
+    target = point_on_beam(trajectory.robot, trajectory.q[found][None], np.array([beam]), 0.2)[0]
+    assert trajectory.header.goal_m == pytest.approx((target[0] + trajectory.header.base_m, target[1]))

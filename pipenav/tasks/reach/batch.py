@@ -2,35 +2,20 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
-from numpy.typing import NDArray
 
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Simulator
 from pipenav.backends.messages import Truth
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.batch import StepResult, TrainingBatch
+from pipenav.tasks.batch import Assessment, StepResult, TrainingBatch
 from pipenav.tasks.outcome import Outcome, strongest_outcome
 from pipenav.tasks.reach import action as actions
 from pipenav.tasks.reach import episode, observation, reward
 from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.reach.episode import ReachEpisodes
 from pipenav.tasks.task import EpisodeSource
-
-
-class Assessment(NamedTuple):
-    """Assessment of one control step.
-
-    Attributes:
-        facts: quantities that the reward depends on.
-        outcome: an `Outcome` for each robot, (n,).
-    """
-
-    facts: reward.StepFacts
-    outcome: NDArray[np.int8]
 
 
 class ReachBatch(TrainingBatch):
@@ -130,7 +115,7 @@ class ReachBatch(TrainingBatch):
     def close(self) -> None:
         self._simulator.close()
 
-    def _assess(self, truth: Truth) -> Assessment:
+    def _assess(self, truth: Truth) -> Assessment[reward.StepFacts]:
         distance = episode.distance_to_target(self._now.tip, self._target, self._edge)
         progress, self._distance = self._distance - distance, distance
         error = np.hypot(*(self._now.tip - self._target).T)

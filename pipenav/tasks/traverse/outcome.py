@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipenav.arrays import Flags, Floats, Ints
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.messages import Reading, Truth
 from pipenav.backends.spatial import SpaceTruth
 from pipenav.robots.robot import RobotSpec
+from pipenav.tasks.batch import Assessment
 from pipenav.tasks.outcome import Outcome, strongest_outcome
 from pipenav.tasks.traverse.config import TraverseConfig, TraverseReward
 
@@ -35,18 +35,6 @@ class StepFacts(NamedTuple):
     penetration: Floats
     passed: Flags
     failed: Flags
-
-
-class Assessment(NamedTuple):
-    """Assessment of one control step.
-
-    Attributes:
-        facts: quantities that the reward depends on.
-        outcome: an `Outcome` for each robot, (n,).
-    """
-
-    facts: StepFacts
-    outcome: NDArray[np.int8]
 
 
 def reward(config: TraverseReward, facts: StepFacts) -> Floats:
@@ -97,7 +85,7 @@ class OutcomeTracker:
         end: Floats,
         reading: Reading,
         truth: Truth | SpaceTruth,
-    ) -> Assessment:
+    ) -> Assessment[StepFacts]:
         """Facts and outcome of one control step.
 
         Args:

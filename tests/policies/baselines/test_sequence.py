@@ -59,19 +59,19 @@ def left_and_right(one: SequenceController, diameter: float, angle: float) -> Tr
 @pytest.mark.parametrize(("diameter", "angle"), [(70.0, 55.0), (90.0, 90.0), (120.0, 55.0)])
 def test_it_goes_through_its_phases_in_order_to_either_side_alike(name: str, diameter: float, angle: float) -> None:
     one = controller(name)
-    with batch(left_and_right(one, diameter, angle), one) as (indices, _):
-        observation = indices.reset()
+    with batch(left_and_right(one, diameter, angle), one) as (robots, _):
+        observation = robots.reset()
         seen: list[list[TurnPhase]] = [[], []]
         ended = np.zeros(2, int)
         while not ended.all():
-            result = indices.step(one.act(observation, indices))
+            result = robots.step(one.act(observation, robots))
             observation = result.observation
             for i in np.flatnonzero(ended == 0):
                 if one.phases[i] not in seen[i]:
                     seen[i].append(one.phases[i])
                 if result.outcome[i] != Outcome.RUNNING:
                     assert Outcome(result.outcome[i]) is Outcome.REACHED
-                    ended[i] = indices.steps[i]
+                    ended[i] = robots.steps[i]
     expected = [phase for phase in TurnPhase if name == NAMES[0] or phase is not TurnPhase.FRONT_TO_TARGET]
     assert seen == [expected, expected]
     assert abs(ended[0] - ended[1]) <= 0.1 * ended[0]  # contacts are not mirrored to the last digit
@@ -83,11 +83,11 @@ def test_the_same_start_gives_the_same_motion(name: str) -> None:
     for _ in range(2):
         one = controller(name)
         start = sample(ROBOT, one.task, [PipeCorner.of(80, 70)], np.random.default_rng(1))
-        with batch(start, one) as (indices, _):
-            observation = indices.reset()
+        with batch(start, one) as (robots, _):
+            observation = robots.reset()
             for _ in range(45):
-                observation = indices.step(one.act(observation, indices)).observation
-            motions.append(indices.q)
+                observation = robots.step(one.act(observation, robots)).observation
+            motions.append(robots.q)
     assert np.array_equal(*motions)
 
 
@@ -105,10 +105,10 @@ def test_a_clamp_presses_as_its_joint_says_and_carries_the_robot(
     one, n = controller("baseline:sequence-line"), 2
     pipe = PipeCorner.of(diameter, 90)
     start = sample(ROBOT, one.task, [pipe] * n, np.random.default_rng(2))
-    with batch(start, one) as (indices, simulator):
-        observation = indices.reset()
+    with batch(start, one) as (robots, simulator):
+        observation = robots.reset()
         for _ in range(35):
-            result = indices.step(one.act(observation, indices))
+            result = robots.step(one.act(observation, robots))
             observation = result.observation
         bend = ROBOT.joint_actuators[1]
         effort = bend.effort_limit * PRESS / bend.full_drive_error
@@ -117,17 +117,17 @@ def test_a_clamp_presses_as_its_joint_says_and_carries_the_robot(
         wheel, motor = ROBOT.wheels[0], ROBOT.driven_actuators[-1]
         stiff = motor.effort_limit * (1 / motor.full_drive_error + 1 / motor.noload_speed)  # [N m s]
         creep = _mass() * GRAVITY * wheel.radius**2 / (3 * stiff)  # of three wheels under the robot's weight [m/s]
-        before = indices.q[:, :2]
+        before = robots.q[:, :2]
         simulator.incline(np.arange(n), GRAVITY * np.array([[-1.0, 0.0], [1.0, 0.0]]))  # type: ignore[attr-defined]
         for _ in range(20):
-            observation = indices.step(one.act(observation, indices)).observation
-        moved = np.abs(indices.q[:, :2] - before)
+            observation = robots.step(one.act(observation, robots)).observation
+        moved = np.abs(robots.q[:, :2] - before)
         assert moved[:, 0].max() < 1.1 * 2.0 * creep < 0.05
         assert moved[:, 1].max() < 0.0005
-        before = indices.q[:, :2]
+        before = robots.q[:, :2]
         for _ in range(5):
-            indices.step(np.zeros((n, 12)))  # set-points where the joints are: nothing presses
-        assert np.abs(indices.q[:, 0] - before[:, 0]).min() > 10 * 0.5 * creep
+            robots.step(np.zeros((n, 12)))  # set-points where the joints are: nothing presses
+        assert np.abs(robots.q[:, 0] - before[:, 0]).min() > 10 * 0.5 * creep
 
 
 def _mass() -> float:

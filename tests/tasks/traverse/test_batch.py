@@ -56,13 +56,13 @@ def test_unclamped_in_an_upright_pipe_it_falls_freely(steps: int) -> None:
 def test_held_clamped_in_an_upright_pipe_it_stays_and_its_wheels_carry_it_up() -> None:
     upright = {"set_points": "held", "start_spread": (1.0, 1.0), "start_press": 0.16, "inclination_deg": (180.0, 180.0)}
     config, pipes = CONFIG.model_copy(update=upright), [PipeCorner.of(70, 90), PipeCorner.of(100, 90, "right")]
-    with started(episodes(config, pipes=pipes), config) as indices:
-        heights = [indices.q[:, 0]]
+    with started(episodes(config, pipes=pipes), config) as batch:
+        heights = [batch.q[:, 0]]
         for forwards in (0.0, 0.5):
             action = np.concatenate([np.zeros((2, 6)), np.full((2, 6), forwards)], axis=1)
             for _ in range(10):
-                indices.step(action)
-            heights.append(indices.q[:, 0])
+                batch.step(action)
+            heights.append(batch.q[:, 0])
     assert heights[1] - heights[0] == pytest.approx(0.0, abs=0.02)
     assert np.all(heights[2] - heights[1] > 0.03)
 

@@ -143,12 +143,12 @@ def carried(pipes: Sequence[Pipe], config: TraverseConfig = CONFIG, seed: int = 
 @given(st.sampled_from(LEVEL), seeds)
 def test_a_route_and_its_mirror_image_are_seen_and_driven_alike_through_all_corners(route: Pipe, seed: int) -> None:
     assert isinstance(route, PipeRoute)
-    ghost, indices = carried([route, mirrored(route)], seed=seed)
+    ghost, batch = carried([route, mirrored(route)], seed=seed)
     rng = np.random.default_rng(seed)
     for at in np.linspace(-1.0, route.distances[-1], 40):
         ghost.tail[:] = at
         action = np.tile(rng.uniform(-1.0, 1.0, 12), (2, 1))
-        seen = indices.step(action).observation
+        seen = batch.step(action).observation
         assert seen[0] == pytest.approx(seen[1])
         left, right = ghost.asked[-1].values
         assert right == pytest.approx(left * ROBOT.mirror_actuators)
@@ -159,15 +159,15 @@ def test_a_route_and_its_mirror_image_are_seen_and_driven_alike_through_all_corn
 @given(st.sampled_from(LEVEL))
 def test_the_side_is_that_of_the_first_corner_that_the_middle_has_not_passed(route: Pipe) -> None:
     assert isinstance(route, PipeRoute)
-    ghost, indices = carried([route])
+    ghost, batch = carried([route])
     turn_signs, scale = route.turn_signs, task_of(CONFIG).observation_scale(ROBOT)
     ends = route.distances[1:-1] + route.inner_edges
     around, before, corner = np.array([0.0, *turn_signs, 0.0]), turn_signs[0], 0
     for at in np.linspace(-1.0, route.distances[-1], 60):
         ghost.tail[:] = at
         action = np.random.default_rng(0).uniform(-1.0, 1.0, (1, 12))
-        seen = indices.step(action).observation * scale
-        corner = max(corner, min(int((indices.distances.mean() >= ends).sum()), len(turn_signs) - 1))
+        seen = batch.step(action).observation * scale
+        corner = max(corner, min(int((batch.distances.mean() >= ends).sum()), len(turn_signs) - 1))
         turn_sign = turn_signs[corner]
         assert seen[0, :6] == pytest.approx(ghost.q[0] * (ROBOT.mirror_signs if turn_sign < 0 else 1.0))
         # What was done last keeps its meaning: the same bends of the same joints.
@@ -179,14 +179,14 @@ def test_the_side_is_that_of_the_first_corner_that_the_middle_has_not_passed(rou
 
 def test_a_corner_that_was_passed_stays_passed_where_the_robot_slides_back() -> None:
     route = PipeRoute.of(100, [(90, "left", 0), (90, "right", 0)], [1000, 800, 1000])
-    ghost, indices = carried([route])
+    ghost, batch = carried([route])
     still = np.zeros((1, 12))
-    first = indices.step(still).observation[0, :6]
+    first = batch.step(still).observation[0, :6]
     ghost.tail[:] = 0.1
-    second = indices.step(still).observation[0, :6]
+    second = batch.step(still).observation[0, :6]
     ghost.tail[:] = -0.1
     assert second == pytest.approx(-first)
-    assert indices.step(still).observation[0, :6] == pytest.approx(second)
+    assert batch.step(still).observation[0, :6] == pytest.approx(second)
 
 
 def test_a_route_is_passed_with_the_tail_past_the_last_corner_and_has_time_for_every_corner() -> None:
@@ -194,18 +194,18 @@ def test_a_route_is_passed_with_the_tail_past_the_last_corner_and_has_time_for_e
     end = route.distances[-2] + route.inner_edges[-1] + CONFIG.through
     config = CONFIG.model_copy(update={"max_steps": 20})
     for last, outcome, steps in ((end + 1e-6, Outcome.REACHED, 50), (end - 1e-6, Outcome.TIMEOUT, 60)):
-        ghost, indices = carried([route], config)
+        ghost, batch = carried([route], config)
         found = []
         for at in [*np.linspace(-1.0, end - 0.02, 49), *[last] * 11]:
             ghost.tail[:] = at
-            found.append(Outcome(indices.step(np.zeros((1, 12))).outcome[0]))
+            found.append(Outcome(batch.step(np.zeros((1, 12))).outcome[0]))
         assert found[: steps - 1] == [Outcome.RUNNING] * (steps - 1)
         assert found[steps - 1] is outcome
 
 
 def test_robots_in_routes_and_in_corners_are_stepped_together() -> None:
-    with on_mujoco([LEVEL[0], CORNERS[0]]) as indices:
-        both = [indices.step(np.full((2, 12), 0.3)) for _ in range(3)]
+    with on_mujoco([LEVEL[0], CORNERS[0]]) as batch:
+        both = [batch.step(np.full((2, 12), 0.3)) for _ in range(3)]
     for i, pipe in enumerate((LEVEL[0], CORNERS[0])):
         start = sample(ROBOT, CONFIG, [LEVEL[0], CORNERS[0]], np.random.default_rng(0)).part(slice(i, i + 1))
         assert start.pipes[0].name == pipe.name
