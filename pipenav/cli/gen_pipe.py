@@ -27,7 +27,14 @@ ANGLE_HELP = (
     "small is sharp, 180 is a straight pipe."
 )
 TURN_HELP = "Side that the pipe turns to, seen by the robot: left or right."
-BEND_HELP = f"Radius of the centre line's bend in mm, 0 to {BEND_RADIUS_MAX_MM:g}; 0 is a mitre."
+BEND_HELP = (
+    f"Radius of the centre line's bend in mm, 0 to {BEND_RADIUS_MAX_MM:g}, or in diameters, for example 1.5D; "
+    "0 is a mitre."
+)
+S_BEND_HELP = "Make the corner twice, the second time to the other side."
+BETWEEN_HELP = (
+    "Length of an S-bend's straight between its corners, from corner to corner, in mm. By default the shortest."
+)
 LEG_HELP = (
     f"Length of each leg along its centre line, from the corner, in mm, up to {LEG_MAX_MM:g}. "
     "By default as long as the corner and a robot need, 600 or more."
@@ -42,7 +49,7 @@ OUT_HELP = "Folder in which the pipe's own folder is made; a pipe folder of the 
 DEFAULT_WALL_MM = m_to_mm(DEFAULT_WALL)
 CORNER, ROUTE, OUTPUT = "One corner", "Several corners", "Output"
 
-CORNER_OPTIONS = ("d", "angle", "turn", "bend_radius", "leg", "wall")
+CORNER_OPTIONS = ("d", "angle", "turn", "bend_radius", "leg", "wall", "s_bend", "between")
 """Parameters of one corner, which a route takes from its file."""
 
 
@@ -53,11 +60,15 @@ AngleOption = Annotated[
     float | None, typer.Option(metavar="DEG", help=ANGLE_HELP, show_default=False, rich_help_panel=CORNER)
 ]
 TurnOption = Annotated[str, typer.Option(metavar="SIDE", help=TURN_HELP, rich_help_panel=CORNER)]
-BendRadiusOption = Annotated[float, typer.Option(metavar="MM", help=BEND_HELP, rich_help_panel=CORNER)]
+BendRadiusOption = Annotated[str, typer.Option(metavar="MM|xD", help=BEND_HELP, rich_help_panel=CORNER)]
 LegOption = Annotated[
     float | None, typer.Option(metavar="MM", help=LEG_HELP, show_default=False, rich_help_panel=CORNER)
 ]
 WallOption = Annotated[float, typer.Option(metavar="MM", help=WALL_HELP, rich_help_panel=CORNER)]
+SBendOption = Annotated[bool, typer.Option("--s-bend", help=S_BEND_HELP, rich_help_panel=ROUTE)]
+BetweenOption = Annotated[
+    float | None, typer.Option(metavar="MM", help=BETWEEN_HELP, show_default=False, rich_help_panel=ROUTE)
+]
 RouteOption = Annotated[
     str | None,
     typer.Option("--route", "--run", metavar="FILE|NAME:K", help=ROUTE_HELP, show_default=False, rich_help_panel=ROUTE),
@@ -70,9 +81,11 @@ def gen_pipe(
     d: DiameterOption = None,
     angle: AngleOption = None,
     turn: TurnOption = "left",
-    bend_radius: BendRadiusOption = 0.0,
+    bend_radius: BendRadiusOption = "0",
     leg: LegOption = None,
     wall: WallOption = DEFAULT_WALL_MM,
+    s_bend: SBendOption = False,
+    between: BetweenOption = None,
     route: RouteOption = None,
     out: OutOption = Path(),
 ) -> None:
@@ -80,22 +93,35 @@ def gen_pipe(
 
     A sharp corner to the left: pipenav gen-pipe --d 100 --angle 75
 
-    A swept bend to the right: pipenav gen-pipe --d 100 --angle 90 --turn right --bend-radius 150 --out my-pipes
+    An elbow to the right: pipenav gen-pipe --d 100 --angle 90 --turn right --bend-radius 1.5D --out my-pipes
+
+    An S-bend: pipenav gen-pipe --d 100 --angle 135 --bend-radius 1.5D --s-bend
 
     Corners in a row: pipenav gen-pipe --route my-route.toml
     """
     if route is not None:
         _refuse_corner_options(context)
-        _make_route(route, out)
+        from pipenav.pipes.route_sets import parse_route
+
+        _write_route(*parse_route(route), out)
         return
     if d is None or angle is None:
         missing = " and ".join(f"--{name}" for name, given in (("d", d), ("angle", angle)) if given is None)
         raise typer.BadParameter(
             f"{missing} missing: give --d and --angle for one corner, or --route FILE for several."
         )
+    if between is not None and not s_bend:
+        raise typer.BadParameter("--between is the straight inside an S-bend: give --s-bend too.")
+    from pipenav.pipes.bend_radius import bend_radius_mm
+
+    pipe = PipeCorner.of(d, angle, turn, bend_radius_mm(bend_radius, d), leg, wall)
+    if s_bend:
+        from pipenav.pipes.s_bend import s_bend as s_bend_of
+
+        _write_route(f"s-bend{pipe.name.removeprefix('corner')}", s_bend_of(pipe, between), out)
+        return
     from pipenav.export.corner_folder import FILES, write_pipe_folder
 
-    pipe = PipeCorner.of(d, angle, turn, bend_radius, leg, wall)
     _report(write_pipe_folder(pipe, out), FILES, _corner_dimensions(pipe))
 
 
@@ -108,11 +134,9 @@ def _refuse_corner_options(context: typer.Context) -> None:
         raise typer.BadParameter(f"--route reads the whole route from its file: leave out {', '.join(given)}.")
 
 
-def _make_route(text: str, out: Path) -> None:
+def _write_route(name: str, route: PipeRoute, out: Path) -> None:
     from pipenav.export.route_folder import route_files, write_route_folder
-    from pipenav.pipes.route_sets import parse_route
 
-    name, route = parse_route(text)
     _report(write_route_folder(route, name, out), route_files(route), _route_dimensions(route))
 
 
@@ -181,6 +205,7 @@ def _route_dimensions(route: PipeRoute) -> list[_Dimension]:
     ]
     for i, (corner, straight) in enumerate(zip(route.corners, route.straights[1:], strict=True), 1):
         roll = f" after a roll of {rad_to_deg(corner.roll):g} deg" if corner.roll else ""
-        then = f"to the {corner.turn}{roll}, then {m_to_mm(straight):.1f} mm"
+        bend = f" in a bend of {m_to_mm(corner.bend_radius):g} mm" if corner.bend_radius else ""
+        then = f"to the {corner.turn}{bend}{roll}, then {m_to_mm(straight):.1f} mm"
         dimensions.append(_Dimension(f"corner {i}", f"{rad_to_deg(corner.angle):.1f} deg", then))
     return dimensions

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -100,7 +101,8 @@ def wall_quads(route: PipeRoute) -> Floats:
     """The outer surface in small pieces, corners in order, counter-clockwise seen from outside, (q, 4, 3) [m]."""
     lines = route.legs.lines(route.radius + route.wall, np.arange(AROUND) * 2 * math.pi / AROUND)  # (AROUND, p, 3)
     pieces = []
-    for start, end, length in zip(lines.swapaxes(0, 1)[:-1], lines.swapaxes(0, 1)[1:], route.straights, strict=True):
+    for start, end in pairwise(lines.swapaxes(0, 1)):
+        length = np.linalg.norm((end - start).mean(axis=0))
         share = np.linspace(0, 1, math.ceil(length / PIECE) + 1)[:, None, None]
         rings = start + share * (end - start)  # (pieces + 1, AROUND, 3)
         beside = np.roll(rings, -1, axis=1)

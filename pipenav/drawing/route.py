@@ -88,10 +88,12 @@ def _plan(route: PipeRoute, axes: Axes) -> float:
     """Draw the route from above; return the height of the drawing at full width [in]."""
     draw_walls(axes, route)
     line = m_to_mm(1.0) * route.centre_line[:, :2]
-    axes.plot(*line.T, color=CENTRE, linewidth=0.9, dashes=(12, 3, 2, 3), zorder=2, label="centre line")
+    rounded = m_to_mm(1.0) * route.legs.line(0.0, 0.0)[:, :2]
+    axes.plot(*rounded.T, color=CENTRE, linewidth=0.9, dashes=(12, 3, 2, 3), zorder=2, label="centre line")
     sketch = _Sketch(route, axes, line)
-    left = np.cos(route.legs.inside)[:, None] > 0
-    edges = np.where(left, route.walls.left[1:-1], route.walls.right[1:-1])[route.legs.reach > STRAIGHT]
+    sharp = (route.legs.reach > STRAIGHT) & (route.legs.bend <= route.radius)
+    inwards = np.diff(route.legs.axes[:, :2, 0], axis=0) / np.sin(route.legs.turn_angle / 2)[:, None] / 2
+    edges = (route.legs.start[1:, :2] + route.radius * inwards / np.cos(route.legs.turn_angle / 2)[:, None])[sharp]
     axes.plot(*m_to_mm(1.0) * edges.T, "o", color=EDGE, markersize=4, zorder=6, label="inner edge")
     if len(route.corners) <= LABELLED:
         sketch.lengths()
@@ -151,7 +153,7 @@ class _Sketch(DimensionedDrawing):
             self.axes.text(x, y, str(i), color=INK, fontsize=8, ha="center", va="center", bbox=frame, zorder=8)
 
     def angles(self) -> None:
-        """Angle and turn of every corner, outside of the corner or, where no room is left, inside."""
+        """Angle, turn and bend radius of every corner, outside of it or, where no room is left, inside."""
         for i, corner in enumerate(self.route.corners):
             away = self.along[i] - self.along[i + 1]
             size = float(np.linalg.norm(away))
@@ -186,9 +188,10 @@ class _Sketch(DimensionedDrawing):
 
 
 def _words(corner: Corner) -> str:
-    """`65° left`, and on a second line the roll where there is one."""
+    """`65° left`, and on lines of their own the bend radius and the roll where there are such."""
+    bend = f"\nR {number(m_to_mm(corner.bend_radius))}" if corner.bend_radius else ""
     rolled = f"\nrolled {rad_to_deg(corner.roll):g}°" if corner.roll else ""
-    return f"{rad_to_deg(corner.angle):g}° {corner.turn}{rolled}"
+    return f"{rad_to_deg(corner.angle):g}° {corner.turn}{bend}{rolled}"
 
 
 def _schedule(route: PipeRoute, axes: Axes) -> float:

@@ -92,7 +92,7 @@ def read_pipe(path: Path) -> PipeCorner:
         OutOfRange: a number outside its allowed range.
     """
     file = path / "pipe.json" if path.is_dir() else path
-    record = read_record(file, "pipe file", SCHEMA, list(CORNER_KEYS.values()))
+    record = read_record(file, "pipe file", (SCHEMA,), list(CORNER_KEYS.values()))
     try:
         pipe = PipeCorner.model_validate({field: record[key] for field, key in CORNER_KEYS.items()})
     except ValidationError as error:

@@ -15,12 +15,13 @@ from pipenav.export.corner_folder import write_stl
 from pipenav.export.scene_xml import COLOUR, Shape, add, mjcf, sdf, text, urdf, write_xml
 from pipenav.pipes.json_keys import ROUTE_KEYS, route_fields
 from pipenav.pipes.route import PipeRoute
+from pipenav.pipes.route_corner import Corner
 from pipenav.pipes.route_solids import PRISM_FACES, route_boards_mesh, route_tube_mesh, wall_prisms
 from pipenav.storage.atomic_folder import read_record, refuse_contradictions, write_folder, write_record
 from pipenav.units import m_to_mm, rad_to_deg
 
-SCHEMA = 1
-"""Version of the route folder's format."""
+SCHEMA, SCHEMA_OF_BENDS = 1, 2
+"""Versions of the route folder's format: the second has bend radii, and a route of mitres keeps the first."""
 
 FILES = {
     "run.json": "every parameter, the centre line and the frames of the straights",
@@ -75,29 +76,33 @@ def _write_files(route: PipeRoute, name: str, folder: Path) -> None:
 def route_record(route: PipeRoute, name: str) -> dict[str, Any]:
     """The content of run.json. The SI numbers count; the ones in mm and deg repeat them for people."""
     return {
-        "schema": SCHEMA,
+        "schema": SCHEMA_OF_BENDS if route.legs.bend.any() else SCHEMA,
         "name": name,
         "planar": route.planar,
         "diameter_m": route.diameter,
         "diameter_mm": m_to_mm(route.diameter),
         "wall_m": route.wall,
         "wall_mm": m_to_mm(route.wall),
-        "corners": [
-            {
-                "turn": corner.turn,
-                "angle_rad": corner.angle,
-                "angle_deg": rad_to_deg(corner.angle),
-                "roll_rad": corner.roll,
-                "roll_deg": rad_to_deg(corner.roll),
-            }
-            for corner in route.corners
-        ],
+        "corners": [_corner_record(corner) for corner in route.corners],
         "straights_m": list(route.straights),
         "straights_mm": [m_to_mm(straight) for straight in route.straights],
         "centre_line_m": route.centre_line.tolist(),
         "rotations": route.frames.rotation.tolist(),
         "wall_segments_m": route.segments.tolist() if route.planar else None,
     }
+
+
+def _corner_record(corner: Corner) -> dict[str, Any]:
+    record = {
+        "turn": corner.turn,
+        "angle_rad": corner.angle,
+        "angle_deg": rad_to_deg(corner.angle),
+        "roll_rad": corner.roll,
+        "roll_deg": rad_to_deg(corner.roll),
+    }
+    if corner.bend_radius:
+        record |= {"bend_radius_m": corner.bend_radius, "bend_radius_mm": m_to_mm(corner.bend_radius)}
+    return record
 
 
 def read_route_folder(path: Path) -> PipeRoute:
@@ -109,7 +114,7 @@ def read_route_folder(path: Path) -> PipeRoute:
         PipenavError: the route is not possible.
     """
     file = path / "run.json" if path.is_dir() else path
-    record = read_record(file, "route file", SCHEMA, list(ROUTE_KEYS.values()))
+    record = read_record(file, "route file", (SCHEMA, SCHEMA_OF_BENDS), list(ROUTE_KEYS.values()))
     try:
         route = PipeRoute.model_validate(route_fields(record))
     except ValidationError as error:
@@ -148,5 +153,5 @@ def _object(part: str, prism: Floats, first: int) -> list[str]:
 
 
 def _parts(prisms: Floats) -> dict[str, Floats]:
-    """Prisms by name: `wall_`, the leg's number from 1 and the side's from 0."""
-    return {f"wall_{leg + 1}_{side}": prisms[leg, side] for leg, side in np.ndindex(*prisms.shape[:2])}
+    """Prisms by name: `wall_`, the piece's number from 1 and the side's from 0."""
+    return {f"wall_{piece + 1}_{side}": prisms[piece, side] for piece, side in np.ndindex(*prisms.shape[:2])}

@@ -27,9 +27,9 @@ def tangent_length(offset: float, bend_radius: float, angle: float) -> float:
     return (offset + fillet_radius(offset, bend_radius)) / math.tan(angle / 2)
 
 
-def arc_chords(radius: float, turn_angle: float) -> int:
-    """Least number of chords that stay within `ARC_TOLERANCE` of an arc; 0 for a sharp or straight one."""
+def arc_chords(radius: float, turn_angle: float, tolerance: float = ARC_TOLERANCE) -> int:
+    """Least number of chords that stay within a tolerance [m] of an arc; 0 for a sharp or straight one."""
     if radius < SHARP or turn_angle < 1e-9:
         return 0
-    step = 2 * math.acos(1 - min(ARC_TOLERANCE / radius, 1.0))
+    step = 2 * math.acos(1 - min(tolerance / radius, 1.0))
     return max(1, math.ceil(turn_angle / step))

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import Annotated, Self, TypeVar
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
 from pipenav.errors import ConfigError, PipenavError, UnknownName, shown
+from pipenav.pipes.bend_radius import bend_radius_mm
 from pipenav.pipes.corner import PipeCorner
 from pipenav.storage import shipped
 from pipenav.storage.text_files import read_toml
@@ -62,7 +63,7 @@ Values = Annotated[
 
 
 class CornerSetFile(BaseModel):
-    """A set of corners as TOML: every diameter with every angle and turn."""
+    """A set of corners as TOML: every diameter with every angle, turn and bend radius."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -71,14 +72,26 @@ class CornerSetFile(BaseModel):
     angles_deg: Values
     turns: list[str] = Field(["left"], min_length=1, max_length=MAX_TURNS)
     bend_radius_mm: float = 0.0
+    bend_radii_d: Values | None = None
+
+    @model_validator(mode="after")
+    def _one_way_to_say_it(self) -> Self:
+        if self.bend_radii_d is not None and self.bend_radius_mm:
+            raise PydanticCustomError("bend_twice", "give bend_radius_mm or bend_radii_d, not both")
+        return self
 
     def make(self) -> list[PipeCorner]:
-        """The corners: every diameter with every angle, first to one side, then to the other."""
+        """The corners: every diameter with every angle and bend radius, first to one side, then to the other."""
         diameters, angles = values_of(self.diameters_mm), values_of(self.angles_deg)
-        if (count := len(diameters) * len(angles) * len(self.turns)) > MAX_CORNERS:
+        radii_d = [0.0] if self.bend_radii_d is None else values_of(self.bend_radii_d)
+        if (count := len(diameters) * len(angles) * len(self.turns) * len(radii_d)) > MAX_CORNERS:
             raise ConfigError(f"a set of {count:,} corners is too large: give it {MAX_CORNERS:,} at most.")
         return [
-            PipeCorner.of(d, a, turn, self.bend_radius_mm) for turn in self.turns for d in diameters for a in angles
+            PipeCorner.of(d, angle, turn, self.bend_radius_mm + times * d)
+            for turn in self.turns
+            for d in diameters
+            for angle in angles
+            for times in radii_d
         ]
 
 
@@ -98,7 +111,7 @@ def parse_corners(given: Sequence[str]) -> list[PipeCorner]:
     `pipenav.pipes.route_sets.parse_pipes` takes routes too.
 
     Args:
-        given: shipped names, TOML files, or `d=90,angle=60[,turn=right][,bend_radius=100]` (mm, deg).
+        given: shipped names, TOML files, or `d=90,angle=60[,turn=right][,bend_radius=100]` (mm, deg; radius also 1.5D).
 
     Raises:
         PipenavError: something that is none of these, or a pipe that is out of range.
@@ -127,10 +140,11 @@ def _typed_corner(text: str) -> PipeCorner:
         values[key.strip()] = value.strip()
     given = {**allowed, **values}
     try:
-        numbers = {key: float(given[key] or "missing") for key in ("d", "angle", "bend_radius")}
+        diameter, angle = (float(given[key] or "missing") for key in ("d", "angle"))
     except ValueError:
         raise PipenavError(f"pipe {shown(text)} is incomplete: write it as d=90,angle=60[,turn=right].") from None
-    return PipeCorner.of(numbers["d"], numbers["angle"], given["turn"] or "left", numbers["bend_radius"])
+    bend_radius = bend_radius_mm(given["bend_radius"] or "missing", diameter)
+    return PipeCorner.of(diameter, angle, given["turn"] or "left", bend_radius)
 
 
 def _read(path: Path) -> list[PipeCorner]:

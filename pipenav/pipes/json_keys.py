@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, Discriminator, PlainSerializer, Tag
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.pipe import Pipe
 from pipenav.pipes.route import PipeRoute, as_route
+from pipenav.pipes.route_corner import Corner
 
 CORNER_KEYS = {
     "turn": "turn",
@@ -24,8 +25,8 @@ CORNER_KEYS = {
 ROUTE_KEYS = {"diameter": "diameter_m", "wall": "wall_m", "corners": "corners", "straights": "straights_m"}
 """Keys of run.json from which a `PipeRoute` is read, by field."""
 
-ROUTE_CORNER_KEYS = {"turn": "turn", "angle": "angle_rad", "roll": "roll_rad"}
-"""Keys of an entry under `corners` in run.json from which a route's corner is read, by field."""
+ROUTE_CORNER_KEYS = {"turn": "turn", "angle": "angle_rad", "roll": "roll_rad", "bend_radius": "bend_radius_m"}
+"""Keys of an entry under `corners` in run.json from which a route's corner is read, by field; a mitre has no radius."""
 
 
 def route_fields(record: Mapping[str, Any]) -> dict[str, Any]:
@@ -40,13 +41,17 @@ def keys_of_pipe(pipe: Pipe) -> dict[str, Any]:
     if isinstance(pipe, PipeCorner):
         return {key: getattr(pipe, field) for field, key in CORNER_KEYS.items()}
     route = as_route(pipe)
-    corners = [{key: getattr(corner, field) for field, key in ROUTE_CORNER_KEYS.items()} for corner in route.corners]
     return {
         "diameter_m": route.diameter,
         "wall_m": route.wall,
-        "corners": corners,
+        "corners": [_keys_of_corner(corner) for corner in route.corners],
         "straights_m": list(route.straights),
     }
+
+
+def _keys_of_corner(corner: Corner) -> dict[str, Any]:
+    fields = {field: getattr(corner, field) for field in ROUTE_CORNER_KEYS}
+    return {ROUTE_CORNER_KEYS[field]: value for field, value in fields.items() if field != "bend_radius" or value}
 
 
 def _pipe_fields(given: Any) -> Any:

@@ -1,4 +1,4 @@
-"""A route: several mitred corners in a row, with straights between them, in one plane or in space.
+"""A route: several corners in a row, mitres or bends, with straights between them, in one plane or in space.
 
 Frame: as of `Pipe`. Every corner bends in a plane of its own, which is the plane of the corner before, turned by `roll`
 about the direction of travel by the right-hand rule: from the left upwards, clockwise for the robot that looks ahead.
@@ -50,7 +50,7 @@ class Frames(NamedTuple):
 
 
 class Sides(NamedTuple):
-    """The two walls of a planar route as polylines, points in order along the route [m], each (corners + 2, 2)."""
+    """The two walls of a planar route as polylines, points in order along the route [m], each (points, 2)."""
 
     left: Floats
     right: Floats
@@ -76,7 +76,7 @@ class PipeRoute(Pipe):
     def of(
         cls,
         diameter_mm: float,
-        corners: Sequence[tuple[float, str, float]],
+        corners: Sequence[tuple[float, str, float] | tuple[float, str, float, float]],
         straights_mm: Sequence[float | None] | None = None,
         wall_mm: float | None = None,
     ) -> Self:
@@ -84,7 +84,7 @@ class PipeRoute(Pipe):
 
         Args:
             diameter_mm: inner diameter.
-            corners: interior angle [deg], turn and roll [deg] of each.
+            corners: interior angle [deg], turn, roll [deg] and, for a bend, radius of the centre line [mm] of each.
             straights_mm: length of every leg; None for a leg that is as long as the corners and a robot need.
             wall_mm: wall thickness.
 
@@ -95,7 +95,7 @@ class PipeRoute(Pipe):
         """
         check_corner_count(len(corners))
         wall = DEFAULT_WALL if wall_mm is None else mm_to_m(wall_mm)
-        made = tuple(Corner(angle=deg_to_rad(a), turn=check_turn(t), roll=deg_to_rad(r)) for a, t, r in corners)
+        made = tuple(_corner(*corner) for corner in corners)
         given = [None] * (len(made) + 1) if straights_mm is None else straights_mm
         diameter = mm_to_m(diameter_mm)
         check_numbers(diameter, made, len(given), wall)  # before the straights, whose defaults follow from these
@@ -110,11 +110,9 @@ class PipeRoute(Pipe):
         """A single corner as a route.
 
         Raises:
-            PipenavError: the corner is a bend.
+            OutOfRange: the corner is a bend of less than 0.75 diameters.
         """
-        if pipe.bend_radius:
-            raise PipenavError(f"pipe {pipe.name} has a bend radius: the corners of a route are mitres.")
-        corner = Corner(angle=pipe.angle, turn=pipe.turn)
+        corner = Corner(angle=pipe.angle, turn=pipe.turn, bend_radius=pipe.bend_radius)
         return cls(diameter=pipe.diameter, corners=(corner,), straights=(pipe.leg, pipe.leg), wall=pipe.wall)
 
     @model_validator(mode="after")
@@ -128,7 +126,7 @@ class PipeRoute(Pipe):
 
     def __hash__(self) -> int:
         """Hash over all fields, faster than pydantic's: pipes are keys of caches."""
-        corners = tuple((corner.angle, corner.turn, corner.roll) for corner in self.corners)
+        corners = tuple((corner.angle, corner.turn, corner.roll, corner.bend_radius) for corner in self.corners)
         return hash((self.diameter, corners, self.straights, self.wall))
 
     @property
@@ -168,8 +166,12 @@ class PipeRoute(Pipe):
 
     @property
     def centre_line(self) -> Floats:
-        """Points of the open ends and, between them, of the corners, (corners + 2, 3) [m]; z is 0 in the plane."""
-        return np.asarray(self.legs.lines(0.0, np.zeros(1))[0])
+        """Points of the open ends and, between them, of the corners, (corners + 2, 3) [m]; z is 0 in the plane.
+
+        A bend leaves it: `legs.line(0.0, 0.0)` is rounded.
+        """
+        end = self.legs.start[-1] + self.legs.length[-1] * self.legs.axes[-1, :, 0]
+        return np.concatenate([self.legs.start, end[None]]) + 0.0  # no minus zeros in files
 
     @property
     def walls(self) -> Sides:
@@ -184,7 +186,7 @@ class PipeRoute(Pipe):
     def segments(self) -> Floats:
         """Wall segments `[[x1, y1], [x2, y2]]` of a planar route, free space on the left of each, read-only.
 
-        The right wall along the route, then the left wall back: (2 corners + 2, 2, 2) [m].
+        The right wall along the route, then the left wall back: (s, 2, 2) [m].
 
         Raises:
             PipenavError: the route leaves the plane.
@@ -194,9 +196,12 @@ class PipeRoute(Pipe):
     @property
     def edges(self) -> Flags:
         to_left = np.cos(self.legs.inside) * self.legs.reach  # in the plane, positive where the route turns left
-        inner = np.stack([to_left < -FLAT, to_left > FLAT])  # (2, corners): at the right wall, at the left wall
-        inner = np.concatenate([inner[:, :1], inner, inner[:, -1:]], axis=1)
-        right, left = np.stack([inner[:, :-1], inner[:, 1:]], axis=2)  # (legs, 2) each
+        sides = []
+        for around, inner in ((0.0, to_left > FLAT), (math.pi, to_left < -FLAT)):
+            at_point = np.repeat(inner, np.array(self.legs.line_chords(self.radius, around)) + 1)
+            at_point = np.concatenate([at_point[:1], at_point, at_point[-1:]])  # an open end is like its neighbour
+            sides.append(np.stack([at_point[:-1], at_point[1:]], axis=1))  # (segments, 2)
+        left, right = sides
         return np.concatenate([right, left[::-1, ::-1]])
 
     @property
@@ -209,7 +214,7 @@ class PipeRoute(Pipe):
 
     @property
     def inner_edges(self) -> Floats:
-        return self.radius * self.legs.reach
+        return np.maximum(self.legs.bend, self.radius) * self.legs.reach
 
     @property
     def leg_frames(self) -> LegFrames:
@@ -217,7 +222,7 @@ class PipeRoute(Pipe):
 
     @property
     def wall_sides(self) -> list[WallSide]:
-        backs = self.legs.lines(self.radius + self.wall, np.array([0.0, math.pi]))[..., :2]
+        backs = (self.legs.line(self.radius + self.wall, around)[:, :2] for around in (0.0, math.pi))
         return [WallSide(*sides) for sides in zip(self.walls, backs, strict=True)]
 
     @property
@@ -237,25 +242,37 @@ class PipeRoute(Pipe):
     def contains(self, points: Floats) -> Flags:
         """Flags of points (..., 3), or (..., 2) of the x-y plane, in the round bore, not past an open end: (...)."""
         points = in_space(points)
-        _, local, beyond = CentreLines.of([self], 3).locate(points.reshape(1, -1, 3))
+        leg, local, beyond = CentreLines.of([self], 3).locate(points.reshape(1, -1, 3))
         inside = (beyond == 0) & (np.hypot(local[..., 1], local[..., 2]) <= self.radius)
-        return np.asarray(inside.reshape(points.shape[:-1]))
+        inside = inside.reshape(points.shape[:-1])
+        leg, along = leg.reshape(inside.shape), local[..., 0].reshape(inside.shape)
+        for i in np.flatnonzero(self.legs.bend):
+            tangent = self.legs.bend[i] * self.legs.reach[i]
+            inside &= ~((leg == i) & (along > self.legs.length[i] - tangent) | (leg == i + 1) & (along < tangent))
+        for i in np.flatnonzero(self.legs.bend):
+            inside |= self.legs.in_bend(points, int(i), self.radius)
+        return np.asarray(inside)
 
 
 def as_route(pipe: Pipe) -> PipeRoute:
-    """A pipe as a route of mitred corners.
+    """A pipe as a route.
 
     Raises:
-        PipenavError: a corner of the pipe is no mitre.
+        OutOfRange: the pipe is a bend of less than 0.75 diameters.
     """
     return pipe if isinstance(pipe, PipeRoute) else PipeRoute.from_corner(pipe.require_corner())
+
+
+def _corner(angle_deg: float, turn: str, roll_deg: float, bend_radius_mm: float = 0.0) -> Corner:
+    angle, roll, bend_radius = deg_to_rad(angle_deg), deg_to_rad(roll_deg), mm_to_m(bend_radius_mm)
+    return Corner(angle=angle, turn=check_turn(turn), roll=roll, bend_radius=bend_radius)
 
 
 # Caches lie beside the routes, as those of corners do.
 @lru_cache(maxsize=4096)
 def _legs(route: PipeRoute) -> Legs:
-    angles = np.array([corner.angle for corner in route.corners])
-    return make_legs(angles, inside_angles(route.corners), np.array(route.straights))
+    angles, bends = np.array([(corner.angle, corner.bend_radius) for corner in route.corners]).T.copy()
+    return make_legs(angles, inside_angles(route.corners), np.array(route.straights), bends)
 
 
 @lru_cache(maxsize=1024)
@@ -276,7 +293,7 @@ def _walls(route: PipeRoute) -> Sides:
         raise PipenavError(
             f"{route.name} leaves the plane, so it has no walls in the plane: choose a route without rolls."
         )
-    left, right = route.legs.lines(route.radius, np.array([0.0, math.pi]))[..., :2]
+    left, right = (route.legs.line(route.radius, around)[:, :2].copy() for around in (0.0, math.pi))
     return Sides(frozen(left), frozen(right))
 
 

@@ -7,13 +7,24 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
-from pipenav.pipes.corner_checks import ANGLE_RANGE_DEG, DIAMETER_RANGE_MM, LEG_MAX_MM, WALL_RANGE_MM, check_range
+from pipenav.pipes.corner_checks import (
+    ANGLE_RANGE_DEG,
+    BEND_RADIUS_MAX_MM,
+    DIAMETER_RANGE_MM,
+    LEG_MAX_MM,
+    WALL_RANGE_MM,
+    check_range,
+)
 from pipenav.pipes.route_corner import Corner, inside_angles
 from pipenav.units import m_to_mm, rad_to_deg
 
 MAX_CORNERS = 50
 """Corners of the longest route: more is a slip of the keyboard."""
+
+LEAST_BEND = 0.75
+"""Least bend radius of a corner that is no mitre [diameters]: the walls inside a tighter bend would be too thin."""
 
 ROLL_MAX_DEG = 360.0
 """Largest roll to either side."""
@@ -57,6 +68,10 @@ def check_numbers(diameter: float, corners: Sequence[Corner], straights: int, wa
     for i, corner in enumerate(corners, 1):
         check_range(f"interior angle of corner {i}", rad_to_deg(corner.angle), *ANGLE_RANGE_DEG, "deg")
         check_range(f"roll of corner {i}", rad_to_deg(corner.roll), -ROLL_MAX_DEG, ROLL_MAX_DEG, "deg")
+        if corner.bend_radius:
+            low = LEAST_BEND * m_to_mm(diameter)
+            what = f"bend radius of corner {i} (0 is a mitre)"
+            check_range(what, m_to_mm(corner.bend_radius), low, BEND_RADIUS_MAX_MM, "mm")
     if straights != len(corners) + 1:
         raise PipenavError(
             f"{straights} straights do not fit {len(corners)} corners: "
@@ -82,16 +97,24 @@ def check_straights(straights: Sequence[float], shortest: Sequence[float]) -> No
 def shortest_straights(diameter: float, corners: Sequence[Corner], wall: float) -> list[float]:
     """Least length of each straight, (corners + 1) [m].
 
-    Every line of the outer surface must reach past both mitres, by a tenth of the diameter. A line at `around` loses
-    reach x cos(around - inside) to each: that is most where the two vectors' sum points.
+    Every line of the outer surface must reach past both corners, by a tenth of the diameter. A line at `around` loses
+    reach x cos(around - inside) to each mitre: that is most where the two vectors' sum points. A bend takes its tangent
+    length from every line, and from the outer surface's inside no less than a mitre would.
 
     Args:
         diameter: inner diameter [m].
         corners: corners in order.
         wall: wall thickness [m].
     """
-    inside = inside_angles(corners)
-    reach = 1 / np.tan([[corner.angle / 2] for corner in corners])  # (corners, 1)
-    lost = reach * np.stack([np.cos(inside), np.sin(inside)], axis=1)  # (corners, 2)
-    lost = np.concatenate([lost[:1], lost[:-1] + lost[1:], lost[-1:]])
-    return [float(x) for x in (diameter / 2 + wall) * np.linalg.norm(lost, axis=1) + 0.1 * diameter]
+    inside, outside = inside_angles(corners), diameter / 2 + wall
+    reach = 1 / np.tan([corner.angle / 2 for corner in corners])  # (corners,)
+    bend = np.array([corner.bend_radius for corner in corners])
+    mitred = np.where(bend == 0, reach, 0.0)[:, None] * np.stack([np.cos(inside), np.sin(inside)], axis=1)
+    tangent = np.where(bend > 0, np.maximum(bend, outside) * reach, 0.0)
+    lost = outside * np.linalg.norm(_beside_each_leg(mitred), axis=1) + _beside_each_leg(tangent[:, None])[:, 0]
+    return [float(x) for x in lost + 0.1 * diameter]
+
+
+def _beside_each_leg(of_corners: Floats) -> Floats:
+    """Sum of the values (corners, k) of the corners at either end of each leg, (corners + 1, k)."""
+    return np.concatenate([of_corners[:1], of_corners[:-1] + of_corners[1:], of_corners[-1:]])

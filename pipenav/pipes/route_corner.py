@@ -10,7 +10,7 @@ from pydantic import ConfigDict
 
 from pipenav.arrays import Floats, Table
 from pipenav.pipes.pipe import Turn
-from pipenav.units import rad_to_deg
+from pipenav.units import m_to_mm, rad_to_deg
 
 
 class Corner(Table):
@@ -20,6 +20,7 @@ class Corner(Table):
         angle: interior angle between its legs [rad]; pi joins two legs in line.
         turn: side that the pipe turns to, in the corner's own plane.
         roll: angle from the plane of the corner before to the plane of this one, about the direction of travel [rad].
+        bend_radius: radius of the centre line's bend [m]; 0 is a mitre.
     """
 
     model_config = ConfigDict(allow_inf_nan=True)  # the route checks ranges, with a sentence of its own
@@ -27,18 +28,21 @@ class Corner(Table):
     angle: float
     turn: Turn = "left"
     roll: float = 0.0
+    bend_radius: float = 0.0
 
     @property
     def name(self) -> str:
-        """`R75roll90`: turn, interior angle and roll [deg], usable in a file name."""
+        """`R75r150roll90`: turn, interior angle [deg], bend radius [mm] and roll [deg], usable in a file name."""
+        bend = f"r{m_to_mm(self.bend_radius):g}" if self.bend_radius else ""
         roll = f"roll{rad_to_deg(self.roll):g}" if self.roll else ""
-        return f"{self.turn[0].upper()}{rad_to_deg(self.angle):g}{roll}"
+        return f"{self.turn[0].upper()}{rad_to_deg(self.angle):g}{bend}{roll}"
 
     @property
     def label(self) -> str:
         """Description in words, for tables and messages."""
+        bend = f" in {m_to_mm(self.bend_radius):g} mm" if self.bend_radius else ""
         roll = f" rolled {rad_to_deg(self.roll):g} deg" if self.roll else ""
-        return f"{rad_to_deg(self.angle):g} deg {self.turn}{roll}"
+        return f"{rad_to_deg(self.angle):g} deg {self.turn}{bend}{roll}"
 
 
 def inside_angles(corners: Sequence[Corner]) -> Floats:

@@ -1,19 +1,23 @@
 """The straight legs of a route in space: lines along them, and whether legs meet.
 
 No leg is twisted against its neighbour: a line at one distance from the centre line and at one angle around it is a
-polyline with a point in each mitre. Angles around the centre line count from the left of the first leg upwards.
+polyline with a point in each mitre, or chords of an arc in each bend. Angles around the centre line count from the left
+of the first leg upwards. A bend rounds every line like `pipenav.pipes.corner` rounds those of a single corner, in a
+plane parallel to the corner's own.
 """
 
 from __future__ import annotations
 
 import math
-from itertools import combinations
+from collections.abc import Sequence
+from itertools import combinations, pairwise
 from typing import NamedTuple
 
 import numpy as np
 
-from pipenav.arrays import Floats
+from pipenav.arrays import Flags, Floats
 from pipenav.pipes.convex import apart
+from pipenav.pipes.corner_lines import ARC_TOLERANCE, arc_chords
 
 SPACING = 0.02
 """Least distance between the outsides of two legs [m]: the thickness of what simulators put behind a wall."""
@@ -43,6 +47,8 @@ class Legs(NamedTuple):
         inside: direction of each corner's inside, the same around the legs before and after it, (corners,) [rad].
         reach: distance before the corner at which a line turns that lies 1 m to its inside, (corners,) [m].
         mitre: unit normals of the mitres, forwards, (corners, 3).
+        turn_angle: change of direction in each corner, (corners,) [rad].
+        bend: radius of the centre line's bend in each corner, 0 for a mitre, (corners,) [m].
     """
 
     length: Floats
@@ -51,28 +57,73 @@ class Legs(NamedTuple):
     inside: Floats
     reach: Floats
     mitre: Floats
+    turn_angle: Floats
+    bend: Floats
 
-    def lines(self, distance: float | Floats, around: Floats) -> Floats:
-        """Lines with a point at each open end and in each mitre, (m, legs + 1, 3) [m].
+    def line(self, distance: float, around: float) -> Floats:
+        """One line, with as few chords in each bend as the tolerance allows, (points, 3) [m]; see `lines`."""
+        return np.asarray(self.lines(distance, np.array([around]), self.line_chords(distance, around))[0])
+
+    def line_chords(self, distance: float, around: float) -> list[int]:
+        """Number of chords of one line in each corner; 0 where it has a point alone."""
+        fillets = self.bend - np.clip(distance * np.cos(around - self.inside), -self.bend, self.bend)
+        return [arc_chords(*pair) for pair in zip(fillets, self.turn_angle, strict=True)]
+
+    def chords(self, distance: float, tolerance: float = ARC_TOLERANCE) -> list[int]:
+        """Number of chords of each bend for all lines up to a distance from the centre line [m]; 0 for mitres."""
+        pairs = zip(self.bend, self.turn_angle, strict=True)
+        return [arc_chords(bend + distance, turn, tolerance) if bend else 0 for bend, turn in pairs]
+
+    def lines(self, distance: float | Floats, around: Floats, chords: Sequence[int] | None = None) -> Floats:
+        """Lines with a point at each open end and in each mitre, and the ends of all chords, (m, points, 3) [m].
 
         Args:
             distance: distance from the centre line, one for all or (m,) [m].
             around: angles around the centre line, (m,) [rad].
+            chords: number of chords of each bend; by default `chords` of the largest distance.
         """
         along, left, up = np.moveaxis(self.axes, -1, 0)  # (legs, 3) each
         left_of, above = (distance * np.cos(around))[:, None, None], (distance * np.sin(around))[:, None, None]
         sideways = left_of * left + above * up  # (m, legs, 3)
-        inwards = np.cos(around[:, None] - self.inside) * np.reshape(distance, (-1, 1))  # (m, corners)
-        mitred = self.start[1:] + sideways[:, :-1] - (inwards * self.reach)[..., None] * along[:-1]
+        offset = np.cos(around[:, None] - self.inside) * np.reshape(distance, (-1, 1))  # (m, corners)
+        fillet = self.bend - np.clip(offset, -self.bend, self.bend)
+        begin = self.start[1:] + sideways[:, :-1] - ((offset + fillet) * self.reach)[..., None] * along[:-1]
         end = self.start[-1] + self.length[-1] * along[-1]
-        return np.concatenate([self.start[0] + sideways[:, :1], mitred, end + sideways[:, -1:]], axis=1)
+        points = [(self.start[0] + sideways[:, :1])]
+        for i, count in enumerate(self.chords(float(np.max(distance))) if chords is None else chords):
+            phi = np.linspace(0.0, self.turn_angle[i], count + 1) if count else np.zeros(1)
+            inwards = np.cos(self.inside[i]) * left[i] + np.sin(self.inside[i]) * up[i]
+            arc = np.sin(phi)[:, None] * along[i] + (1 - np.cos(phi))[:, None] * inwards  # of radius 1, (count + 1, 3)
+            points.append(begin[:, i, None] + fillet[:, i, None, None] * arc)
+        return np.concatenate([*points, end + sideways[:, -1:]], axis=1)
+
+    def in_bend(self, points: Floats, corner: int, radius: float) -> Flags:
+        """Flags of points (..., 3) in the bore of a corner's bend, which is a piece of a torus: (...).
+
+        Args:
+            points: points in the route's frame [m].
+            corner: the corner, counted from 0.
+            radius: radius of the bore [m].
+        """
+        bend, around = self.bend[corner], self.inside[corner]
+        along, left, up = np.moveaxis((points - self.start[corner]) @ self.axes[corner], -1, 0)
+        forwards = along - (self.length[corner] - bend * self.reach[corner])
+        outwards = bend - (left * np.cos(around) + up * np.sin(around))
+        across = up * np.cos(around) - left * np.sin(around)
+        angle = np.arctan2(forwards, outwards)
+        near = np.hypot(np.hypot(forwards, outwards) - bend, across) <= radius
+        return np.asarray(near & (angle >= 0) & (angle <= self.turn_angle[corner]))
 
     def meeting(self, radius: float) -> MeetingLegs | None:
         """Two legs that are no neighbours and yet meet, or nearly so (`SPACING`), as solid rods of a radius [m]."""
         around = (np.arange(ROUND) + 0.5) * 2 * math.pi / ROUND
-        lines = self.lines(radius / math.cos(math.pi / ROUND), around)
-        rods = [lines[:, i : i + 2].reshape(-1, 3) for i in range(len(self.length))]
-        shortest = np.linalg.norm(np.diff(lines, axis=1), axis=2).min(axis=0)  # (legs,)
+        halves = [(count + 1) // 2 for count in self.chords(radius)]  # a leg's rod takes half of each bend beside it
+        lines = self.lines(radius / math.cos(math.pi / ROUND), around, [2 * half for half in halves])
+        bends = np.cumsum([0, *(2 * half + 1 for half in halves)])  # the point before each bend, and the last but one
+        first, last = bends, bends + 1
+        middle = np.array([0, *(bends[:-1] + 1 + np.array(halves, int)), lines.shape[1] - 1])
+        rods = [lines[:, a : b + 1].reshape(-1, 3) for a, b in pairwise(middle)]
+        shortest = np.linalg.norm(lines[:, last] - lines[:, first], axis=2).min(axis=0)  # (legs,)
         for i, j in combinations(range(len(rods)), 2):
             spacing = SPACING if j > i + 2 else min(SPACING, SHORT_SPACING * shortest[i + 1])
             if j > i + 1 and not apart(rods[i], rods[j], spacing):
@@ -80,13 +131,14 @@ class Legs(NamedTuple):
         return None
 
 
-def make_legs(angles: Floats, inside: Floats, straights: Floats) -> Legs:
+def make_legs(angles: Floats, inside: Floats, straights: Floats, bends: Floats) -> Legs:
     """The legs of a route, the first one along x, the second one from the origin.
 
     Args:
         angles: interior angles, (corners,) [rad].
         inside: direction of each corner's inside, as in `Legs`, (corners,) [rad].
         straights: lengths of the legs, (corners + 1,) [m].
+        bends: bend radius of each corner, 0 for a mitre, (corners,) [m].
     """
     axes = [np.eye(3)]
     for angle, around in zip(angles, inside, strict=True):
@@ -97,7 +149,8 @@ def make_legs(angles: Floats, inside: Floats, straights: Floats) -> Legs:
     start = np.concatenate([[-straights[0] * along[0]], np.zeros((1, 3)), steps])
     mitre = along[:-1] + along[1:]
     mitre /= np.linalg.norm(mitre, axis=1, keepdims=True)
-    return Legs(*map(frozen, (straights, start, stacked, inside, 1 / np.tan(angles / 2), mitre)))
+    reach = 1 / np.tan(angles / 2)
+    return Legs(*map(frozen, (straights, start, stacked, inside, reach, mitre, math.pi - angles, bends)))
 
 
 def frozen(array: Floats) -> Floats:

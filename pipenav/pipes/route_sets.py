@@ -15,6 +15,7 @@ from pipenav.pipes.corner_sets import MAX_TURNS, Values, corner_set_names, parse
 from pipenav.pipes.pipe import DEFAULT_WALL, Pipe
 from pipenav.pipes.route import PipeRoute, as_route
 from pipenav.pipes.route_checks import MAX_CORNERS, CrossesItself
+from pipenav.pipes.s_bend import SBendSetFile
 from pipenav.storage import shipped
 from pipenav.storage.text_files import read_toml
 from pipenav.units import m_to_mm
@@ -40,6 +41,7 @@ class CornerEntry(BaseModel):
     angle_deg: float
     turn: str
     roll_deg: float = 0.0
+    bend_radius_mm: float = 0.0
     straight_mm: float | None = None
 
 
@@ -48,7 +50,7 @@ class RouteFile(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    schema_: Literal[1] = Field(alias="schema")
+    schema_: Literal[1, 2] = Field(alias="schema")
     description: str = ""
     diameter_mm: float
     wall_mm: float = m_to_mm(DEFAULT_WALL)
@@ -61,7 +63,7 @@ class RouteFile(BaseModel):
         Raises:
             PipenavError: the route is not possible.
         """
-        corners = [(corner.angle_deg, corner.turn, corner.roll_deg) for corner in self.corners]
+        corners = [(one.angle_deg, one.turn, one.roll_deg, one.bend_radius_mm) for one in self.corners]
         straights = [self.first_straight_mm, *(corner.straight_mm for corner in self.corners)]
         return PipeRoute.of(self.diameter_mm, corners, straights, self.wall_mm)
 
@@ -71,7 +73,7 @@ class RouteSetFile(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    schema_: Literal[1] = Field(alias="schema")
+    schema_: Literal[1, 2] = Field(alias="schema")
     description: str
     routes: int = Field(alias="runs", ge=1, le=MAX_ROUTES)
     seed: int
@@ -80,6 +82,7 @@ class RouteSetFile(BaseModel):
     angles_deg: Values
     turns: list[str] = Field(["left", "right"], min_length=1, max_length=MAX_TURNS)
     rolls_deg: Values = [0.0]
+    bend_radii_d: Values = [0.0]
     straights_mm: Values
     ends_mm: float
 
@@ -101,17 +104,21 @@ class RouteSetFile(BaseModel):
             return values[int(draw() * len(values))]
 
         angles, rolls, straights = (values_of(given) for given in (self.angles_deg, self.rolls_deg, self.straights_mm))
+        radii_d = values_of(self.bend_radii_d)
         for _ in range(MAX_DRAWS):
             if next(draws, None) is None:
                 raise PipenavError(
                     f"a set of {self.routes} routes of {self.corners} corners takes too many draws: choose fewer "
                     "routes or corners, or wider angles, with which fewer routes cross themselves."
                 )
-            bends = [(one_of(angles), one_of(self.turns), one_of(rolls)) for _ in range(self.corners)]
-            bends[0] = (*bends[0][:2], 0.0)  # the first corner's plane is the x-y plane
-            lengths = [self.ends_mm, *(one_of(straights) for _ in bends[1:]), self.ends_mm]
+            drawn = [(one_of(angles), one_of(self.turns), one_of(rolls)) for _ in range(self.corners)]
+            drawn[0] = (*drawn[0][:2], 0.0)  # the first corner's plane is the x-y plane
+            lengths = [self.ends_mm, *(one_of(straights) for _ in drawn[1:]), self.ends_mm]
+            # A single radius is not drawn, so that a set without bends has the routes that it always had.
+            times = [one_of(radii_d) if len(radii_d) > 1 else radii_d[0] for _ in drawn]
+            corners = [(*one, diameter_mm * bend) for one, bend in zip(drawn, times, strict=True)]
             with suppress(CrossesItself):
-                return PipeRoute.of(diameter_mm, bends, lengths)
+                return PipeRoute.of(diameter_mm, corners, lengths)
         raise PipenavError(
             f"{MAX_DRAWS} routes of {self.corners} corners drawn one after the other cross themselves: "
             "choose wider angles, other straights or fewer corners."
@@ -194,6 +201,8 @@ def _parse_one(text: str) -> Sequence[Pipe]:
         return [routes[_index(text, number, len(routes))]] if colon else routes
     if text.endswith(".toml"):
         table = read_toml(Path(text))
+        if "s_bend" in table:
+            return _read_set(Path(text))
         if "corners" in table:
             return _read_set(Path(text)) if "runs" in table else [read_route(Path(text))]
     elif "=" not in text and text not in corner_set_names():
@@ -212,9 +221,9 @@ def _index(text: str, number: str, count: int) -> int:
 
 
 def _read_set(path: Path) -> list[PipeRoute]:
-    file = read_as(RouteSetFile, path)
+    kind: type[SBendSetFile | RouteSetFile] = SBendSetFile if "s_bend" in read_toml(path) else RouteSetFile
     try:
-        return file.draw()
+        return read_as(kind, path).draw()
     except PipenavError as error:
         raise ConfigError(f"{path}: {error}") from error
 

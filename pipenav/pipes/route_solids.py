@@ -13,12 +13,16 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
+from pipenav.pipes.corner_lines import ARC_TOLERANCE
 from pipenav.pipes.corner_solids import Faces, Mesh, boards_between, round_angles, tube_between
 from pipenav.pipes.route import PipeRoute
 from pipenav.units import m_to_mm
 
 FACETS = 16
 """Sides of the polygon: its corners lie 2 % of the radius outside the round bore."""
+
+BEND_DEVIATION = 0.01
+"""Largest distance between a bend and the chords of its prisms, as a share of the bore's radius."""
 
 PRISM_FACES: Faces = np.array(
     [[0, 1, 2], [0, 2, 3], [4, 6, 5], [4, 7, 6]]
@@ -29,11 +33,13 @@ PRISM_FACES: Faces = np.array(
 
 
 def wall_prisms(route: PipeRoute, facets: int = FACETS, thickness: float | None = None) -> Floats:
-    """The wall as convex prisms, (legs, facets, 8, 3) [m] in the route's frame.
+    """The wall as convex prisms, (pieces, facets, 8, 3) [m] in the route's frame.
 
-    Each prism lies behind one side of the polygon, from mitre to mitre or to an open end. Its corners lie on the bore
-    and behind it, first at the leg's start and then at its end, each time around the section. Neighbours share a face,
-    in a mitre too; so they leave no gap, and no prism reaches into the bore of another leg.
+    A piece is a leg, or the part of a bend along one chord. Each prism lies behind one side of the polygon, from one
+    end of its piece to the other. Its corners lie on the bore and behind it, first at the piece's start and then at its
+    end, each time around the section. Neighbours share a face, in a mitre too; so they leave no gap, and no prism
+    reaches into the bore of another leg. Chords leave the bend by `BEND_DEVIATION` at most, and walls end before the
+    axis of the tightest bend, so they can be thinner than asked.
 
     Args:
         route: the route.
@@ -46,10 +52,11 @@ def wall_prisms(route: PipeRoute, facets: int = FACETS, thickness: float | None 
     thickness = route.wall if thickness is None else thickness
     edges = (np.arange(facets) - 0.5) * 2 * math.pi / facets
     to_corner = 1 / math.cos(math.pi / facets)
-    near, far = (
-        route.legs.lines(r * to_corner, edges) for r in (route.radius, route.radius + thickness)
-    )  # (facets, p, 3)
-    if (np.sum(np.diff(far, axis=1) * route.legs.axes[:, :, 0], axis=-1) <= 0).any():
+    chords = route.legs.chords(route.radius, BEND_DEVIATION * route.radius)
+    outside = min([route.radius + thickness, *(0.99 / to_corner * route.legs.bend[route.legs.bend > 0])])
+    near, far = (route.legs.lines(r * to_corner, edges, chords) for r in (route.radius, outside))  # (facets, p, 3)
+    legs = np.cumsum([0, *(count + 1 for count in chords)])  # the pieces that are legs
+    if (np.sum(np.diff(far, axis=1)[:, legs] * route.legs.axes[:, :, 0], axis=-1) <= 0).any():
         raise PipenavError(
             f"walls of {m_to_mm(thickness):g} mm do not fit behind the short straights of {route.name}: "
             "choose thinner ones."
@@ -61,7 +68,8 @@ def wall_prisms(route: PipeRoute, facets: int = FACETS, thickness: float | None 
 def route_tube_mesh(route: PipeRoute) -> Mesh:
     """The hollow tube of a route."""
     outside = route.radius + route.wall
-    inner, outer = (route.legs.lines(r, round_angles(outside)) for r in (route.radius, outside))
+    chords = route.legs.chords(outside, ARC_TOLERANCE / 4)
+    inner, outer = (route.legs.lines(r, round_angles(outside), chords) for r in (route.radius, outside))
     return tube_between(inner, outer)
 
 
@@ -71,6 +79,10 @@ def route_boards_mesh(route: PipeRoute) -> Mesh:
     Raises:
         PipenavError: the route leaves the plane.
     """
-    left, right = route.walls
-    behind_left, behind_right = route.legs.lines(route.radius + route.wall, np.array([0.0, math.pi]))[..., :2]
+    _ = route.walls  # raises where the route leaves the plane
+    outside, sides = route.radius + route.wall, np.array([0.0, math.pi])
+    chords = route.legs.chords(outside, ARC_TOLERANCE / 4)
+    (left, right), (behind_left, behind_right) = (
+        route.legs.lines(r, sides, chords)[..., :2] for r in (route.radius, outside)
+    )
     return boards_between([(left, behind_left), (behind_right, right)], route.radius)

@@ -95,13 +95,13 @@ def write_record(file: Path, record: dict[str, Any]) -> None:
     file.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
 
 
-def read_record(file: Path, kind: str, schema: int, keys: Sequence[str]) -> dict[str, Any]:
+def read_record(file: Path, kind: str, schemas: Sequence[int], keys: Sequence[str]) -> dict[str, Any]:
     """The JSON record of a folder, with a version and some keys that it must have.
 
     Args:
         file: path of the record.
         kind: word for the file in messages: `pipe file`.
-        schema: version that can be read.
+        schemas: versions that can be read.
         keys: keys that the record must have.
 
     Raises:
@@ -111,10 +111,9 @@ def read_record(file: Path, kind: str, schema: int, keys: Sequence[str]) -> dict
     record = read_json(file)
     if not isinstance(record, dict) or "schema" not in record:
         raise ConfigError(f"{file} is not a {kind}: it has no 'schema'.")
-    if record["schema"] != schema:
-        raise ConfigError(
-            f"{file} has schema {shown(record['schema'])}: this version of pipenav reads schema {schema}."
-        )
+    if record["schema"] not in schemas:
+        known = " and ".join(map(str, schemas))
+        raise ConfigError(f"{file} has schema {shown(record['schema'])}: this version of pipenav reads schema {known}.")
     missing = [key for key in keys if key not in record]
     if missing:
         raise ConfigError(f"{file} lacks {', '.join(missing)}: make the folder again with gen-pipe.")

@@ -32,17 +32,26 @@ flat_rolls = st.sampled_from([0.0, 0.0, 180.0, -180.0, 360.0])
 extras = st.one_of(st.integers(0, 100), st.integers(300, 2500))
 
 
+mitres = st.just(0.0)
+
+
+bends = st.one_of(mitres, st.floats(0.75, 5.0), st.sampled_from([0.75, 1.0, 1.5]))
+
+
 @st.composite
 def routes(
     draw: st.DrawFn,
     rolls: st.SearchStrategy[float] = rolls,
     extras: st.SearchStrategy[int] = extras,
+    bends: st.SearchStrategy[float] = mitres,
     most: int = 5,
 ) -> PipeRoute:
-    """Routes whose straights are as long as their mitres need, and some more [mm]."""
+    """Routes whose straights are as long as their corners need, and some more [mm]; bend radii in diameters."""
     diameter = draw(st.floats(40, 150))
-    corners = draw(st.lists(st.tuples(angles, turns, rolls), min_size=1, max_size=most))
-    reach = [0.0, *((diameter / 2 + 3) / math.tan(math.radians(angle) / 2) for angle, _, _ in corners), 0.0]
+    drawn = draw(st.lists(st.tuples(angles, turns, rolls, bends), min_size=1, max_size=most))
+    corners = [(angle, turn, roll, bend * diameter) for angle, turn, roll, bend in drawn]
+    outside = diameter / 2 + 3
+    reach = [0.0, *(max(outside, bend) / math.tan(math.radians(angle) / 2) for angle, _, _, bend in corners), 0.0]
     needed = [math.ceil(a + b + 0.1 * diameter) for a, b in pairwise(reach)]
     straights = [least + draw(extras) for least in needed]
     try:
@@ -53,6 +62,12 @@ def routes(
 
 
 planar_routes = routes(flat_rolls)
+
+
+bent_routes = routes(bends=bends)
+
+
+planar_bent_routes = routes(flat_rolls, bends=bends)
 
 
 def inside(route: PipeRoute, seed: int = 0, count: int = 40) -> Floats:

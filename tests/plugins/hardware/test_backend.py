@@ -115,7 +115,7 @@ def test_a_slow_adapter_is_named(latency: float, outcome: str) -> None:
 def test_the_arm_must_be_where_a_reset_says(emulator: Emulator) -> None:
     with driver(emulator) as arm:
         start = arm.read().q
-        with pytest.raises(PipenavError, match=r"joint theta2 is 0\.500 from its start position"):
+        with pytest.raises(PipenavError, match=r"joint theta2 is 0\.500 rad from its start position"):
             arm.reset(np.array([0]), [], start + np.array([[0, 0, 0.5, 0]]), np.zeros(1))
     assert byte_log.only_asked(emulator.log_path)
 
