@@ -14,6 +14,7 @@ from pipenav.export.corner_folder import FILES, read_pipe
 from pipenav.export.route_folder import read_route_folder, route_files
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.route_sets import parse_routes, read_route
+from pipenav.pipes.s_bend import s_bend
 
 app = typer.Typer()
 app.command("gen-pipe")(gen_pipe)
@@ -120,11 +121,27 @@ def test_makes_a_route_of_a_shipped_set(tmp_path: Path) -> None:
     assert read_route_folder(tmp_path / "runs-level-7") == parse_routes(["runs-level"])[6]
 
 
+def test_makes_an_s_bend_of_a_corner(tmp_path: Path) -> None:
+    corner = ("--d", 100, "--angle", 135, "--turn", "right", "--bend-radius", "1.5D", "--leg", 700)
+    assert run(*corner, "--s-bend", "--out", tmp_path).exit_code == 0
+    folder = tmp_path / "s-bend-d100-a135-r150-right"
+    made = s_bend(PipeCorner.of(100, 135, "right", 150, leg_mm=700))
+    assert read_route_folder(folder) == made
+    assert (folder / "run.json").read_text().startswith('{\n  "schema": 2')
+    assert run(*corner, "--s-bend", "--between", 400, "--out", tmp_path).exit_code == 0
+    assert read_route_folder(folder).straights == (0.7, 0.4, 0.7)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (("--run", "runs-level:1", "--d", 100, "--bend-radius", 0), "leave out --d, --bend-radius."),
         (("--run", "runs-level:1", "--wall", 3), "leave out --wall."),
+        (("--run", "runs-level:1", "--s-bend"), "leave out --s-bend."),
+        (
+            ("--d", 100, "--angle", 90, "--between", 400),
+            "--between is the straight inside an S-bend: give",
+        ),
         (("--d", 100), "--angle missing: give --d and --angle for one corner, or --route FILE for several."),
         ((), "--d and --angle missing"),
     ],

@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 import pytest
 from helpers.engines import CONTACTS, contacts_of_free_body
+from helpers.random_routes import along_centre
 
 from pipenav.arrays import Floats
 from pipenav.export.corner_folder import write_pipe_folder
@@ -31,6 +32,7 @@ CORNERS = [
 ROUTES = {
     "level": parse_routes(["runs-level:5"])[0],
     "rolled": parse_routes(["runs-rolled:11"])[0],
+    "bent": PipeRoute.of(90, [(90, "left", 0, 67.5), (60, "right", 90, 135), (120, "left", -45)]),
     "odd": PipeRoute.of(150, [(30, "right", 0), (180, "left", 0), (120, "left", 33)], wall_mm=5),
 }
 
@@ -50,8 +52,7 @@ def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
 def centre(pipe: Pipe, count: int = 200) -> Floats:
     """Points along the centre line, (count, 3) [m]."""
     if isinstance(pipe, PipeRoute):
-        at = np.linspace(pipe.distances[0], pipe.distances[-1], count)
-        return np.stack([np.interp(at, pipe.distances, x) for x in pipe.centre_line.T], axis=1)
+        return along_centre(pipe, count)
     line = pipe.line(0.0)
     lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1)))
     at = np.linspace(0.0, lengths[-1], count)

@@ -70,6 +70,20 @@ bent_routes = routes(bends=bends)
 planar_bent_routes = routes(flat_rolls, bends=bends)
 
 
+def rounded_length(route: PipeRoute) -> float:
+    """Length of the rounded centre line [m]."""
+    legs = route.legs
+    return float(sum(route.straights) - (legs.bend * (2 * legs.reach - legs.turn_angle)).sum())
+
+
+def along_centre(route: PipeRoute, count: int, margin: float = 0.0) -> Floats:
+    """Points along the rounded centre line, away from the open ends by a margin [m], (count, 3)."""
+    line = route.legs.line(0.0, 0.0)
+    lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1)))
+    at = np.linspace(margin, lengths[-1] - margin, count)
+    return np.stack([np.interp(at, lengths, x) for x in line.T], axis=1)
+
+
 def inside(route: PipeRoute, seed: int = 0, count: int = 40) -> Floats:
     """Points in the bore of every leg, between its mitres, (legs, count, 3)."""
     rng = np.random.default_rng(seed)

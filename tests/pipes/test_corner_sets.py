@@ -46,7 +46,7 @@ def test_the_working_range_is_90_corners_to_either_side() -> None:
 def test_every_shipped_set_can_be_passed(name: str) -> None:
     for diameter, angle, _ in corners(parse_corners([name])):
         assert 70 <= diameter <= 130  # the thesis's physical arm ran in 130 mm
-        assert 55 <= angle <= 125
+        assert 55 <= angle <= 140  # a gentler corner is no harder
 
 
 def test_a_typed_pipe() -> None:

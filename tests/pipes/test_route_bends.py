@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 from helpers.prisms import depth_in_any, faces_of
-from helpers.random_routes import angles, bent_routes, flat_rolls, planar_bent_routes, routes, turns
+from helpers.random_routes import angles, bent_routes, flat_rolls, planar_bent_routes, rounded_length, routes, turns
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -27,12 +27,6 @@ BENT = [
     PipeRoute.of(70, [(135, "right", 30, 52.5), (45, "left", -60, 200)]),
     PipeRoute.of(120, [(90, "left", 0, 120), (120, "right", 0, 90), (75, "left", 0), (90, "left", 0, 360)]),
 ]
-
-
-def rounded_length(route: PipeRoute) -> float:
-    """Length of the rounded centre line [m]."""
-    legs = route.legs
-    return float(sum(route.straights) - (legs.bend * (2 * legs.reach - legs.turn_angle)).sum())
 
 
 def solid(mesh: Mesh) -> trimesh.Trimesh:

@@ -148,7 +148,7 @@ def test_names_of_sets_are_distinct() -> None:
         ("runs-level:0", "'runs-level:0' names no route of the set: write a number from 1 to 24 after the colon."),
         ("runs-level:x", "write a number from 1 to 24"),
         ("no-such.toml", "cannot read no-such.toml: No such file or directory."),
-        ("d=90,angle=60,bend_radius=100", "has a bend radius: the corners of a route are mitres"),
+        ("d=90,angle=60,bend_radius=60", "bend radius of corner 1 (0 is a mitre) 60 mm is out of range: choose 67.5"),
     ],
 )
 def test_what_is_no_route_is_named(text: str, message: str) -> None:
@@ -160,7 +160,7 @@ def test_what_is_no_route_is_named(text: str, message: str) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (ONE.replace("schema = 1", "schema = 2"), "schema: input should be 1, given 2"),
+        (ONE.replace("schema = 1", "schema = 3"), "schema: input should be 1 or 2, given 3"),
         (ONE.replace("schema = 1", ""), "schema: field required"),
         (ONE.replace("diameter_mm", "diametre_mm"), "diameter_mm: field required"),
         (ONE + "rol_deg = 90", "unknown key 'corners.1.rol_deg': did you mean 'corners.1.roll_deg'"),
