@@ -67,6 +67,7 @@ def _calibrate(calibrator: Calibrator, robot: RobotSpec, arm: Path, write_servos
 
     with guarded(calibrator):
         _ask(calibrator, robot)
+        _keep_former(arm)
         atomic_write(arm, calibrator.text())
         typer.echo(f"wrote {arm}")
         if not write_servos:
@@ -79,6 +80,19 @@ def _calibrate(calibrator: Calibrator, robot: RobotSpec, arm: Path, write_servos
             raise PipenavError(
                 f"{error} Not all is stored: your answers are kept in {arm}; store them by {command}"
             ) from error
+
+
+def _keep_former(arm: Path) -> None:
+    """Keep an earlier description, which may be another arm's, under a name with a number."""
+    from pipenav.storage.atomic_files import atomic_write
+
+    if not arm.exists():
+        return
+    number = 1
+    while (former := arm.with_stem(f"{arm.stem}-{number}")).exists():
+        number += 1
+    atomic_write(former, arm.read_bytes())
+    typer.echo(f"kept the former {arm} as {former}")
 
 
 def _store(arm: Path) -> None:

@@ -10,6 +10,7 @@ import typer
 
 from pipenav.cli.progress_bars import percentage_bar
 from pipenav.cli.terminal import progress_console, say
+from pipenav.errors import PipenavError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -87,12 +88,14 @@ def experiment(
         pipenav experiment a --seeds 1 --steps 20000 --episodes 4 --out runs/quick-look
     """
     from pipenav.backends.simulators import load_simulator
-    from pipenav.experiments.definition import chosen
+    from pipenav.experiments.definition import agents_of, chosen
     from pipenav.experiments.plan import ExperimentSettings, open_plan
     from pipenav.experiments.report import write_report
     from pipenav.storage.lock import one_writer
 
     experiments = chosen(name)
+    if steps is not None and not agents_of(list(experiments)):
+        raise PipenavError(f"experiment {name} trains nothing, so --steps would do nothing: leave it out.")
     load_simulator(backend)
     settings = ExperimentSettings(steps=steps, episodes=episodes, backend=backend)
     with one_writer(out):

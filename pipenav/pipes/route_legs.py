@@ -61,7 +61,7 @@ class Legs(NamedTuple):
     bend: Floats
 
     def line(self, distance: float, around: float) -> Floats:
-        """One line, with as few chords in each bend as the tolerance allows, (points, 3) [m]; see `lines`."""
+        """Single line, with as few chords in each bend as the tolerance allows, (points, 3) [m]; see `lines`."""
         return np.asarray(self.lines(distance, np.array([around]), self.line_chords(distance, around))[0])
 
     def line_chords(self, distance: float, around: float) -> list[int]:

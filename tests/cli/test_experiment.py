@@ -18,15 +18,21 @@ def test_an_unknown_experiment_is_answered_with_the_known(capsys: pytest.Capture
 
 def test_results_of_other_settings_are_not_mixed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     open_plan(["e"], 1, ExperimentSettings(steps=1000, episodes=2), tmp_path)
-    assert run("experiment", "e", "--steps", "2000", "--episodes", "2", "--out", str(tmp_path)) == 1
+    assert run("experiment", "e", "--episodes", "2", "--out", str(tmp_path)) == 1
     assert "holds results of 1,000 steps, 2 episodes per pipe" in capsys.readouterr().err
+
+
+def test_steps_where_nothing_is_trained_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("experiment", "e", "--steps", "2000", "--out", str(tmp_path / "new")) == 1
+    assert "experiment e trains nothing, so --steps would do nothing: leave it out." in capsys.readouterr().err
+    assert not (tmp_path / "new").exists()
 
 
 @pytest.mark.slow
 def test_a_damaged_folder_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    open_plan(["e"], 1, ExperimentSettings(steps=1000, episodes=1), tmp_path)
+    open_plan(["e"], 1, ExperimentSettings(episodes=1), tmp_path)
     (tmp_path / "elapsed.json").write_text('{"hours": 1}', encoding="utf-8")
-    assert run("experiment", "e", "--seeds", "1", "--steps", "1000", "--episodes", "1", "--out", str(tmp_path)) == 1
+    assert run("experiment", "e", "--seeds", "1", "--episodes", "1", "--out", str(tmp_path)) == 1
     assert "elapsed.json is damaged, it has no number 'seconds'" in capsys.readouterr().err
 
 

@@ -29,7 +29,7 @@ def commands_into(folder: Path) -> list[tuple[str, ...]]:
     out = ("--out", str(folder))
     return [
         ("eval", "--policy", "arm", *QUICK, *out),
-        ("experiment", "e", "--seeds", "1", "--steps", "100", "--episodes", "1", *out),
+        ("experiment", "e", "--seeds", "1", "--episodes", "1", *out),
     ]
 
 

@@ -371,8 +371,10 @@ def test_calibrate_as_typed(
     answers = ["", "", "y", "15", "", "n", "", "y", "", "y"]
     monkeypatch.setattr(sys, "stdin", io.StringIO("\n".join(answers) + "\n"))
     ports = ("--port", emulator.arm.port, "--scanner-port", emulator.arm.scanner.port, "--robot", "basic")
+    (tmp_path / "arm.toml").write_text("another arm's")
     assert run("calibrate", *ports, "--arm", str(tmp_path / "arm.toml"), "--write-servos") == 0
     written = (tmp_path / "arm.toml").read_text()
+    assert (tmp_path / "arm-1.toml").read_text() == "another arm's"
     assert written.count("sign = -1") == 1
     assert "servo 1 (l): limits" in capsys.readouterr().out
     emulator.order(place=[512, 512, 512, 512])

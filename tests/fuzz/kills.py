@@ -103,7 +103,7 @@ VICTIMS = {
     ),
     "train": Victim(("train", "--steps", "10000000", *SMALL, "--out", "trained"), 15.0, False, training_problems),
     "experiment": Victim(
-        ("experiment", "e", "--seeds", "2", "--steps", "5000", "--episodes", "5", "--jobs", "2", "--out", "tried"),
+        ("experiment", "f", "--seeds", "2", "--steps", "5000", "--episodes", "2", "--jobs", "2", "--out", "tried"),
         20.0,
         False,
         experiment_problems,

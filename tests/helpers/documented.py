@@ -160,7 +160,7 @@ def _view(options: Options) -> Options:
 
 def _experiment(options: Options) -> Options:
     """The one without a training, for every stage of `all` takes the same way."""
-    small = (("--seeds", "1"), ("--steps", "64"), ("--episodes", "1"), ("--jobs", "1"))
+    small = (("--seeds", "1"), ("--episodes", "1"), ("--jobs", "1"))
     return options._replace(arguments=("e",)).without(DROPPED).plus(*small, ("--out", "reported"))
 
 

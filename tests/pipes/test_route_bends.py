@@ -98,6 +98,7 @@ def test_bent_solids_are_watertight_and_as_large_as_straight_ones_of_the_centre_
         assert boards.volume == pytest.approx(1e9 * 2 * route.wall * route.diameter * length, rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("route", BENT, ids=lambda route: route.name)
 @pytest.mark.parametrize("thickness", [None, 0.02])
 def test_prisms_are_convex_leave_the_bore_free_and_fill_the_wall(route: PipeRoute, thickness: float | None) -> None:
