@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
+from pipenav.pipes.bend_radius import bend_radius_mm
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.corner_checks import (
     ANGLE_RANGE_DEG,
@@ -19,6 +20,8 @@ from pipenav.pipes.pipe import DEFAULT_WALL
 from pipenav.units import m_to_mm, rad_to_deg
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from pipenav.pipes.route import PipeRoute
 
 DIAMETER_HELP = f"Inner diameter in mm, {DIAMETER_RANGE_MM[0]:g} to {DIAMETER_RANGE_MM[1]:g}."
@@ -31,10 +34,9 @@ BEND_HELP = (
     f"Radius of the centre line's bend in mm, 0 to {BEND_RADIUS_MAX_MM:g}, or in diameters, for example 1.5D; "
     "0 is a mitre."
 )
-S_BEND_HELP = "Make the corner twice, the second time to the other side."
-BETWEEN_HELP = (
-    "Length of an S-bend's straight between its corners, from corner to corner, in mm. By default the shortest."
-)
+TO_D_HELP = "Make a reducer instead of a corner: the inner diameter behind it, in mm."
+OVER_HELP = "Length of a reducer along its centre line, in mm; 0 is a step. By default the larger diameter."
+S_BEND_HELP = "Make the corner twice, the second time to the other side, as near to the first as they fit."
 LEG_HELP = (
     f"Length of each leg along its centre line, from the corner, in mm, up to {LEG_MAX_MM:g}. "
     "By default as long as the corner and a robot need, 600 or more."
@@ -49,7 +51,7 @@ OUT_HELP = "Folder in which the pipe's own folder is made; a pipe folder of the 
 DEFAULT_WALL_MM = m_to_mm(DEFAULT_WALL)
 CORNER, ROUTE, OUTPUT = "One corner", "Several corners", "Output"
 
-CORNER_OPTIONS = ("d", "angle", "turn", "bend_radius", "leg", "wall", "s_bend", "between")
+CORNER_OPTIONS = ("d", "angle", "turn", "bend_radius", "leg", "wall", "s_bend", "to_d", "over")
 """Parameters of one corner, which a route takes from its file."""
 
 
@@ -66,8 +68,11 @@ LegOption = Annotated[
 ]
 WallOption = Annotated[float, typer.Option(metavar="MM", help=WALL_HELP, rich_help_panel=CORNER)]
 SBendOption = Annotated[bool, typer.Option("--s-bend", help=S_BEND_HELP, rich_help_panel=ROUTE)]
-BetweenOption = Annotated[
-    float | None, typer.Option(metavar="MM", help=BETWEEN_HELP, show_default=False, rich_help_panel=ROUTE)
+ToDiameterOption = Annotated[
+    float | None, typer.Option("--to-d", metavar="MM", help=TO_D_HELP, show_default=False, rich_help_panel=ROUTE)
+]
+OverOption = Annotated[
+    float | None, typer.Option(metavar="MM", help=OVER_HELP, show_default=False, rich_help_panel=ROUTE)
 ]
 RouteOption = Annotated[
     str | None,
@@ -85,7 +90,8 @@ def gen_pipe(
     leg: LegOption = None,
     wall: WallOption = DEFAULT_WALL_MM,
     s_bend: SBendOption = False,
-    between: BetweenOption = None,
+    to_d: ToDiameterOption = None,
+    over: OverOption = None,
     route: RouteOption = None,
     out: OutOption = Path(),
 ) -> None:
@@ -97,41 +103,54 @@ def gen_pipe(
 
     An S-bend: pipenav gen-pipe --d 100 --angle 135 --bend-radius 1.5D --s-bend
 
+    A reducer: pipenav gen-pipe --d 100 --to-d 80
+
     Corners in a row: pipenav gen-pipe --route my-route.toml
     """
-    if route is not None:
-        _refuse_corner_options(context)
-        from pipenav.pipes.route_sets import parse_route
+    from pipenav.pipes.route_sets import parse_route
 
+    if route is not None:
+        _refuse(context, CORNER_OPTIONS, "--route reads the whole route from its file")
         _write_route(*parse_route(route), out)
-        return
-    if d is None or angle is None:
+    elif d is not None and to_d is not None:
+        from pipenav.pipes.reducer import reducer
+
+        _refuse(context, ("angle", "turn", "bend_radius", "s_bend"), "a reducer goes straight on")
+        _write_route(f"reducer-d{d:g}-to{to_d:g}", reducer(d, to_d, over, leg, wall), out)
+    elif d is None or angle is None:
         missing = " and ".join(f"--{name}" for name, given in (("d", d), ("angle", angle)) if given is None)
         raise typer.BadParameter(
             f"{missing} missing: give --d and --angle for one corner, or --route FILE for several."
         )
-    if between is not None and not s_bend:
-        raise typer.BadParameter("--between is the straight inside an S-bend: give --s-bend too.")
-    from pipenav.pipes.bend_radius import bend_radius_mm
-
-    pipe = PipeCorner.of(d, angle, turn, bend_radius_mm(bend_radius, d), leg, wall)
-    if s_bend:
-        from pipenav.pipes.s_bend import s_bend as s_bend_of
-
-        _write_route(f"s-bend{pipe.name.removeprefix('corner')}", s_bend_of(pipe, between), out)
-        return
-    from pipenav.export.corner_folder import FILES, write_pipe_folder
-
-    _report(write_pipe_folder(pipe, out), FILES, _corner_dimensions(pipe))
+    else:
+        _refuse(context, ("over",), "--over is the length of a reducer, which --to-d makes")
+        corner = PipeCorner.of(d, angle, turn, bend_radius_mm(bend_radius, d), leg, wall)
+        _write_corner(corner, s_bend, out)
 
 
-def _refuse_corner_options(context: typer.Context) -> None:
-    sources = {name: context.get_parameter_source(name) for name in CORNER_OPTIONS}
+def _refuse(context: typer.Context, names: Sequence[str], reason: str) -> None:
+    """Refuse options that were typed and would do nothing.
+
+    Raises:
+        BadParameter: with their names.
+    """
+    sources = {name: context.get_parameter_source(name) for name in names}
     given = [
         f"--{name.replace('_', '-')}" for name, source in sources.items() if source and source.name == "COMMANDLINE"
     ]
     if given:
-        raise typer.BadParameter(f"--route reads the whole route from its file: leave out {', '.join(given)}.")
+        raise typer.BadParameter(f"{reason}: leave out {', '.join(given)}.")
+
+
+def _write_corner(corner: PipeCorner, twice: bool, out: Path) -> None:
+    """Write the folder of a corner, or of the S-bend that has it twice."""
+    from pipenav.export.corner_folder import FILES, write_pipe_folder
+    from pipenav.pipes.s_bend import s_bend
+
+    if twice:
+        _write_route(f"s-bend{corner.name.removeprefix('corner')}", s_bend(corner), out)
+    else:
+        _report(write_pipe_folder(corner, out), FILES, _corner_dimensions(corner))
 
 
 def _write_route(name: str, route: PipeRoute, out: Path) -> None:
@@ -207,5 +226,10 @@ def _route_dimensions(route: PipeRoute) -> list[_Dimension]:
         roll = f" after a roll of {rad_to_deg(corner.roll):g} deg" if corner.roll else ""
         bend = f" in a bend of {m_to_mm(corner.bend_radius):g} mm" if corner.bend_radius else ""
         then = f"to the {corner.turn}{bend}{roll}, then {m_to_mm(straight):.1f} mm"
-        dimensions.append(_Dimension(f"corner {i}", f"{rad_to_deg(corner.angle):.1f} deg", then))
+        if corner.to_diameter is None:
+            dimensions.append(_Dimension(f"corner {i}", f"{rad_to_deg(corner.angle):.1f} deg", then))
+        else:
+            shape = f"over {m_to_mm(corner.length):g} mm" if corner.length else "in a step"
+            over = f"{shape}, then {m_to_mm(straight):.1f} mm"
+            dimensions.append(_Dimension(f"reducer {i}", f"{m_to_mm(corner.to_diameter):.1f} mm", over))
     return dimensions

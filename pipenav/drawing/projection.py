@@ -68,7 +68,7 @@ class View(NamedTuple):
         points = line[:-1, None] + share * np.diff(line, axis=0)[:, None]  # (legs, SAMPLES, 2)
         pairs = [(i, j) for j in range(len(points)) for i in range(j - 1)]
         apart = [np.linalg.norm(points[i][:, None] - points[j], axis=-1).min() for i, j in pairs]
-        return int(np.sum(np.array(apart) < 2 * (route.radius + route.wall)))
+        return int(np.sum(np.array(apart) < 2 * (route.legs.radius.max() + route.wall)))
 
     def flat(self, points: Floats) -> Floats:
         """Points (..., 3) projected into the picture, (..., 2)."""
@@ -99,7 +99,8 @@ def draw_tube(axes: Axes, route: PipeRoute, view: View) -> Floats:
 
 def wall_quads(route: PipeRoute) -> Floats:
     """The outer surface in small pieces, corners in order, counter-clockwise seen from outside, (q, 4, 3) [m]."""
-    lines = route.legs.lines(route.radius + route.wall, np.arange(AROUND) * 2 * math.pi / AROUND)  # (AROUND, p, 3)
+    around = np.arange(AROUND) * 2 * math.pi / AROUND
+    lines = route.legs.lines((route.legs.radius + route.wall)[None], around)  # (AROUND, p, 3)
     pieces = []
     for start, end in pairwise(lines.swapaxes(0, 1)):
         length = np.linalg.norm((end - start).mean(axis=0))

@@ -76,7 +76,8 @@ def route_figure(route: PipeRoute, name: str) -> Figure:
         below += 1.0
     figure.set_size_inches(max(WIDTH_IN * shrink, 6.5) + 0.6, tall * shrink + below)
     many = f"{len(route.corners)} corners" if len(route.corners) > 1 else "one corner"
-    bore = f"⌀ {number(m_to_mm(route.diameter))} mm, wall {number(m_to_mm(route.wall))} mm"
+    bores = "-".join(number(m_to_mm(2 * radius)) for radius in dict.fromkeys(route.legs.radius.tolist()))
+    bore = f"⌀ {bores} mm, wall {number(m_to_mm(route.wall))} mm"
     length = f"{sum(route.straights):.2f} m along the centre line, lengths from corner to corner"
     write_title(axes, f"{name}: {many}, {bore}", f"{length}; all lengths in mm")
     if route.planar:
@@ -91,9 +92,9 @@ def _plan(route: PipeRoute, axes: Axes) -> float:
     rounded = m_to_mm(1.0) * route.legs.line(0.0, 0.0)[:, :2]
     axes.plot(*rounded.T, color=CENTRE, linewidth=0.9, dashes=(12, 3, 2, 3), zorder=2, label="centre line")
     sketch = _Sketch(route, axes, line)
-    sharp = (route.legs.reach > STRAIGHT) & (route.legs.bend <= route.radius)
-    inwards = np.diff(route.legs.axes[:, :2, 0], axis=0) / np.sin(route.legs.turn_angle / 2)[:, None] / 2
-    edges = (route.legs.start[1:, :2] + route.radius * inwards / np.cos(route.legs.turn_angle / 2)[:, None])[sharp]
+    sharp = (route.legs.reach > STRAIGHT) & (route.legs.bend <= route.legs.radius[:-1])
+    inwards = np.diff(route.legs.axes[:, :2, 0], axis=0)[sharp] / np.sin(route.legs.turn_angle[sharp, None])
+    edges = route.legs.start[1:, :2][sharp] + route.legs.radius[:-1][sharp, None] * inwards
     axes.plot(*m_to_mm(1.0) * edges.T, "o", color=EDGE, markersize=4, zorder=6, label="inner edge")
     if len(route.corners) <= LABELLED:
         sketch.lengths()
@@ -124,7 +125,7 @@ class _Sketch(DimensionedDrawing):
 
     def __init__(self, route: PipeRoute, axes: Axes, line: Floats) -> None:
         self.route, self.centre = route, line
-        self.outside = m_to_mm(route.radius + route.wall)
+        self.outside = m_to_mm(float(route.legs.radius.max()) + route.wall)
         super().__init__(axes, np.concatenate([line - self.outside, line + self.outside]))
         steps = np.diff(line, axis=0)
         self.seen = np.linalg.norm(steps, axis=1)  # (legs,) lengths in the picture [mm]
@@ -188,7 +189,9 @@ class _Sketch(DimensionedDrawing):
 
 
 def _words(corner: Corner) -> str:
-    """`65° left`, and on lines of their own the bend radius and the roll where there are such."""
+    """`65° left`, and on lines of their own the bend radius and the roll where there are such; a reducer's bore."""
+    if corner.to_diameter is not None:
+        return f"to ⌀ {number(m_to_mm(corner.to_diameter))}\nover {number(m_to_mm(corner.length))}"
     bend = f"\nR {number(m_to_mm(corner.bend_radius))}" if corner.bend_radius else ""
     rolled = f"\nrolled {rad_to_deg(corner.roll):g}°" if corner.roll else ""
     return f"{rad_to_deg(corner.angle):g}° {corner.turn}{bend}{rolled}"

@@ -20,8 +20,8 @@ from pipenav.pipes.route_solids import PRISM_FACES, route_boards_mesh, route_tub
 from pipenav.storage.atomic_folder import read_record, refuse_contradictions, write_folder, write_record
 from pipenav.units import m_to_mm, rad_to_deg
 
-SCHEMA, SCHEMA_OF_BENDS = 1, 2
-"""Versions of the route folder's format: the second has bend radii, and a route of mitres keeps the first."""
+SCHEMA, SCHEMA_OF_FITTINGS = 1, 2
+"""Versions of the route folder's format: the second has bends and reducers, a route of mitres keeps the first."""
 
 FILES = {
     "run.json": "every parameter, the centre line and the frames of the straights",
@@ -76,7 +76,7 @@ def _write_files(route: PipeRoute, name: str, folder: Path) -> None:
 def route_record(route: PipeRoute, name: str) -> dict[str, Any]:
     """The content of run.json. The SI numbers count; the ones in mm and deg repeat them for people."""
     return {
-        "schema": SCHEMA_OF_BENDS if route.legs.bend.any() else SCHEMA,
+        "schema": SCHEMA if all(corner.mitre for corner in route.corners) else SCHEMA_OF_FITTINGS,
         "name": name,
         "planar": route.planar,
         "diameter_m": route.diameter,
@@ -102,6 +102,9 @@ def _corner_record(corner: Corner) -> dict[str, Any]:
     }
     if corner.bend_radius:
         record |= {"bend_radius_m": corner.bend_radius, "bend_radius_mm": m_to_mm(corner.bend_radius)}
+    if corner.to_diameter is not None:
+        record |= {"to_diameter_m": corner.to_diameter, "to_diameter_mm": m_to_mm(corner.to_diameter)}
+        record |= {"length_m": corner.length, "length_mm": m_to_mm(corner.length)}
     return record
 
 
@@ -114,7 +117,7 @@ def read_route_folder(path: Path) -> PipeRoute:
         PipenavError: the route is not possible.
     """
     file = path / "run.json" if path.is_dir() else path
-    record = read_record(file, "route file", (SCHEMA, SCHEMA_OF_BENDS), list(ROUTE_KEYS.values()))
+    record = read_record(file, "route file", (SCHEMA, SCHEMA_OF_FITTINGS), list(ROUTE_KEYS.values()))
     try:
         route = PipeRoute.model_validate(route_fields(record))
     except ValidationError as error:

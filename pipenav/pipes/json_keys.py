@@ -25,8 +25,18 @@ CORNER_KEYS = {
 ROUTE_KEYS = {"diameter": "diameter_m", "wall": "wall_m", "corners": "corners", "straights": "straights_m"}
 """Keys of run.json from which a `PipeRoute` is read, by field."""
 
-ROUTE_CORNER_KEYS = {"turn": "turn", "angle": "angle_rad", "roll": "roll_rad", "bend_radius": "bend_radius_m"}
-"""Keys of an entry under `corners` in run.json from which a route's corner is read, by field; a mitre has no radius."""
+ROUTE_CORNER_KEYS = {
+    "turn": "turn",
+    "angle": "angle_rad",
+    "roll": "roll_rad",
+    "bend_radius": "bend_radius_m",
+    "to_diameter": "to_diameter_m",
+    "length": "length_m",
+}
+"""Keys of an entry under `corners` in run.json from which a route's corner is read, by field."""
+
+OPTIONAL_CORNER_FIELDS = ("bend_radius", "to_diameter", "length")
+"""Fields that a mitre's entry leaves out."""
 
 
 def route_fields(record: Mapping[str, Any]) -> dict[str, Any]:
@@ -51,7 +61,8 @@ def keys_of_pipe(pipe: Pipe) -> dict[str, Any]:
 
 def _keys_of_corner(corner: Corner) -> dict[str, Any]:
     fields = {field: getattr(corner, field) for field in ROUTE_CORNER_KEYS}
-    return {ROUTE_CORNER_KEYS[field]: value for field, value in fields.items() if field != "bend_radius" or value}
+    given = {field: value for field, value in fields.items() if value or field not in OPTIONAL_CORNER_FIELDS}
+    return {ROUTE_CORNER_KEYS[field]: value for field, value in given.items()}
 
 
 def _pipe_fields(given: Any) -> Any:

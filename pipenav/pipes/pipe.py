@@ -77,6 +77,11 @@ class Pipe(Table, ABC):
         return self.diameter / 2
 
     @property
+    def narrowest(self) -> float:
+        """Smallest inner diameter of all legs [m]."""
+        return 2 * float(self.leg_frames.radius.min())
+
+    @property
     @abstractmethod
     def name(self) -> str:
         """Short name, usable as a file name."""

@@ -1,4 +1,4 @@
-"""A route: several corners in a row, mitres or bends, with straights between them, in one plane or in space.
+"""A route: several corners in a row, mitres, bends and reducers, with straights between, in one plane or in space.
 
 Frame: as of `Pipe`. Every corner bends in a plane of its own, which is the plane of the corner before, turned by `roll`
 about the direction of travel by the right-hand rule: from the left upwards, clockwise for the robot that looks ahead.
@@ -19,7 +19,7 @@ from pipenav.arrays import Flags, Floats, Ints
 from pipenav.errors import PipenavError
 from pipenav.pipes.centre_lines import CentreLines
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.corner_checks import check_turn, default_leg
+from pipenav.pipes.corner_checks import default_leg
 from pipenav.pipes.pipe import DEFAULT_WALL, LegFrames, Pipe, WallSide
 from pipenav.pipes.route_checks import (
     MAX_CORNERS,
@@ -29,9 +29,9 @@ from pipenav.pipes.route_checks import (
     check_straights,
     shortest_straights,
 )
-from pipenav.pipes.route_corner import Corner, inside_angles
+from pipenav.pipes.route_corner import Corner, corner_of, leg_diameters
 from pipenav.pipes.route_legs import Legs, about_x, frozen, make_legs
-from pipenav.units import deg_to_rad, m_to_mm, mm_to_m
+from pipenav.units import m_to_mm, mm_to_m
 
 FLAT = 1e-9
 """Angle below which a plane counts as the x-y plane [rad]: rounding of angles."""
@@ -62,7 +62,7 @@ class PipeRoute(Pipe):
     Two routes are equal where their numbers are: a left turn and a right one rolled by pi differ.
 
     Attributes:
-        diameter: inner diameter of all legs [m].
+        diameter: inner diameter of all legs, or of those up to the first reducer [m].
         corners: corners, in the order in which the robot comes to them.
         straights: length of every leg along its centre line, from open end or corner to corner or open end
             (corners + 1) [m].
@@ -94,16 +94,34 @@ class PipeRoute(Pipe):
             PipenavError: an unknown turn, a wrong number of corners or straights.
         """
         check_corner_count(len(corners))
-        wall = DEFAULT_WALL if wall_mm is None else mm_to_m(wall_mm)
-        made = tuple(_corner(*corner) for corner in corners)
+        made = tuple(corner_of(*corner) for corner in corners)
         given = [None] * (len(made) + 1) if straights_mm is None else straights_mm
-        diameter = mm_to_m(diameter_mm)
-        check_numbers(diameter, made, len(given), wall)  # before the straights, whose defaults follow from these
+        wall = DEFAULT_WALL if wall_mm is None else mm_to_m(wall_mm)
+        return cls.with_default_straights(mm_to_m(diameter_mm), made, given, wall)
+
+    @classmethod
+    def with_default_straights(
+        cls, diameter: float, corners: tuple[Corner, ...], straights_mm: Sequence[float | None], wall: float
+    ) -> Self:
+        """A route some of whose straights are not given: these are as long as the corners and a robot need.
+
+        Args:
+            diameter: inner diameter at the first open end [m].
+            corners: corners in order.
+            straights_mm: length of every leg, or None.
+            wall: wall thickness [m].
+
+        Raises:
+            PipenavError: as `of`.
+        """
+        check_numbers(diameter, corners, len(straights_mm), wall)  # before the straights, whose defaults follow
+        least = shortest_straights(diameter, corners, wall)
+        diameters = leg_diameters(diameter, corners).tolist()
         straights = tuple(
-            default_leg(shortest, diameter) if mm is None else mm_to_m(mm)
-            for mm, shortest in zip(given, shortest_straights(diameter, made, wall), strict=True)
+            default_leg(shortest, own) if mm is None else mm_to_m(mm)
+            for mm, shortest, own in zip(straights_mm, least, diameters, strict=True)
         )
-        return cls(diameter=diameter, corners=made, straights=straights, wall=wall)
+        return cls(diameter=diameter, corners=corners, straights=straights, wall=wall)
 
     @classmethod
     def from_corner(cls, pipe: PipeCorner) -> Self:
@@ -119,14 +137,14 @@ class PipeRoute(Pipe):
     def _possible(self) -> Self:
         check_numbers(self.diameter, self.corners, len(self.straights), self.wall)
         check_straights(self.straights, shortest_straights(self.diameter, self.corners, self.wall))
-        met = self.legs.meeting(self.radius + self.wall)
+        met = self.legs.meeting(self.legs.radius + self.wall)
         if met:
             raise CrossesItself(met.first + 1, met.second + 1)
         return self
 
     def __hash__(self) -> int:
         """Hash over all fields, faster than pydantic's: pipes are keys of caches."""
-        corners = tuple((corner.angle, corner.turn, corner.roll, corner.bend_radius) for corner in self.corners)
+        corners = tuple(tuple(corner.__dict__.values()) for corner in self.corners)
         return hash((self.diameter, corners, self.straights, self.wall))
 
     @property
@@ -153,7 +171,7 @@ class PipeRoute(Pipe):
 
     @property
     def frames(self) -> Frames:
-        """Frame of every leg, twisted with the corners' planes as run.json lists them; the arrays are read-only."""
+        """Frame of every leg, twisted with the corners' planes; the arrays are read-only."""
         return _frames(self)
 
     @property
@@ -166,10 +184,7 @@ class PipeRoute(Pipe):
 
     @property
     def centre_line(self) -> Floats:
-        """Points of the open ends and, between them, of the corners, (corners + 2, 3) [m]; z is 0 in the plane.
-
-        A bend leaves it: `legs.line(0.0, 0.0)` is rounded.
-        """
+        """Points of the open ends and, between them, of the corners, (corners + 2, 3) [m]; a bend leaves it."""
         end = self.legs.start[-1] + self.legs.length[-1] * self.legs.axes[-1, :, 0]
         return np.concatenate([self.legs.start, end[None]]) + 0.0  # no minus zeros in files
 
@@ -198,7 +213,11 @@ class PipeRoute(Pipe):
         to_left = np.cos(self.legs.inside) * self.legs.reach  # in the plane, positive where the route turns left
         sides = []
         for around, inner in ((0.0, to_left > FLAT), (math.pi, to_left < -FLAT)):
-            at_point = np.repeat(inner, np.array(self.legs.line_chords(self.radius, around)) + 1)
+            points = np.array(self.legs.line_chords(self.legs.radius, around)) + 1
+            at_point = np.repeat(inner, points)
+            for i in np.flatnonzero(~np.isnan(self.legs.taper)):  # of its two points the narrower one
+                narrower = int(points[:i].sum()) + int(self.legs.radius[i + 1] < self.legs.radius[i])
+                at_point[narrower] = True
             at_point = np.concatenate([at_point[:1], at_point, at_point[-1:]])  # an open end is like its neighbour
             sides.append(np.stack([at_point[:-1], at_point[1:]], axis=1))  # (segments, 2)
         left, right = sides
@@ -214,15 +233,16 @@ class PipeRoute(Pipe):
 
     @property
     def inner_edges(self) -> Floats:
-        return np.maximum(self.legs.bend, self.radius) * self.legs.reach
+        edges = np.maximum(self.legs.bend, self.legs.radius[:-1]) * self.legs.reach
+        return np.where(np.isnan(self.legs.taper), edges, self.legs.taper / 2)
 
     @property
     def leg_frames(self) -> LegFrames:
-        return LegFrames(self.legs.start, self.legs.axes, self.legs.length, np.full(len(self.straights), self.radius))
+        return LegFrames(self.legs.start, self.legs.axes, self.legs.length, self.legs.radius)
 
     @property
     def wall_sides(self) -> list[WallSide]:
-        backs = (self.legs.line(self.radius + self.wall, around)[:, :2] for around in (0.0, math.pi))
+        backs = (self.legs.line(self.legs.radius + self.wall, around)[:, :2] for around in (0.0, math.pi))
         return [WallSide(*sides) for sides in zip(self.walls, backs, strict=True)]
 
     @property
@@ -243,14 +263,9 @@ class PipeRoute(Pipe):
         """Flags of points (..., 3), or (..., 2) of the x-y plane, in the round bore, not past an open end: (...)."""
         points = in_space(points)
         leg, local, beyond = CentreLines.of([self], 3).locate(points.reshape(1, -1, 3))
-        inside = (beyond == 0) & (np.hypot(local[..., 1], local[..., 2]) <= self.radius)
-        inside = inside.reshape(points.shape[:-1])
-        leg, along = leg.reshape(inside.shape), local[..., 0].reshape(inside.shape)
+        inside = ((beyond == 0) & self.legs.in_straight(leg, local)).reshape(points.shape[:-1])
         for i in np.flatnonzero(self.legs.bend):
-            tangent = self.legs.bend[i] * self.legs.reach[i]
-            inside &= ~((leg == i) & (along > self.legs.length[i] - tangent) | (leg == i + 1) & (along < tangent))
-        for i in np.flatnonzero(self.legs.bend):
-            inside |= self.legs.in_bend(points, int(i), self.radius)
+            inside |= self.legs.in_bend(points, int(i))
         return np.asarray(inside)
 
 
@@ -263,16 +278,10 @@ def as_route(pipe: Pipe) -> PipeRoute:
     return pipe if isinstance(pipe, PipeRoute) else PipeRoute.from_corner(pipe.require_corner())
 
 
-def _corner(angle_deg: float, turn: str, roll_deg: float, bend_radius_mm: float = 0.0) -> Corner:
-    angle, roll, bend_radius = deg_to_rad(angle_deg), deg_to_rad(roll_deg), mm_to_m(bend_radius_mm)
-    return Corner(angle=angle, turn=check_turn(turn), roll=roll, bend_radius=bend_radius)
-
-
 # Caches lie beside the routes, as those of corners do.
 @lru_cache(maxsize=4096)
 def _legs(route: PipeRoute) -> Legs:
-    angles, bends = np.array([(corner.angle, corner.bend_radius) for corner in route.corners]).T.copy()
-    return make_legs(angles, inside_angles(route.corners), np.array(route.straights), bends)
+    return make_legs(route.corners, np.array(route.straights), leg_diameters(route.diameter, route.corners) / 2)
 
 
 @lru_cache(maxsize=1024)
@@ -293,7 +302,7 @@ def _walls(route: PipeRoute) -> Sides:
         raise PipenavError(
             f"{route.name} leaves the plane, so it has no walls in the plane: choose a route without rolls."
         )
-    left, right = (route.legs.line(route.radius, around)[:, :2].copy() for around in (0.0, math.pi))
+    left, right = (route.legs.line(route.legs.radius, around)[:, :2].copy() for around in (0.0, math.pi))
     return Sides(frozen(left), frozen(right))
 
 

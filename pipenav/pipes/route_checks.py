@@ -17,7 +17,7 @@ from pipenav.pipes.corner_checks import (
     WALL_RANGE_MM,
     check_range,
 )
-from pipenav.pipes.route_corner import Corner, inside_angles
+from pipenav.pipes.route_corner import Corner, inside_angles, leg_diameters
 from pipenav.units import m_to_mm, rad_to_deg
 
 MAX_CORNERS = 50
@@ -25,6 +25,9 @@ MAX_CORNERS = 50
 
 LEAST_BEND = 0.75
 """Least bend radius of a corner that is no mitre [diameters]: the walls inside a tighter bend would be too thin."""
+
+REDUCER_MAX_MM = 2000.0
+"""Length of the longest reducer."""
 
 ROLL_MAX_DEG = 360.0
 """Largest roll to either side."""
@@ -54,7 +57,7 @@ def check_numbers(diameter: float, corners: Sequence[Corner], straights: int, wa
     """Refuse a route with a number outside its range; the lengths of the straights are not looked at.
 
     Args:
-        diameter: inner diameter [m].
+        diameter: inner diameter before the first reducer [m].
         corners: corners in order.
         straights: number of straights.
         wall: wall thickness [m].
@@ -65,13 +68,18 @@ def check_numbers(diameter: float, corners: Sequence[Corner], straights: int, wa
     """
     check_range("diameter", m_to_mm(diameter), *DIAMETER_RANGE_MM, "mm")
     check_range("wall thickness", m_to_mm(wall), *WALL_RANGE_MM, "mm")
-    for i, corner in enumerate(corners, 1):
+    for i, (corner, before) in enumerate(zip(corners, leg_diameters(diameter, corners)[:-1], strict=True), 1):
         check_range(f"interior angle of corner {i}", rad_to_deg(corner.angle), *ANGLE_RANGE_DEG, "deg")
         check_range(f"roll of corner {i}", rad_to_deg(corner.roll), -ROLL_MAX_DEG, ROLL_MAX_DEG, "deg")
         if corner.bend_radius:
-            low = LEAST_BEND * m_to_mm(diameter)
+            low = LEAST_BEND * m_to_mm(before)
             what = f"bend radius of corner {i} (0 is a mitre)"
             check_range(what, m_to_mm(corner.bend_radius), low, BEND_RADIUS_MAX_MM, "mm")
+        if corner.to_diameter is not None:
+            check_range(f"diameter behind reducer {i}", m_to_mm(corner.to_diameter), *DIAMETER_RANGE_MM, "mm")
+            check_range(f"length of reducer {i}", m_to_mm(corner.length), 0.0, REDUCER_MAX_MM, "mm")
+            check_range(f"interior angle of reducer {i}", rad_to_deg(corner.angle), 180.0, 180.0, "deg")
+            check_range(f"bend radius of reducer {i}", m_to_mm(corner.bend_radius), 0.0, 0.0, "mm")
     if straights != len(corners) + 1:
         raise PipenavError(
             f"{straights} straights do not fit {len(corners)} corners: "
@@ -106,13 +114,14 @@ def shortest_straights(diameter: float, corners: Sequence[Corner], wall: float) 
         corners: corners in order.
         wall: wall thickness [m].
     """
-    inside, outside = inside_angles(corners), diameter / 2 + wall
+    diameters, inside = leg_diameters(diameter, corners), inside_angles(corners)
+    outside = diameters / 2 + wall  # (legs,)
     reach = 1 / np.tan([corner.angle / 2 for corner in corners])  # (corners,)
-    bend = np.array([corner.bend_radius for corner in corners])
+    bend, taper = np.array([(corner.bend_radius, corner.length) for corner in corners]).T
     mitred = np.where(bend == 0, reach, 0.0)[:, None] * np.stack([np.cos(inside), np.sin(inside)], axis=1)
-    tangent = np.where(bend > 0, np.maximum(bend, outside) * reach, 0.0)
-    lost = outside * np.linalg.norm(_beside_each_leg(mitred), axis=1) + _beside_each_leg(tangent[:, None])[:, 0]
-    return [float(x) for x in lost + 0.1 * diameter]
+    ends = np.where(bend > 0, np.maximum(bend, outside[:-1]) * reach, taper / 2)
+    lost = outside * np.linalg.norm(_beside_each_leg(mitred), axis=1) + _beside_each_leg(ends[:, None])[:, 0]
+    return [float(x) for x in lost + 0.1 * diameters]
 
 
 def _beside_each_leg(of_corners: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""A corner of a route, and the direction of its inside."""
+"""A corner of a route, which can be a reducer, and the direction of its inside."""
 
 from __future__ import annotations
 
@@ -9,18 +9,21 @@ import numpy as np
 from pydantic import ConfigDict
 
 from pipenav.arrays import Floats, Table
+from pipenav.pipes.corner_checks import check_turn
 from pipenav.pipes.pipe import Turn
-from pipenav.units import m_to_mm, rad_to_deg
+from pipenav.units import deg_to_rad, m_to_mm, mm_to_m, rad_to_deg
 
 
 class Corner(Table):
-    """A corner of a route.
+    """A corner of a route: a mitre, a bend or, where it goes straight on to another diameter, a reducer.
 
     Attributes:
         angle: interior angle between its legs [rad]; pi joins two legs in line.
         turn: side that the pipe turns to, in the corner's own plane.
         roll: angle from the plane of the corner before to the plane of this one, about the direction of travel [rad].
         bend_radius: radius of the centre line's bend [m]; 0 is a mitre.
+        to_diameter: inner diameter behind a reducer [m]; None for every other corner.
+        length: length of a reducer along the centre line, half of it to either side [m]; 0 is a step.
     """
 
     model_config = ConfigDict(allow_inf_nan=True)  # the route checks ranges, with a sentence of its own
@@ -29,10 +32,22 @@ class Corner(Table):
     turn: Turn = "left"
     roll: float = 0.0
     bend_radius: float = 0.0
+    to_diameter: float | None = None
+    length: float = 0.0
+
+    @property
+    def mitre(self) -> bool:
+        """Whether it is neither a bend nor a reducer."""
+        return not self.bend_radius and self.to_diameter is None
 
     @property
     def name(self) -> str:
-        """`R75r150roll90`: turn, interior angle [deg], bend radius [mm] and roll [deg], usable in a file name."""
+        """`R75r150roll90` or `D90`: turn, interior angle [deg], bend radius [mm] and roll [deg], or new diameter [mm].
+
+        It is usable in a file name.
+        """
+        if self.to_diameter is not None:
+            return f"D{m_to_mm(self.to_diameter):g}" + (f"l{m_to_mm(self.length):g}" if self.length else "")
         bend = f"r{m_to_mm(self.bend_radius):g}" if self.bend_radius else ""
         roll = f"roll{rad_to_deg(self.roll):g}" if self.roll else ""
         return f"{self.turn[0].upper()}{rad_to_deg(self.angle):g}{bend}{roll}"
@@ -40,9 +55,34 @@ class Corner(Table):
     @property
     def label(self) -> str:
         """Description in words, for tables and messages."""
+        if self.to_diameter is not None:
+            return f"to {m_to_mm(self.to_diameter):g} mm over {m_to_mm(self.length):g} mm"
         bend = f" in {m_to_mm(self.bend_radius):g} mm" if self.bend_radius else ""
         roll = f" rolled {rad_to_deg(self.roll):g} deg" if self.roll else ""
         return f"{rad_to_deg(self.angle):g} deg {self.turn}{bend}{roll}"
+
+
+def corner_of(angle_deg: float, turn: str, roll_deg: float = 0.0, bend_radius_mm: float = 0.0) -> Corner:
+    """A mitre or a bend from the numbers that people use.
+
+    Raises:
+        PipenavError: an unknown turn.
+    """
+    angle, roll, bend_radius = deg_to_rad(angle_deg), deg_to_rad(roll_deg), mm_to_m(bend_radius_mm)
+    return Corner(angle=angle, turn=check_turn(turn), roll=roll, bend_radius=bend_radius)
+
+
+def reducer_corner(to_diameter_mm: float, length_mm: float) -> Corner:
+    """A reducer to another diameter over a length."""
+    return Corner(angle=math.pi, to_diameter=mm_to_m(to_diameter_mm), length=mm_to_m(length_mm))
+
+
+def leg_diameters(first: float, corners: Sequence[Corner]) -> Floats:
+    """Inner diameters of the legs, of which the first is given, (corners + 1,) [m]."""
+    diameters = [first]
+    for corner in corners:
+        diameters.append(diameters[-1] if corner.to_diameter is None else corner.to_diameter)
+    return np.array(diameters)
 
 
 def inside_angles(corners: Sequence[Corner]) -> Floats:

@@ -15,9 +15,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipenav.arrays import Flags, Floats
+from pipenav.arrays import Flags, Floats, Ints
 from pipenav.pipes.convex import apart
 from pipenav.pipes.corner_lines import ARC_TOLERANCE, arc_chords
+from pipenav.pipes.route_corner import Corner, inside_angles
 
 SPACING = 0.02
 """Least distance between the outsides of two legs [m]: the thickness of what simulators put behind a wall."""
@@ -25,6 +26,9 @@ SPACING = 0.02
 SHORT_SPACING = 0.25
 """Least distance between two legs that one short leg joins, as a share of the shortest line along that leg: where its
 mitres are parallel, and as sharp as they may be, their distance is 0.26 of it."""
+
+STEP = 1e-4
+"""Least length of a reducer [m], which a step gets too: solids without length are none."""
 
 ROUND = 32
 """Sides of the prism around a leg, in the test whether legs are apart."""
@@ -49,6 +53,8 @@ class Legs(NamedTuple):
         mitre: unit normals of the mitres, forwards, (corners, 3).
         turn_angle: change of direction in each corner, (corners,) [rad].
         bend: radius of the centre line's bend in each corner, 0 for a mitre, (corners,) [m].
+        radius: radius of the bore in each leg, (legs,) [m].
+        taper: length of the reducer at each corner, `STEP` or more, and NaN where there is none, (corners,) [m].
     """
 
     length: Floats
@@ -59,51 +65,90 @@ class Legs(NamedTuple):
     mitre: Floats
     turn_angle: Floats
     bend: Floats
+    radius: Floats
+    taper: Floats
 
-    def line(self, distance: float, around: float) -> Floats:
+    def line(self, distance: float | Floats, around: float) -> Floats:
         """Single line, with as few chords in each bend as the tolerance allows, (points, 3) [m]; see `lines`."""
-        return np.asarray(self.lines(distance, np.array([around]), self.line_chords(distance, around))[0])
+        chords = self.line_chords(distance, around)
+        return np.asarray(self.lines(np.atleast_2d(distance), np.array([around]), chords)[0])
 
-    def line_chords(self, distance: float, around: float) -> list[int]:
-        """Number of chords of one line in each corner; 0 where it has a point alone."""
-        fillets = self.bend - np.clip(distance * np.cos(around - self.inside), -self.bend, self.bend)
-        return [arc_chords(*pair) for pair in zip(fillets, self.turn_angle, strict=True)]
+    def line_chords(self, distance: float | Floats, around: float) -> list[int]:
+        """Number of chords of one line in each corner: 0 where it has a point alone, 1 along a reducer.
+
+        Args:
+            distance: distance from the centre line, one for all legs or (legs,) [m].
+            around: angle around the centre line [rad].
+        """
+        before = np.broadcast_to(distance, self.length.shape)[:-1]
+        fillets = self.bend - np.clip(before * np.cos(around - self.inside), -self.bend, self.bend)
+        arcs = [arc_chords(*pair) for pair in zip(fillets, self.turn_angle, strict=True)]
+        return [arc if math.isnan(taper) else 1 for arc, taper in zip(arcs, self.taper, strict=True)]
 
     def chords(self, distance: float, tolerance: float = ARC_TOLERANCE) -> list[int]:
-        """Number of chords of each bend for all lines up to a distance from the centre line [m]; 0 for mitres."""
-        pairs = zip(self.bend, self.turn_angle, strict=True)
-        return [arc_chords(bend + distance, turn, tolerance) if bend else 0 for bend, turn in pairs]
+        """Number of chords of each corner for all lines up to a distance from the centre line [m]; 0 for mitres."""
+        arcs = [
+            arc_chords(bend + distance, turn, tolerance) if bend else 0
+            for bend, turn in zip(self.bend, self.turn_angle, strict=True)
+        ]
+        return [arc if math.isnan(taper) else 1 for arc, taper in zip(arcs, self.taper, strict=True)]
 
     def lines(self, distance: float | Floats, around: Floats, chords: Sequence[int] | None = None) -> Floats:
         """Lines with a point at each open end and in each mitre, and the ends of all chords, (m, points, 3) [m].
 
         Args:
-            distance: distance from the centre line, one for all or (m,) [m].
+            distance: distance from the centre line, one for all, (m,) or, leg by leg, (m or 1, legs) [m].
             around: angles around the centre line, (m,) [rad].
-            chords: number of chords of each bend; by default `chords` of the largest distance.
+            chords: number of chords of each corner; by default `chords` of the largest distance.
         """
         along, left, up = np.moveaxis(self.axes, -1, 0)  # (legs, 3) each
-        left_of, above = (distance * np.cos(around))[:, None, None], (distance * np.sin(around))[:, None, None]
-        sideways = left_of * left + above * up  # (m, legs, 3)
-        offset = np.cos(around[:, None] - self.inside) * np.reshape(distance, (-1, 1))  # (m, corners)
+        given = np.asarray(distance, float)
+        away = np.broadcast_to(given if given.ndim == 2 else given.reshape(-1, 1), (len(around), len(along)))
+        left_of, above = away * np.cos(around)[:, None], away * np.sin(around)[:, None]
+        sideways = left_of[..., None] * left + above[..., None] * up  # (m, legs, 3)
+        offset = np.cos(around[:, None] - self.inside) * away[:, :-1]  # (m, corners)
         fillet = self.bend - np.clip(offset, -self.bend, self.bend)
         begin = self.start[1:] + sideways[:, :-1] - ((offset + fillet) * self.reach)[..., None] * along[:-1]
         end = self.start[-1] + self.length[-1] * along[-1]
         points = [(self.start[0] + sideways[:, :1])]
-        for i, count in enumerate(self.chords(float(np.max(distance))) if chords is None else chords):
+        for i, count in enumerate(self.chords(float(np.max(given))) if chords is None else chords):
+            if not math.isnan(self.taper[i]):
+                share = np.linspace(0.0, 1.0, count + 1)[:, None]
+                half = self.taper[i] / 2 * along[i]
+                ends = self.start[i + 1] + sideways[:, i] - half, self.start[i + 1] + sideways[:, i + 1] + half
+                points.append(ends[0][:, None] + share * (ends[1] - ends[0])[:, None])
+                continue
             phi = np.linspace(0.0, self.turn_angle[i], count + 1) if count else np.zeros(1)
             inwards = np.cos(self.inside[i]) * left[i] + np.sin(self.inside[i]) * up[i]
             arc = np.sin(phi)[:, None] * along[i] + (1 - np.cos(phi))[:, None] * inwards  # of radius 1, (count + 1, 3)
             points.append(begin[:, i, None] + fillet[:, i, None, None] * arc)
         return np.concatenate([*points, end + sideways[:, -1:]], axis=1)
 
-    def in_bend(self, points: Floats, corner: int, radius: float) -> Flags:
+    def in_straight(self, leg: Ints, local: Floats) -> Flags:
+        """Flags of points in the bore of their legs, reducers included and bends left out: (...).
+
+        Args:
+            leg: leg of each point, (...).
+            local: position from the leg's start: along it, to its left and upwards, (..., 3) [m].
+        """
+        along, radius = local[..., 0], self.radius[leg]
+        straight = np.ones(leg.shape, bool)
+        for i in range(len(self.bend)):
+            past_corner = np.where(leg == i, along - self.length[i], np.where(leg == i + 1, along, np.inf))
+            if math.isnan(self.taper[i]):
+                straight &= ~(np.abs(past_corner) < self.bend[i] * self.reach[i])
+                continue
+            share = np.clip(past_corner / self.taper[i] + 0.5, 0.0, 1.0)
+            tapered = self.radius[i] + share * (self.radius[i + 1] - self.radius[i])
+            radius = np.where(np.isinf(past_corner), radius, tapered)
+        return np.asarray(straight & (np.hypot(local[..., 1], local[..., 2]) <= radius))
+
+    def in_bend(self, points: Floats, corner: int) -> Flags:
         """Flags of points (..., 3) in the bore of a corner's bend, which is a piece of a torus: (...).
 
         Args:
             points: points in the route's frame [m].
             corner: the corner, counted from 0.
-            radius: radius of the bore [m].
         """
         bend, around = self.bend[corner], self.inside[corner]
         along, left, up = np.moveaxis((points - self.start[corner]) @ self.axes[corner], -1, 0)
@@ -111,14 +156,19 @@ class Legs(NamedTuple):
         outwards = bend - (left * np.cos(around) + up * np.sin(around))
         across = up * np.cos(around) - left * np.sin(around)
         angle = np.arctan2(forwards, outwards)
-        near = np.hypot(np.hypot(forwards, outwards) - bend, across) <= radius
+        near = np.hypot(np.hypot(forwards, outwards) - bend, across) <= self.radius[corner]
         return np.asarray(near & (angle >= 0) & (angle <= self.turn_angle[corner]))
 
-    def meeting(self, radius: float) -> MeetingLegs | None:
-        """Two legs that are no neighbours and yet meet, or nearly so (`SPACING`), as solid rods of a radius [m]."""
+    def meeting(self, radius: Floats) -> MeetingLegs | None:
+        """Two legs that are no neighbours and yet meet, or nearly so (`SPACING`), as solid rods.
+
+        Args:
+            radius: radius of each leg's rod, (legs,) [m].
+        """
         around = (np.arange(ROUND) + 0.5) * 2 * math.pi / ROUND
-        halves = [(count + 1) // 2 for count in self.chords(radius)]  # a leg's rod takes half of each bend beside it
-        lines = self.lines(radius / math.cos(math.pi / ROUND), around, [2 * half for half in halves])
+        # A leg's rod takes half of each bend beside it.
+        halves = [(count + 1) // 2 for count in self.chords(float(radius.max()))]
+        lines = self.lines(radius[None] / math.cos(math.pi / ROUND), around, [2 * half for half in halves])
         bends = np.cumsum([0, *(2 * half + 1 for half in halves)])  # the point before each bend, and the last but one
         first, last = bends, bends + 1
         middle = np.array([0, *(bends[:-1] + 1 + np.array(halves, int)), lines.shape[1] - 1])
@@ -131,15 +181,17 @@ class Legs(NamedTuple):
         return None
 
 
-def make_legs(angles: Floats, inside: Floats, straights: Floats, bends: Floats) -> Legs:
+def make_legs(corners: Sequence[Corner], straights: Floats, radius: Floats) -> Legs:
     """The legs of a route, the first one along x, the second one from the origin.
 
     Args:
-        angles: interior angles, (corners,) [rad].
-        inside: direction of each corner's inside, as in `Legs`, (corners,) [rad].
+        corners: corners in order.
         straights: lengths of the legs, (corners + 1,) [m].
-        bends: bend radius of each corner, 0 for a mitre, (corners,) [m].
+        radius: radius of the bore in each leg, (corners + 1,) [m].
     """
+    angles, bends = np.array([(corner.angle, corner.bend_radius) for corner in corners]).T.copy()
+    tapers = np.array([np.nan if one.to_diameter is None else max(one.length, STEP) for one in corners])
+    inside = inside_angles(corners)
     axes = [np.eye(3)]
     for angle, around in zip(angles, inside, strict=True):
         axes.append(axes[-1] @ about_x(around) @ _about_z(math.pi - angle) @ about_x(-around))
@@ -150,7 +202,8 @@ def make_legs(angles: Floats, inside: Floats, straights: Floats, bends: Floats) 
     mitre = along[:-1] + along[1:]
     mitre /= np.linalg.norm(mitre, axis=1, keepdims=True)
     reach = 1 / np.tan(angles / 2)
-    return Legs(*map(frozen, (straights, start, stacked, inside, reach, mitre, math.pi - angles, bends)))
+    turns = math.pi - angles
+    return Legs(*map(frozen, (straights, start, stacked, inside, reach, mitre, turns, bends, radius, tapers)))
 
 
 def frozen(array: Floats) -> Floats:

@@ -6,19 +6,22 @@ import random
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Literal, NamedTuple, TypeVar
+from typing import Literal, NamedTuple, Self, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from pipenav.errors import ConfigError, PipenavError, UnknownName, shown
 from pipenav.pipes.corner_sets import MAX_TURNS, Values, corner_set_names, parse_corners, read_as, values_of
 from pipenav.pipes.pipe import DEFAULT_WALL, Pipe
+from pipenav.pipes.reducer import ReducerSetFile
 from pipenav.pipes.route import PipeRoute, as_route
 from pipenav.pipes.route_checks import MAX_CORNERS, CrossesItself
+from pipenav.pipes.route_corner import Corner, corner_of, reducer_corner
 from pipenav.pipes.s_bend import SBendSetFile
 from pipenav.storage import shipped
 from pipenav.storage.text_files import read_toml
-from pipenav.units import m_to_mm
+from pipenav.units import m_to_mm, mm_to_m
 
 T = TypeVar("T")
 
@@ -38,11 +41,31 @@ class CornerEntry(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    angle_deg: float
-    turn: str
+    angle_deg: float | None = None
+    turn: str | None = None
     roll_deg: float = 0.0
     bend_radius_mm: float = 0.0
+    to_diameter_mm: float | None = None
+    length_mm: float = 0.0
     straight_mm: float | None = None
+
+    @model_validator(mode="after")
+    def _corner_or_reducer(self) -> Self:
+        if self.to_diameter_mm is None:
+            missing = [key for key in ("angle_deg", "turn") if getattr(self, key) is None]
+            if missing:
+                raise PydanticCustomError("missing_key", f"{' and '.join(missing)} missing: field required")
+        elif self.model_fields_set - {"to_diameter_mm", "length_mm", "straight_mm"}:
+            given = ", ".join(sorted(self.model_fields_set - {"to_diameter_mm", "length_mm", "straight_mm"}))
+            raise PydanticCustomError("reducer_turns", f"a reducer goes straight on: leave out {given}")
+        return self
+
+    def corner(self) -> Corner:
+        """The corner, or the reducer."""
+        if self.to_diameter_mm is not None:
+            return reducer_corner(self.to_diameter_mm, self.length_mm)
+        assert self.angle_deg is not None and self.turn is not None
+        return corner_of(self.angle_deg, self.turn, self.roll_deg, self.bend_radius_mm)
 
 
 class RouteFile(BaseModel):
@@ -63,9 +86,9 @@ class RouteFile(BaseModel):
         Raises:
             PipenavError: the route is not possible.
         """
-        corners = [(one.angle_deg, one.turn, one.roll_deg, one.bend_radius_mm) for one in self.corners]
+        corners = tuple(one.corner() for one in self.corners)
         straights = [self.first_straight_mm, *(corner.straight_mm for corner in self.corners)]
-        return PipeRoute.of(self.diameter_mm, corners, straights, self.wall_mm)
+        return PipeRoute.with_default_straights(mm_to_m(self.diameter_mm), corners, straights, mm_to_m(self.wall_mm))
 
 
 class RouteSetFile(BaseModel):
@@ -201,7 +224,7 @@ def _parse_one(text: str) -> Sequence[Pipe]:
         return [routes[_index(text, number, len(routes))]] if colon else routes
     if text.endswith(".toml"):
         table = read_toml(Path(text))
-        if "s_bend" in table:
+        if "s_bend" in table or "reducers_mm" in table:
             return _read_set(Path(text))
         if "corners" in table:
             return _read_set(Path(text)) if "runs" in table else [read_route(Path(text))]
@@ -221,7 +244,12 @@ def _index(text: str, number: str, count: int) -> int:
 
 
 def _read_set(path: Path) -> list[PipeRoute]:
-    kind: type[SBendSetFile | RouteSetFile] = SBendSetFile if "s_bend" in read_toml(path) else RouteSetFile
+    table = read_toml(path)
+    kind: type[SBendSetFile | ReducerSetFile | RouteSetFile] = RouteSetFile
+    if "s_bend" in table:
+        kind = SBendSetFile
+    elif "reducers_mm" in table:
+        kind = ReducerSetFile
     try:
         return read_as(kind, path).draw()
     except PipenavError as error:

@@ -52,9 +52,11 @@ def wall_prisms(route: PipeRoute, facets: int = FACETS, thickness: float | None 
     thickness = route.wall if thickness is None else thickness
     edges = (np.arange(facets) - 0.5) * 2 * math.pi / facets
     to_corner = 1 / math.cos(math.pi / facets)
-    chords = route.legs.chords(route.radius, BEND_DEVIATION * route.radius)
-    outside = min([route.radius + thickness, *(0.99 / to_corner * route.legs.bend[route.legs.bend > 0])])
-    near, far = (route.legs.lines(r * to_corner, edges, chords) for r in (route.radius, outside))  # (facets, p, 3)
+    radius = route.legs.radius
+    chords = route.legs.chords(float(radius.max()), BEND_DEVIATION * float(radius.min()))
+    bends = route.legs.bend[route.legs.bend > 0]
+    outside = np.minimum(radius + thickness, min(0.99 / to_corner * bends, default=math.inf))
+    near, far = (route.legs.lines(r[None] * to_corner, edges, chords) for r in (radius, outside))  # (facets, p, 3)
     legs = np.cumsum([0, *(count + 1 for count in chords)])  # the pieces that are legs
     if (np.sum(np.diff(far, axis=1)[:, legs] * route.legs.axes[:, :, 0], axis=-1) <= 0).any():
         raise PipenavError(
@@ -67,22 +69,23 @@ def wall_prisms(route: PipeRoute, facets: int = FACETS, thickness: float | None 
 
 def route_tube_mesh(route: PipeRoute) -> Mesh:
     """The hollow tube of a route."""
-    outside = route.radius + route.wall
-    chords = route.legs.chords(outside, ARC_TOLERANCE / 4)
-    inner, outer = (route.legs.lines(r, round_angles(outside), chords) for r in (route.radius, outside))
+    outside = route.legs.radius + route.wall
+    widest = float(outside.max())
+    chords = route.legs.chords(widest, ARC_TOLERANCE / 4)
+    inner, outer = (route.legs.lines(r[None], round_angles(widest), chords) for r in (route.legs.radius, outside))
     return tube_between(inner, outer)
 
 
 def route_boards_mesh(route: PipeRoute) -> Mesh:
-    """The two boards of a planar route: its left and its right wall, as high as the diameter.
+    """The two boards of a planar route: its left and its right wall, as high as the first diameter.
 
     Raises:
         PipenavError: the route leaves the plane.
     """
     _ = route.walls  # raises where the route leaves the plane
-    outside, sides = route.radius + route.wall, np.array([0.0, math.pi])
-    chords = route.legs.chords(outside, ARC_TOLERANCE / 4)
+    outside, sides = route.legs.radius + route.wall, np.array([0.0, math.pi])
+    chords = route.legs.chords(float(outside.max()), ARC_TOLERANCE / 4)
     (left, right), (behind_left, behind_right) = (
-        route.legs.lines(r, sides, chords)[..., :2] for r in (route.radius, outside)
+        route.legs.lines(r[None], sides, chords)[..., :2] for r in (route.legs.radius, outside)
     )
     return boards_between([(left, behind_left), (behind_right, right)], route.radius)

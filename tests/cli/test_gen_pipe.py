@@ -13,6 +13,7 @@ from pipenav.errors import PipenavError
 from pipenav.export.corner_folder import FILES, read_pipe
 from pipenav.export.route_folder import read_route_folder, route_files
 from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.reducer import reducer
 from pipenav.pipes.route_sets import parse_routes, read_route
 from pipenav.pipes.s_bend import s_bend
 
@@ -121,6 +122,15 @@ def test_makes_a_route_of_a_shipped_set(tmp_path: Path) -> None:
     assert read_route_folder(tmp_path / "runs-level-7") == parse_routes(["runs-level"])[6]
 
 
+def test_makes_a_reducer(tmp_path: Path) -> None:
+    result = run("--d", 100, "--to-d", 80, "--leg", 700, "--out", tmp_path)
+    assert result.exit_code == 0, result.output
+    assert "80.0 mm  over 100 mm, then 700.0 mm" in result.output
+    assert read_route_folder(tmp_path / "reducer-d100-to80") == reducer(100, 80, 100, 700)
+    assert run("--d", 100, "--to-d", 80, "--over", 0, "--out", tmp_path).exit_code == 0
+    assert read_route_folder(tmp_path / "reducer-d100-to80") == reducer(100, 80, 0)
+
+
 def test_makes_an_s_bend_of_a_corner(tmp_path: Path) -> None:
     corner = ("--d", 100, "--angle", 135, "--turn", "right", "--bend-radius", "1.5D", "--leg", 700)
     assert run(*corner, "--s-bend", "--out", tmp_path).exit_code == 0
@@ -128,8 +138,6 @@ def test_makes_an_s_bend_of_a_corner(tmp_path: Path) -> None:
     made = s_bend(PipeCorner.of(100, 135, "right", 150, leg_mm=700))
     assert read_route_folder(folder) == made
     assert (folder / "run.json").read_text().startswith('{\n  "schema": 2')
-    assert run(*corner, "--s-bend", "--between", 400, "--out", tmp_path).exit_code == 0
-    assert read_route_folder(folder).straights == (0.7, 0.4, 0.7)
 
 
 @pytest.mark.parametrize(
@@ -138,10 +146,8 @@ def test_makes_an_s_bend_of_a_corner(tmp_path: Path) -> None:
         (("--run", "runs-level:1", "--d", 100, "--bend-radius", 0), "leave out --d, --bend-radius."),
         (("--run", "runs-level:1", "--wall", 3), "leave out --wall."),
         (("--run", "runs-level:1", "--s-bend"), "leave out --s-bend."),
-        (
-            ("--d", 100, "--angle", 90, "--between", 400),
-            "--between is the straight inside an S-bend: give",
-        ),
+        (("--d", 100, "--to-d", 80, "--angle", 90), "a reducer goes straight on: leave out --angle."),
+        (("--d", 100, "--angle", 90, "--over", 50), "--over is the length of a reducer, which --to-d makes: leave out"),
         (("--d", 100), "--angle missing: give --d and --angle for one corner, or --route FILE for several."),
         ((), "--d and --angle missing"),
     ],

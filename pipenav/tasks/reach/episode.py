@@ -108,7 +108,7 @@ def check_fits(robot: RobotSpec, pipes: Sequence[Pipe]) -> None:
     """
     need = robot.width + 2 * START_WALL_DISTANCE
     for pipe in pipes:
-        if pipe.diameter < need:
+        if pipe.narrowest < need:
             raise PipenavError(
                 f"pipe {pipe.label} is too narrow for robot {robot.name!r}, which is {m_to_mm(robot.width):g} mm wide "
                 f"and needs {m_to_mm(need):g} mm at rest: choose a wider pipe."

@@ -99,6 +99,11 @@ class Pilot:
         return words.get(self.mode, "back out of ") + f"corner {self.corner + 1}"
 
     @property
+    def _radius(self) -> float:
+        """Radius of the bore before the corner [m]."""
+        return float(self._route.legs.radius[self.corner])
+
+    @property
     def turn_sign(self) -> float:
         """+1 where the corner turns to the robot's left, -1 where it turns to its right."""
         return 1.0 if math.cos(float(self._route.legs.inside[self.corner]) - self.plane) > 0 else -1.0
@@ -146,7 +151,7 @@ class Pilot:
 
     def _after_rolling_forward(self, forward: RollForward, reading: SpaceReading, stalled: bool) -> None:
         """Go on to the next mode where the robot has arrived, or where it stalled."""
-        end_ahead = forward.clamped and senses.sees_end(self._robot, reading, self._route.radius, forward.zigzag_sign)
+        end_ahead = forward.clamped and senses.sees_end(self._robot, reading, self._radius, forward.zigzag_sign)
         near = self._seen_steadily(end_ahead)
         if self.mode is Mode.BACK_OUT:
             if stalled or forward.distance <= -BACK:
@@ -181,7 +186,7 @@ class Pilot:
 
     def _roll_forward(self, mode: Mode, reading: SpaceReading, direction: float = 1.0) -> None:
         self._begin(mode)
-        self._forward = RollForward(self._robot, self._route.radius, reading.body.q, self.set_points, direction)
+        self._forward = RollForward(self._robot, self._radius, reading.body.q, self.set_points, direction)
 
     def _roll_or_approach(self, reading: SpaceReading) -> None:
         """Turn the plane where it is not that of the corner ahead, else roll forward to the corner."""
@@ -191,7 +196,7 @@ class Pilot:
         if abs(away) > TOLERANCE and self._rolls < MAX_ROLLS:
             self._rolls += 1
             self._begin(Mode.ROLL)
-            self._roll = Roll(self._robot, self._route.radius, away, reading.body.q, reading.down)
+            self._roll = Roll(self._robot, self._radius, away, reading.body.q, reading.down)
         else:
             self._roll_forward(Mode.APPROACH, reading)
 
