@@ -16,7 +16,28 @@ EARLIER = ROOT / "tests" / "data" / "0.1"
 MISSION = EARLIER / "mission"
 
 
-_TYPED = [b"d=90,angle=60", b"d=100,angle=75,turn=right,bend_radius=50", b"runs-level:3"]
+_TYPED = [
+    b"d=90,angle=60",
+    b"d=100,angle=75,turn=right,bend_radius=50",
+    b"d=90,angle=90,bend_radius=1.5D",
+    b"runs-level:3",
+]
+
+_FITTINGS = b"""schema = 2
+diameter_mm = 110
+[[corners]]
+angle_deg = 90
+turn = "left"
+bend_radius_mm = 165
+[[corners]]
+to_diameter_mm = 80
+length_mm = 110
+straight_mm = 500
+[[corners]]
+angle_deg = 75
+turn = "right"
+roll_deg = 90
+"""
 
 
 class Format(NamedTuple):
@@ -42,11 +63,11 @@ def formats() -> dict[str, Format]:
         "set": Format(".txt", [b"learner.epochs=4", b"task.reward.c1=0.5", b"pipes=['d=100,angle=90']"], _set),
         "disturbance": Format(".toml", _files("pipenav/disturbances/*.toml"), _disturbance),
         "pipe-set": Format(".toml", _files("pipes/*.toml"), _pipes),
-        "route": Format(".toml", _files("tests/data/0.1/my-run.toml"), _route),
+        "route": Format(".toml", [*_files("tests/data/0.1/my-run.toml"), _FITTINGS], _route),
         "route-set": Format(".toml", _files("pipes/runs/*.toml"), _pipes),
         "typed-pipe": Format(".txt", _TYPED, _typed),
         "pipe-json": Format(".json", _files("tests/data/0.1/corner-*/pipe.json"), _pipe_json),
-        "run-json": Format(".json", _files("tests/data/0.1/my-run/run.json"), _run_json),
+        "run-json": Format(".json", [*_files("tests/data/0.1/my-run/run.json"), _fittings()], _run_json),
         "trajectory": Format(".csv", _files("tests/data/0.1/*.csv"), _trajectory),
         "eval-json": Format(".json", _files("tests/data/0.1/evaluation*/eval.json"), _evaluation),
         "policy-header": Format(".json", [_header(MISSION / "policy.zip")], _policy),
@@ -95,6 +116,14 @@ def _arm(robot: str) -> bytes:
 
     scanner, front = ScannerConfig(driver="scip2", port="/dev/ttyACM0"), FrontSensorConfig(port="/dev/ttyACM1")
     return arm_toml(default_arm(load_robot(robot), "/dev/ttyUSB0", scanner, front)).encode()
+
+
+def _fittings() -> bytes:
+    from pipenav.export.route_folder import route_record
+    from pipenav.pipes.route_sets import RouteFile
+
+    route = RouteFile.model_validate(tomllib.loads(_FITTINGS.decode())).route()
+    return json.dumps(route_record(route, "fittings")).encode()
 
 
 def _robot(path: Path) -> None:
