@@ -38,15 +38,16 @@ def compare_backends(
     from pipenav.comparison.figures import free_motion_figure, passages_figure, walls_figure
     from pipenav.drawing.style import png
     from pipenav.robots.robot import load_robot
-    from pipenav.storage.atomic_files import atomic_write_all, prepare_folder
+    from pipenav.storage.atomic_files import atomic_write_all
+    from pipenav.storage.lock import one_writer
 
     spec, names = load_robot(robot), (reference, other)
-    folder = prepare_folder(out or _default_folder(reference, other, spec.name))
-    with progress_console().status(f"running {spec.name} in {reference} and in {other}"):
+    folder = out or _default_folder(reference, other, spec.name)
+    with one_writer(folder), progress_console().status(f"running {spec.name} in {reference} and in {other}"):
         agreement = compare(spec, SimulatorSettings(reference), SimulatorSettings(other))
         figures = {"free-motion": free_motion_figure, "passages": passages_figure, "walls": walls_figure}
         pictures = {folder / f"{name}.png": png(draw(spec, agreement, names)) for name, draw in figures.items()}
-    atomic_write_all(pictures)
+        atomic_write_all(pictures)
     found = checks(spec, agreement)
     show(_table(found, spec.name, names))
     say(" ".join(["pictures", *map(str, pictures)]))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -69,23 +70,23 @@ def locate_target(
     from pipenav.cli.options import recording_settings
     from pipenav.recording.record import record_locate
     from pipenav.robots.robot import load_robot
-    from pipenav.storage.atomic_files import prepare_folder
+    from pipenav.storage.lock import one_writer
     from pipenav.tasks.reach.episode import check_fits
 
     wanted = _pipes(d, angle, turn, pipes or [])
     spec = load_robot(robot)
     simulator = recording_settings(backend, option or [])
     check_fits(spec, wanted)
-    folder = None if out is None else prepare_folder(out)
     console = progress_console()
     found = []
-    for pipe in track(wanted, "locating", console=console, transient=True, disable=not console.is_terminal):
-        found.append(record_locate(spec, variant, pipe, seed, 0, simulator))
-        if folder is not None:
-            _write(folder, found[-1])
+    with nullcontext() if out is None else one_writer(out):
+        for pipe in track(wanted, "locating", console=console, transient=True, disable=not console.is_terminal):
+            found.append(record_locate(spec, variant, pipe, seed, 0, simulator))
+            if out is not None:
+                _write(out, found[-1])
     show(_facts(found[0]) if len(found) == 1 else _table(found))
-    if folder is not None:
-        say(f"written: {folder}, a trajectory and a picture of each pipe")
+    if out is not None:
+        say(f"written: {out}, a trajectory and a picture of each pipe")
     if not all(located.trajectory.succeeded for located in found):
         raise typer.Exit(1)
 

@@ -30,6 +30,8 @@ def commands_into(folder: Path) -> list[tuple[str, ...]]:
     return [
         ("eval", "--policy", "arm", *QUICK, *out),
         ("experiment", "e", "--seeds", "1", "--episodes", "1", *out),
+        ("locate-target", "--d", "100", "--angle", "90", *out),
+        ("compare-backends", "--other", "mujoco", *out),
     ]
 
 
@@ -64,6 +66,24 @@ def test_every_command_is_refused_before_it_writes(tmp_path: Path, capsys: pytes
             assert run(*command) == 1
             assert f"in use by process {os.getpid()} (somebody)" in capsys.readouterr().err
             assert [path.name for path in tmp_path.iterdir()] == [LOCK_FILE]
+
+
+@pytest.mark.parametrize(
+    ("work", "command"),
+    [
+        ("pipenav.recording.record.record_locate", ("locate-target", "--d", "100", "--angle", "90")),
+        ("pipenav.comparison.agreement.compare", ("compare-backends", "--other", "mujoco")),
+    ],
+)
+def test_a_command_that_is_stopped_leaves_no_empty_folder(
+    work: str, command: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object) -> None:
+        os.kill(os.getpid(), signal.SIGTERM)
+
+    monkeypatch.setattr(work, interrupted)
+    assert run(*command, "--out", str(tmp_path / "some" / "where")) == 128 + signal.SIGTERM
+    assert not list(tmp_path.iterdir())
 
 
 def test_resuming_what_is_no_training_makes_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
