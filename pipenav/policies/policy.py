@@ -82,26 +82,21 @@ class Policy:
                 robot's description may differ.
         """
         own, task = self.header, task or self.header.task
+        train = "or train a policy for this one with pipenav train"
         if robot is not None and robot.name != own.robot.name:
             problem = f"was made for robot {own.robot.name!r}, not {robot.name!r}"
-            raise PolicyFileError(
-                self.path, problem, "use that robot, or train a policy for this one with pipenav train --robot"
-            )
+            raise PolicyFileError(self.path, problem, f"use that robot, {train} --robot")
         if robot is not None and (difference := robot_difference(own.robot, robot)):
             problem = f"was made for another robot of the name {robot.name!r}; there, {difference}"
-            raise PolicyFileError(
-                self.path, problem, "use that description, or train a policy for this one with pipenav train --robot"
-            )
+            raise PolicyFileError(self.path, problem, f"use that description, {train} --robot")
         for key in ("kind", "observation", "control"):
             made, asked = getattr(own.task, key), getattr(task, key)
             if made != asked:
                 problem = f"was made for {key} {made!r}, not {asked!r}"
-                raise PolicyFileError(
-                    self.path, problem, f"use {key} {made!r}, or pipenav train --set task.{key}={asked}"
-                )
+                raise PolicyFileError(self.path, problem, f"use {key} {made!r}, {train} --set task.{key}={asked}")
         if own.action != action_parts(own.robot, task):
             problem = "was made for another size of a position step than the task's alpha and slide_unit give"
-            raise PolicyFileError(self.path, problem, "use the policy's own task, or train a policy for this one")
+            raise PolicyFileError(self.path, problem, f"use the policy's own task, {train}")
 
 
 def policy_names() -> list[str]:
