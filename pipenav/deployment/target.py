@@ -14,6 +14,9 @@ from pipenav.units import m_to_mm, mm_to_m
 LOOKS_LIKE_METRES = 5.0
 """Coordinates up to this many millimetres are taken for metres in a message: no target is that close [mm]."""
 
+ROUNDING = 1e-9
+"""Distance by which a stretched arm's own tip may seem out of its reach [m]."""
+
 
 def parse_target(text: str) -> Floats:
     """A target as typed, `X,Y` in mm, in the robot's frame, (2,) [m].
@@ -49,7 +52,7 @@ def require_reachable(robot: RobotSpec, target: Floats, joint_limits: Floats) ->
     hinged = float(robot.lengths[1:].sum())
     nearest, farthest = rear + hinged / 2, ahead + hinged
     off = math.hypot(x - min(max(x, rear), ahead), y)
-    if x >= nearest and off <= hinged:
+    if x >= nearest and off <= hinged + ROUNDING:
         return
     given = f"{m_to_mm(x):g},{m_to_mm(y):g}"
     metres = " (is it in metres?)" if max(abs(m_to_mm(x)), abs(m_to_mm(y))) < LOOKS_LIKE_METRES else ""
