@@ -37,14 +37,34 @@ def total(cells: Iterable[Cell]) -> Cell:
     return Cell(sum(successes), sum(episodes))
 
 
-def pooled(pipes: Sequence[PipeRecord]) -> dict[float, Cell]:
-    """Episodes of single corners by angle [deg], ascending, turns together."""
-    cells: dict[float, Cell] = {}
+class Fitting(NamedTuple):
+    """Shape of a single corner: its interior angle [deg], and its bend radius in diameters, 0 for a mitre."""
+
+    angle_deg: float
+    bend_d: float
+
+    @property
+    def label(self) -> str:
+        return f"{self.angle_deg:g}" + (f"\n{self.bend_d:g} D" if self.bend_d else "")
+
+
+def by_fitting(pipes: Sequence[PipeRecord]) -> dict[Fitting, Cell]:
+    """Episodes of single corners by angle and bend radius, ascending, turns together."""
+    cells: dict[Fitting, Cell] = {}
     for record in pipes:
         if record.angle_deg is not None:
-            before = cells.get(record.angle_deg, Cell(0, 0))
-            cells[record.angle_deg] = Cell(before.successes + record.successes, before.episodes + record.episodes)
+            fitting = Fitting(record.angle_deg, round(record.bend_radius_mm / record.diameter_mm, 3))
+            before = cells.get(fitting, Cell(0, 0))
+            cells[fitting] = Cell(before.successes + record.successes, before.episodes + record.episodes)
     return dict(sorted(cells.items()))
+
+
+def by_angle(pipes: Sequence[PipeRecord]) -> dict[float, Cell]:
+    """Episodes of single corners by angle [deg], ascending, turns and bend radii together."""
+    cells: dict[float, list[Cell]] = {}
+    for fitting, cell in by_fitting(pipes).items():
+        cells.setdefault(fitting.angle_deg, []).append(cell)
+    return {angle: total(parts) for angle, parts in cells.items()}
 
 
 def numbered_routes(evaluation: Evaluation) -> dict[float, list[NumberedRoute]]:

@@ -129,6 +129,7 @@ def _pipe_record(pipe: Pipe, stages: StageResults, first: int, episodes: int) ->
         diameter_mm=round(m_to_mm(pipe.diameter), 6),
         angle_deg=None if corner is None else round(rad_to_deg(corner.angle), 6),
         turn=None if corner is None else corner.turn,
+        bend_radius_mm=0.0 if corner is None else round(m_to_mm(corner.bend_radius), 6),
         route=pipe.name if corner is None else None,
         episodes=episodes,
         failures=_failures(here),

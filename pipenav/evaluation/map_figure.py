@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from pipenav.drawing.style import INK, heading
-from pipenav.evaluation.cells import Cell, NumberedRoute, numbered_routes, pooled
+from pipenav.evaluation.cells import Cell, NumberedRoute, by_fitting, numbered_routes
 from pipenav.evaluation.pipe_results import by_diameter
 from pipenav.evaluation.results import Evaluation
 from pipenav.evaluation.success_figure import CORNER_AXIS
@@ -56,7 +56,9 @@ def map_figure(evaluation: Evaluation) -> Figure:
         image = _draw_map(axes, panel)
         axes.set_ylabel(f"{panel.name}\ndiameter [mm]", color=INK)
         if panel.numbers or number == len(panels) or panels[number].numbers:
-            axes.set_xlabel(ROUTE_AXIS if panel.numbers else CORNER_AXIS, color=INK)
+            bends = any("D" in column for column in panel.columns)
+            corner_axis = CORNER_AXIS + ", bend radius" * bends
+            axes.set_xlabel(ROUTE_AXIS if panel.numbers else corner_axis, color=INK)
     bar = figure.colorbar(image, ax=list(grid), label="success [%]", fraction=0.05, pad=0.015, aspect=12 * len(panels))
     bar.outline.set_visible(False)
     title = "Success by diameter and corner angle" if corners else "Success by diameter and route"
@@ -68,18 +70,22 @@ def map_figure(evaluation: Evaluation) -> Figure:
 def _panels(evaluation: Evaluation) -> list[_Panel]:
     """Panels of the turns and of the routes that were run."""
     turns = {
-        turn: {d: pooled(group) for d, group in by_diameter([r for r in evaluation.pipes if r.turn == turn]).items()}
+        turn: {
+            d: by_fitting(group) for d, group in by_diameter([r for r in evaluation.pipes if r.turn == turn]).items()
+        }
         for turn in ("left", "right")
     }
     turns = {turn: lines for turn, lines in turns.items() if lines}
-    angles = sorted({angle for lines in turns.values() for line in lines.values() for angle in line})
+    fittings = sorted({fitting for lines in turns.values() for line in lines.values() for fitting in line})
     diameters = sorted({d for lines in turns.values() for d in lines}, reverse=True)
     panels = []
     for turn, lines in turns.items():
         cells = {
-            (diameters.index(d), angles.index(angle)): cell for d, line in lines.items() for angle, cell in line.items()
+            (diameters.index(d), fittings.index(fitting)): cell
+            for d, line in lines.items()
+            for fitting, cell in line.items()
         }
-        panels.append(_Panel(f"{turn} turn", [f"{d:g}" for d in diameters], [f"{a:g}" for a in angles], cells, {}))
+        panels.append(_Panel(f"{turn} turn", [f"{d:g}" for d in diameters], [one.label for one in fittings], cells, {}))
     groups = numbered_routes(evaluation)
     return [*panels, _routes_panel(groups)] if groups else panels
 

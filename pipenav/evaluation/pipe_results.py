@@ -41,6 +41,7 @@ class PipeRecord(Record):
         diameter_mm: inner diameter [mm].
         angle_deg: interior corner angle [deg]; None for a route.
         turn: side that the corner turns to, seen by the robot; None for a route.
+        bend_radius_mm: radius of the corner's bend [mm]; 0 for a mitre and for a route.
         route: name of a route, as `PipeRoute.name`; None for a single corner.
         episodes: episodes that were run.
         located: episodes in which the robot found a target itself.
@@ -60,6 +61,7 @@ class PipeRecord(Record):
     diameter_mm: Typed
     angle_deg: Typed | None
     turn: Literal["left", "right"] | None
+    bend_radius_mm: Amount = 0.0
     route: str | None = None
     episodes: Positive
     located: Count | None = None

@@ -250,7 +250,8 @@ def _corner_cells(record: PipeRecord) -> _CornerCells:
     """Angle and turn of a corner; for a route its first corners, as its name has them."""
     if record.route is not None:
         return _CornerCells("route", route_corners(record))
-    return _CornerCells(f"{record.angle_deg:g}", str(record.turn))
+    bend = f", R {record.bend_radius_mm:g}" if record.bend_radius_mm else ""
+    return _CornerCells(f"{record.angle_deg:g}", f"{record.turn}{bend}")
 
 
 def _steps_and_seconds(steps: float | None) -> list[str]:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from pipenav.drawing.style import INK, MAIN, MUTED, SECOND, plain
-from pipenav.evaluation.cells import Cell, NumberedRoute, numbered_routes, pooled, total
+from pipenav.evaluation.cells import Cell, NumberedRoute, by_angle, numbered_routes, total
 from pipenav.evaluation.interval import wilson
 from pipenav.evaluation.pipe_results import by_diameter
 from pipenav.evaluation.results import Evaluation
@@ -46,8 +46,10 @@ def success_figure(evaluation: Evaluation) -> Figure:
         return _routes_figure(evaluation)
     given = {record.turn for record in corners}
     turns = "left and right turns together" if len(given) > 1 else f"{given.pop()} turns"
+    if len({record.bend_radius_mm / record.diameter_mm for record in corners}) > 1:
+        turns += ", all bend radii together (see map.png)"
     more = "; routes: see map.png" if len(corners) < len(evaluation.pipes) else ""
-    lines = {diameter: pooled(records) for diameter, records in by_diameter(corners).items()}
+    lines = {diameter: by_angle(records) for diameter, records in by_diameter(corners).items()}
     return _corners_figure(
         evaluation,
         lines,

@@ -119,7 +119,8 @@ class PipeCorner(Pipe):
 
     @property
     def label(self) -> str:
-        return f"{m_to_mm(self.diameter):g} mm, {rad_to_deg(self.angle):g} deg, {self.turn}"
+        bend = f", in {m_to_mm(self.bend_radius):g} mm" if self.bend_radius else ""
+        return f"{m_to_mm(self.diameter):g} mm, {rad_to_deg(self.angle):g} deg, {self.turn}{bend}"
 
     def tangent_length(self, offset: float) -> float:
         """Distance along a leg from the corner to where the line at `offset` starts to bend [m]."""

@@ -22,6 +22,7 @@ PIPE_KEYS = {
     "diameter_mm",
     "angle_deg",
     "turn",
+    "bend_radius_mm",
     "route",
     "episodes",
     "located",
