@@ -75,7 +75,9 @@ def route_figure(route: PipeRoute, name: str) -> Figure:
         schedule.get_gridspec().set_height_ratios([tall * shrink, below])
         below += 1.0
     figure.set_size_inches(max(WIDTH_IN * shrink, 6.5) + 0.6, tall * shrink + below)
-    many = f"{len(route.corners)} corners" if len(route.corners) > 1 else "one corner"
+    reducers = sum(corner.to_diameter is not None for corner in route.corners)
+    counts = (len(route.corners) - reducers, "corner"), (reducers, "reducer")
+    many = ", ".join(f"{count if count > 1 else 'one'} {word}{'s' * (count > 1)}" for count, word in counts if count)
     bores = "-".join(number(m_to_mm(2 * radius)) for radius in dict.fromkeys(route.legs.radius.tolist()))
     bore = f"⌀ {bores} mm, wall {number(m_to_mm(route.wall))} mm"
     length = f"{sum(route.straights):.2f} m along the centre line, lengths from corner to corner"
@@ -95,7 +97,8 @@ def _plan(route: PipeRoute, axes: Axes) -> float:
     sharp = (route.legs.reach > STRAIGHT) & (route.legs.bend <= route.legs.radius[:-1])
     inwards = np.diff(route.legs.axes[:, :2, 0], axis=0)[sharp] / np.sin(route.legs.turn_angle[sharp, None])
     edges = route.legs.start[1:, :2][sharp] + route.legs.radius[:-1][sharp, None] * inwards
-    axes.plot(*m_to_mm(1.0) * edges.T, "o", color=EDGE, markersize=4, zorder=6, label="inner edge")
+    if len(edges):
+        axes.plot(*m_to_mm(1.0) * edges.T, "o", color=EDGE, markersize=4, zorder=6, label="inner edge")
     if len(route.corners) <= LABELLED:
         sketch.lengths()
         sketch.angles()
@@ -191,7 +194,8 @@ class _Sketch(DimensionedDrawing):
 def _words(corner: Corner) -> str:
     """`65° left`, and on lines of their own the bend radius and the roll where there are such; a reducer's bore."""
     if corner.to_diameter is not None:
-        return f"to ⌀ {number(m_to_mm(corner.to_diameter))}\nover {number(m_to_mm(corner.length))}"
+        shape = f"over {number(m_to_mm(corner.length))}" if corner.length else "in a step"
+        return f"to ⌀ {number(m_to_mm(corner.to_diameter))}\n{shape}"
     bend = f"\nR {number(m_to_mm(corner.bend_radius))}" if corner.bend_radius else ""
     rolled = f"\nrolled {rad_to_deg(corner.roll):g}°" if corner.roll else ""
     return f"{rad_to_deg(corner.angle):g}° {corner.turn}{bend}{rolled}"
