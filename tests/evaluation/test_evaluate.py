@@ -12,7 +12,7 @@ from pipenav.evaluation.episode_runner import EpisodeResults
 from pipenav.evaluation.evaluate import CheckedEvaluation
 from pipenav.evaluation.passage import run_task
 from pipenav.pipes.corner_sets import parse_corners
-from pipenav.pipes.route_sets import parse_routes
+from pipenav.pipes.route_sets import parse_pipes, parse_routes
 from pipenav.policies.named import PolicyController, open_controller
 from pipenav.policies.policy import load_policy
 from pipenav.robots.robot import load_robot
@@ -113,3 +113,12 @@ def test_the_whole_robots_shipped_policies_pass_corners_and_routes(name: str) ->
     sample = [*parse_corners(["working-range"])[::16], *parse_routes(["runs-level:3", "runs-level:14"])]
     found = run_task(open_controller(name), sample, 2, seed=11)
     assert (found.outcome == Outcome.REACHED).mean() >= 0.9
+
+
+@pytest.mark.slow
+def test_the_whole_robot_passes_elbows_s_bends_and_reducers() -> None:
+    sample = parse_pipes(
+        ["d=100,angle=90,bend_radius=1.5D", "d=70,angle=135,bend_radius=1D", "s-bends:40", "reducers:5"]
+    )
+    found = run_task(open_controller("pirate"), sample, 2, seed=11)
+    assert (found.outcome == Outcome.REACHED).all()
