@@ -17,10 +17,20 @@ Words = tuple[str, ...]
 DROPPED = {"--out", "--episodes", "--seed", "--steps", "--seeds"}
 """Options that change nothing of what a test looks at: commands that differ in them alone are run once."""
 
-CORNERS = {"working-range": "d=100,angle=90", "thesis": "d=100,angle=90", "thesis-real": "d=130,angle=90"}
+CORNERS = {
+    "working-range": "d=100,angle=90",
+    "thesis": "d=100,angle=90",
+    "thesis-real": "d=130,angle=90",
+    "elbows": "d=100,angle=90,bend_radius=1.5D",
+}
 """Corners that stand for sets of many."""
 
-ROUTES = {"runs-level": "my-route.toml", "runs-rolled": "my-rolled-route.toml"}
+ROUTES = {
+    "runs-level": "my-route.toml",
+    "runs-rolled": "my-rolled-route.toml",
+    "s-bends": "s-bends:1",
+    "reducers": "reducers:1",
+}
 """A short route in place of a set."""
 
 TRAINING = (
