@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipenav.arrays import Floats
 from pipenav.drawing.corner import draw_walls
 from pipenav.drawing.scene import BEAM, FORCE, LINK, LINK_EDGE, TARGET
 from pipenav.drawing.style import GRID, INK, MUTED, png
 from pipenav.pipes.corner import PipeCorner
-from pipenav.robots import kinematics
+from pipenav.robots import frames, kinematics
 from pipenav.robots.outline import link_outlines
 from pipenav.robots.robot import RobotSpec
 from pipenav.units import m_to_mm
@@ -50,12 +49,11 @@ def mission_picture(
         draw_walls(axes, pipe)
     known = [tick for tick in ticks if _drawable(tick, robot)]
     if known:
-        offset = np.array([base, 0.0])
         pose = kinematics.forward(robot, np.array([tick["q"] for tick in known]))
-        _draw_scans(axes, robot, known, pose, offset)
-        _draw_path(axes, robot, known, pose, offset)
-        _draw_target(axes, known, offset)
-        seen = m_to_mm(1.0) * (np.concatenate([pose.joints.reshape(-1, 2), pose.tip]) + offset)
+        _draw_scans(axes, robot, known, pose, base)
+        _draw_path(axes, robot, known, pose, base)
+        _draw_target(axes, known, base)
+        seen = m_to_mm(1.0) * frames.robot_to_pipe(np.concatenate([pose.joints.reshape(-1, 2), pose.tip]), base)
         low, high = seen.min(axis=0) - MARGIN, seen.max(axis=0) + MARGIN
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
         axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(0.0, -0.12), ncols=5)
@@ -86,18 +84,19 @@ def _drawable(tick: dict[str, Any], robot: RobotSpec) -> bool:
 
 
 def _draw_scans(
-    axes: Axes, robot: RobotSpec, ticks: Sequence[dict[str, Any]], pose: kinematics.ChainPose, offset: Floats
+    axes: Axes, robot: RobotSpec, ticks: Sequence[dict[str, Any]], pose: kinematics.ChainPose, base: float
 ) -> None:
     """Draw the ends of the beams: the walls as the robot saw them. Beams at either end of the range saw no wall."""
     ranges = np.array([tick["ranges"] for tick in ticks])
     beams = pose.headings[:, -1:] + robot.laser.angles
-    ends = pose.tip[:, None] + offset + ranges[..., None] * np.stack([np.cos(beams), np.sin(beams)], axis=-1)
+    tips = frames.robot_to_pipe(pose.tip, base)
+    ends = tips[:, None] + ranges[..., None] * np.stack([np.cos(beams), np.sin(beams)], axis=-1)
     met = (ranges > robot.laser.range_min) & (ranges < robot.laser.range_max)
     axes.plot(*m_to_mm(1.0) * ends[met].T, ".", color=BEAM, markersize=3.5, alpha=0.7, label="laser readings", zorder=2)
 
 
 def _draw_path(
-    axes: Axes, robot: RobotSpec, ticks: Sequence[dict[str, Any]], pose: kinematics.ChainPose, offset: Floats
+    axes: Axes, robot: RobotSpec, ticks: Sequence[dict[str, Any]], pose: kinematics.ChainPose, base: float
 ) -> None:
     """The path of the tip, coloured by stage, and a few outlines of the robot while it reaches."""
     stages = np.array([tick["stage"] for tick in ticks])
@@ -108,16 +107,20 @@ def _draw_path(
         for polygons in link:
             for polygon in polygons:
                 axes.fill(
-                    *m_to_mm(1.0) * (polygon + offset).T, facecolor=LINK, edgecolor=LINK_EDGE, alpha=0.2, zorder=3
+                    *m_to_mm(1.0) * frames.robot_to_pipe(polygon, base).T,
+                    facecolor=LINK,
+                    edgecolor=LINK_EDGE,
+                    alpha=0.2,
+                    zorder=3,
                 )
     for stage, colour in STAGE_COLOURS.items():
-        tips = m_to_mm(1.0) * (pose.tip[stages == stage] + offset)
+        tips = m_to_mm(1.0) * frames.robot_to_pipe(pose.tip[stages == stage], base)
         if len(tips):
             axes.plot(*tips.T, color=colour, linewidth=1.5, marker=".", markersize=4, label=f"tip: {stage}", zorder=6)
 
 
-def _draw_target(axes: Axes, ticks: Sequence[dict[str, Any]], offset: Floats) -> None:
+def _draw_target(axes: Axes, ticks: Sequence[dict[str, Any]], base: float) -> None:
     target = next((tick["target"] for tick in reversed(ticks) if tick.get("target")), None)
     if target is not None:
-        x, y = m_to_mm(1.0) * (np.array(target) + offset)
+        x, y = m_to_mm(1.0) * frames.robot_to_pipe(target, base)
         axes.plot(x, y, "*", color=TARGET, markersize=15, markeredgecolor="white", label="target", zorder=8)

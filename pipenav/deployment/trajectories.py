@@ -12,6 +12,7 @@ from pipenav.arrays import Floats
 from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.policy import Policy
+from pipenav.robots import frames
 from pipenav.tasks.outcome import Outcome
 
 
@@ -87,9 +88,9 @@ def parts(policy: Policy, ticks: Sequence[dict[str, Any]], placement: ArmPlaceme
 
 def _target(ticks: Sequence[dict[str, Any]], placement: ArmPlacement) -> tuple[float, float] | None:
     """The target in the pipe's frame; None where the arm took a point outside the pipe for one."""
-    x, y = next(tick["target"] for tick in reversed(ticks) if tick.get("target"))
-    target = (x + placement.base, y)
-    return target if placement.pipe.contains(np.array(target)) else None
+    seen = next(tick["target"] for tick in reversed(ticks) if tick.get("target"))
+    target = frames.robot_to_pipe(seen, placement.base)
+    return (float(target[0]), float(target[1])) if placement.pipe.contains(target) else None
 
 
 def _filled(ticks: Sequence[dict[str, Any]]) -> _Poses:

@@ -196,7 +196,7 @@ def _worst(pipes: Sequence[PipeRecord]) -> RenderableType:
         return Text("Every episode succeeded in every pipe.", style="green")
     shown = failing[:WORST_PIPES]
     title = f"The {len(shown)} worst of {len(failing)} pipes" if len(failing) > len(shown) else "Pipes"
-    headings = ["diameter\nmm", "angle\ndeg", "turn\n", "success\n%", "95 %\ninterval", "mean\nsteps"]
+    headings = ["diameter\nmm", "angle\ndeg", "turn\n", "success\n%", "95 %\ninterval", "mean\ntime s"]
     headings += ["least\nrange mm", "force\nN"]
     table = _table(f"{title} with failures", headings, ["failed episodes\n"])
     for record in shown:
@@ -205,7 +205,7 @@ def _worst(pipes: Sequence[PipeRecord]) -> RenderableType:
             *_corner_cells(record),
             _percent(record.success),
             _interval(*wilson(record.successes, record.episodes)),
-            _number(record.mean_steps, 1),
+            _number(record.mean_steps, 1, CONTROL_PERIOD),
             _number(record.min_range_m, 1, 1000),
             _number(record.peak_force_n, 1),
             _failures([record]),

@@ -59,7 +59,8 @@ def test_a_shipped_set_covers_the_working_range_in_routes_of_five_corners(name: 
 @pytest.mark.slow
 def test_the_routes_for_training_are_planar_and_shorter_than_those_of_the_evaluations() -> None:
     sizes = {"runs-narrow-train": 200, "runs-train": 400, "runs-wide-train": 200}
-    assert route_set_names() == sorted(["runs-level", "runs-rolled", *sizes])
+    runs = [name for name in route_set_names() if name.startswith("runs-")]
+    assert runs == sorted(["runs-level", "runs-rolled", *sizes])
     for name, size in sizes.items():
         routes = parse_routes([name])
         assert len(set(routes)) == size and {len(route.corners) for route in routes} == {3}
