@@ -54,8 +54,9 @@ def wall_prisms(route: PipeRoute, facets: int = FACETS, thickness: float | None 
     to_corner = 1 / math.cos(math.pi / facets)
     radius = route.legs.radius
     chords = route.legs.chords(float(radius.max()), BEND_DEVIATION * float(radius.min()))
-    bends = route.legs.bend[route.legs.bend > 0]
-    outside = np.minimum(radius + thickness, min(0.99 / to_corner * bends, default=math.inf))
+    bent = route.legs.bend > 0
+    before_axis = 0.99 / to_corner * route.legs.bend[bent] - radius[:-1][bent]  # (bends,)
+    outside = radius + min([thickness, *before_axis])
     near, far = (route.legs.lines(r[None] * to_corner, edges, chords) for r in (radius, outside))  # (facets, p, 3)
     legs = np.cumsum([0, *(count + 1 for count in chords)])  # the pieces that are legs
     if (np.sum(np.diff(far, axis=1)[:, legs] * route.legs.axes[:, :, 0], axis=-1) <= 0).any():

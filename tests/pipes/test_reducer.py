@@ -30,6 +30,11 @@ MIXED = PipeRoute.with_default_straights(
     0.003,
 )
 
+TIGHT = PipeRoute.with_default_straights(
+    0.2, (corner_of(90, "left"), reducer_corner(40, 150), corner_of(90, "right", 0, 30)), [None] * 4, 0.003
+)
+"""A wide pipe that becomes narrow before a bend whose radius is smaller than the wide bore's."""
+
 
 def radius_at(route: PipeRoute, x: np.ndarray) -> np.ndarray:
     """Radius of a straight route's bore at positions along it, 0 at the middle of its reducer [m]."""
@@ -84,7 +89,9 @@ def test_solids_are_watertight_and_as_large_as_cones_and_cylinders(length: float
     assert 1e-9 * tube.volume == pytest.approx(volume(0.063, 0.043) - volume(0.06, 0.04), rel=5e-3)
 
 
-@pytest.mark.parametrize("route", [MIXED, reducer(120, 80, 0), reducer(70, 110, 55)], ids=lambda route: route.name)
+@pytest.mark.parametrize(
+    "route", [MIXED, TIGHT, reducer(120, 80, 0), reducer(70, 110, 55)], ids=lambda route: route.name
+)
 @pytest.mark.parametrize("thickness", [None, 0.02])
 def test_prisms_are_convex_and_leave_the_bore_free(route: PipeRoute, thickness: float | None) -> None:
     prisms = wall_prisms(route, thickness=thickness)
