@@ -117,6 +117,8 @@ def gen_pipe(
 
         _refuse(context, ("angle", "turn", "bend_radius", "s_bend"), "a reducer goes straight on")
         _write_route(f"reducer-d{d:g}-to{to_d:g}", reducer(d, to_d, over, leg, wall), out)
+    elif to_d is not None:
+        raise typer.BadParameter("--d missing: give the diameter before the reducer too.")
     elif d is None or angle is None:
         missing = " and ".join(f"--{name}" for name, given in (("d", d), ("angle", angle)) if given is None)
         raise typer.BadParameter(

@@ -75,7 +75,9 @@ def check_numbers(diameter: float, corners: Sequence[Corner], straights: int, wa
             low = LEAST_BEND * m_to_mm(before)
             what = f"bend radius of corner {i} (0 is a mitre)"
             check_range(what, m_to_mm(corner.bend_radius), low, BEND_RADIUS_MAX_MM, "mm")
-        if corner.to_diameter is not None:
+        if corner.to_diameter is None:
+            check_range(f"length of corner {i}, which is no reducer,", m_to_mm(corner.length), 0.0, 0.0, "mm")
+        else:
             check_range(f"diameter behind reducer {i}", m_to_mm(corner.to_diameter), *DIAMETER_RANGE_MM, "mm")
             check_range(f"length of reducer {i}", m_to_mm(corner.length), 0.0, REDUCER_MAX_MM, "mm")
             check_range(f"interior angle of reducer {i}", rad_to_deg(corner.angle), 180.0, 180.0, "deg")

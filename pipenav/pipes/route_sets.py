@@ -55,9 +55,10 @@ class CornerEntry(BaseModel):
             missing = [key for key in ("angle_deg", "turn") if getattr(self, key) is None]
             if missing:
                 raise PydanticCustomError("missing_key", f"{' and '.join(missing)} missing: field required")
-        elif self.model_fields_set - {"to_diameter_mm", "length_mm", "straight_mm"}:
-            given = ", ".join(sorted(self.model_fields_set - {"to_diameter_mm", "length_mm", "straight_mm"}))
-            raise PydanticCustomError("reducer_turns", f"a reducer goes straight on: leave out {given}")
+            if "length_mm" in self.model_fields_set:
+                raise PydanticCustomError("no_reducer", "a length_mm needs to_diameter_mm, which makes a reducer")
+        elif given := sorted(self.model_fields_set - {"to_diameter_mm", "length_mm", "straight_mm"}):
+            raise PydanticCustomError("reducer_turns", f"a reducer goes straight on: leave out {', '.join(given)}")
         return self
 
     def corner(self) -> Corner:

@@ -148,6 +148,7 @@ def test_makes_an_s_bend_of_a_corner(tmp_path: Path) -> None:
         (("--run", "runs-level:1", "--s-bend"), "leave out --s-bend."),
         (("--d", 100, "--to-d", 80, "--angle", 90), "a reducer goes straight on: leave out --angle."),
         (("--d", 100, "--angle", 90, "--over", 50), "--over is the length of a reducer, which --to-d makes: leave out"),
+        (("--to-d", 80), "--d missing: give the diameter before the reducer too."),
         (("--d", 100), "--angle missing: give --d and --angle for one corner, or --route FILE for several."),
         ((), "--d and --angle missing"),
     ],

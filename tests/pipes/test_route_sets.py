@@ -173,6 +173,8 @@ def test_what_is_no_route_is_named(text: str, message: str) -> None:
             "mine.toml: length of straight 2 5 mm is out of range: choose",
         ),
         ("schema = 1\ndiameter_mm = 100\ncorners = []", "corners: list should have at least 1 item"),
+        (ONE + "to_diameter_mm = 80", "a reducer goes straight on: leave out angle_deg"),
+        (ONE + "length_mm = 50", "a length_mm needs to_diameter_mm, which makes a reducer"),
         (ONE.replace("= 90", "= ninety"), "is not valid TOML"),
         (SET.replace("seed", "sed"), "seed: field required"),
         (SET.replace("runs = 4", "runs = 0"), "runs: input should be greater than or equal to 1"),
