@@ -37,7 +37,10 @@ OPEN_TO_PLUGINS = {"backends", "robots", "pipes", "errors", "arrays", "units"}
 """Packages of pipenav that a plugin may import."""
 
 SIMULATORS = {"mujoco", "pybullet", "serial", "dynamixel_sdk"}
-HEAVY = {"torch", "stable_baselines3", "gymnasium", "matplotlib", "mujoco", "pybullet", "tensorboard", "trimesh"}
+HEAVY = {"torch", "stable_baselines3", "gymnasium", "matplotlib", "mujoco", "pybullet", "tensorboard", "trimesh"} | {
+    "manifold3d",
+    "shapely",
+}
 
 
 def modules(folder: Path) -> dict[str, Path]:

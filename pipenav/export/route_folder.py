@@ -6,30 +6,30 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from pydantic import ValidationError
 
-from pipenav.arrays import Floats
 from pipenav.errors import ConfigError
 from pipenav.export.corner_folder import write_stl
 from pipenav.export.scene_xml import COLOUR, Shape, add, mjcf, sdf, text, urdf, write_xml
-from pipenav.pipes.json_keys import ROUTE_KEYS, route_fields
+from pipenav.pipes.fitting_solids import ConvexPiece
+from pipenav.pipes.json_keys import ROUTE_KEYS, keys_of_branches, route_fields
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_corner import Corner
-from pipenav.pipes.route_solids import PRISM_FACES, route_boards_mesh, route_tube_mesh, wall_prisms
+from pipenav.pipes.route_solids import route_boards_mesh, route_tube_mesh, wall_pieces
 from pipenav.storage.atomic_folder import read_record, refuse_contradictions, write_folder, write_record
 from pipenav.units import m_to_mm, rad_to_deg
 
-SCHEMA, SCHEMA_OF_FITTINGS = 1, 2
-"""Versions of the route folder's format: the second has bends and reducers, a route of mitres keeps the first."""
+SCHEMA, SCHEMA_OF_BENDS, SCHEMA_OF_BRANCHES = 1, 2, 3
+"""Versions of the route folder's format: a route of mitres has the first, one with bends or reducers the second, one
+with tees, crosses or a cap the third."""
 
 FILES = {
     "run.json": "every parameter, the centre line and the frames of the straights",
     "boards.stl": "two bent boards, the route cut in its plane (mm)",
     "tube.stl": "hollow tube (mm)",
-    "walls.obj": "the wall as convex prisms, one object each (m)",
-    "walls": "folder of those prisms, one OBJ file each (m)",
-    "pipe.xml": "MuJoCo model, walls as those prisms",
+    "walls.obj": "the wall as convex pieces, one object each (m)",
+    "walls": "folder of those pieces, one OBJ file each (m)",
+    "pipe.xml": "MuJoCo model, walls as those pieces",
     "pipe.urdf": "URDF model, walls as the files in walls",
     "pipe.sdf": "SDF model, walls as the files in walls",
     "pipe.png": "drawing with dimensions",
@@ -59,15 +59,15 @@ def write_route_folder(route: PipeRoute, name: str, out_root: Path) -> Path:
 def _write_files(route: PipeRoute, name: str, folder: Path) -> None:
     from pipenav.drawing.route import draw_route
 
-    prisms = wall_prisms(route)
-    pieces = [Shape(part.removeprefix("wall_"), "mesh", f"walls/{part}.obj") for part in _parts(prisms)]
+    walls = wall_pieces(route)
+    pieces = [Shape(part.removeprefix("wall_"), "mesh", f"walls/{part}.obj") for part in walls]
     seen = [Shape("all", "mesh", "walls.obj")]
     write_record(folder / "run.json", route_record(route, name))
     if route.planar:
         write_stl(folder / "boards.stl", route_boards_mesh(route))
     write_stl(folder / "tube.stl", route_tube_mesh(route))
-    _write_walls(folder, prisms)
-    write_xml(folder / "pipe.xml", _mjcf(route, name, prisms))
+    _write_walls(folder, walls)
+    write_xml(folder / "pipe.xml", _mjcf(route, name, walls))
     write_xml(folder / "pipe.urdf", urdf(name, pieces, seen))
     write_xml(folder / "pipe.sdf", sdf(name, pieces, seen))
     draw_route(route, name, folder / "pipe.png")
@@ -76,7 +76,7 @@ def _write_files(route: PipeRoute, name: str, folder: Path) -> None:
 def route_record(route: PipeRoute, name: str) -> dict[str, Any]:
     """The content of run.json. The SI numbers count; the ones in mm and deg repeat them for people."""
     return {
-        "schema": SCHEMA if all(corner.mitre for corner in route.corners) else SCHEMA_OF_FITTINGS,
+        "schema": _schema(route),
         "name": name,
         "planar": route.planar,
         "diameter_m": route.diameter,
@@ -89,11 +89,18 @@ def route_record(route: PipeRoute, name: str) -> dict[str, Any]:
         "centre_line_m": route.centre_line.tolist(),
         "rotations": route.frames.rotation.tolist(),
         "wall_segments_m": route.segments.tolist() if route.planar else None,
+        **({"capped": True} if route.capped else {}),
     }
 
 
+def _schema(route: PipeRoute) -> int:
+    if route.has_fittings:
+        return SCHEMA_OF_BRANCHES
+    return SCHEMA if all(corner.mitre for corner in route.corners) else SCHEMA_OF_BENDS
+
+
 def _corner_record(corner: Corner) -> dict[str, Any]:
-    record = {
+    record: dict[str, Any] = {
         "turn": corner.turn,
         "angle_rad": corner.angle,
         "angle_deg": rad_to_deg(corner.angle),
@@ -105,6 +112,13 @@ def _corner_record(corner: Corner) -> dict[str, Any]:
     if corner.to_diameter is not None:
         record |= {"to_diameter_m": corner.to_diameter, "to_diameter_mm": m_to_mm(corner.to_diameter)}
         record |= {"length_m": corner.length, "length_mm": m_to_mm(corner.length)}
+    if corner.branches:
+        record["branches"] = [
+            keys
+            | {"angle_deg": rad_to_deg(branch.angle), "roll_deg": rad_to_deg(branch.roll)}
+            | {"diameter_mm": m_to_mm(branch.diameter), "length_mm": m_to_mm(branch.length)}
+            for branch, keys in zip(corner.branches, keys_of_branches(corner.branches), strict=True)
+        ]
     return record
 
 
@@ -117,7 +131,7 @@ def read_route_folder(path: Path) -> PipeRoute:
         PipenavError: the route is not possible.
     """
     file = path / "run.json" if path.is_dir() else path
-    record = read_record(file, "route file", (SCHEMA, SCHEMA_OF_FITTINGS), list(ROUTE_KEYS.values()))
+    record = read_record(file, "route file", (SCHEMA, SCHEMA_OF_BENDS, SCHEMA_OF_BRANCHES), list(ROUTE_KEYS.values()))
     try:
         route = PipeRoute.model_validate(route_fields(record))
     except ValidationError as error:
@@ -126,35 +140,32 @@ def read_route_folder(path: Path) -> PipeRoute:
     return route
 
 
-def _mjcf(route: PipeRoute, name: str, prisms: Floats) -> ET.Element:
-    """A static MuJoCo model: one convex mesh per prism, and a camera that sees the whole route from above."""
+def _mjcf(route: PipeRoute, name: str, walls: dict[str, ConvexPiece]) -> ET.Element:
+    """A static MuJoCo model: one convex mesh per piece of wall, and a camera that sees the whole route from above."""
     low, high = route.centre_line.min(axis=0), route.centre_line.max(axis=0)
     x, y, _ = (low + high) / 2
     root, body = mjcf(name, (float(x), float(y), float(high[2] + 1.4 * max(high - low))))
     assets = add(root, "asset")
-    for part, prism in _parts(prisms).items():
+    for part, piece in walls.items():
         # The scale is said because a model that includes this one may set another by default.
-        add(assets, "mesh", name=part, scale="1 1 1", vertex=text(*prism.ravel()))
+        add(assets, "mesh", name=part, scale="1 1 1", vertex=text(*piece.vertices.ravel()))
         add(body, "geom", name=part, type="mesh", mesh=part, rgba=COLOUR)
     return root
 
 
-def _write_walls(folder: Path, prisms: Floats) -> None:
-    """Write walls.obj, every prism as an object of its own, and every prism as a file of its own."""
+def _write_walls(folder: Path, walls: dict[str, ConvexPiece]) -> None:
+    """Write walls.obj, every piece as an object of its own, and every piece as a file of its own."""
     (folder / "walls").mkdir()
     lines: list[str] = []
-    for number, (part, prism) in enumerate(_parts(prisms).items()):
-        (folder / "walls" / f"{part}.obj").write_text("\n".join(_object(part, prism, 1)) + "\n", encoding="utf-8")
-        lines += _object(part, prism, 1 + len(prism) * number)
+    first = 1
+    for part, piece in walls.items():
+        (folder / "walls" / f"{part}.obj").write_text("\n".join(_object(part, piece, 1)) + "\n", encoding="utf-8")
+        lines += _object(part, piece, first)
+        first += len(piece.vertices)
     (folder / "walls.obj").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def _object(part: str, prism: Floats, first: int) -> list[str]:
-    """Lines of an OBJ file for a prism, whose vertices (8, 3) are numbered from `first`."""
-    vertices = [f"v {text(*corner)}" for corner in prism]
-    return [f"o {part}", *vertices, *("f {} {} {}".format(*(first + face)) for face in PRISM_FACES)]
-
-
-def _parts(prisms: Floats) -> dict[str, Floats]:
-    """Prisms by name: `wall_`, the piece's number from 1 and the side's from 0."""
-    return {f"wall_{piece + 1}_{side}": prisms[piece, side] for piece, side in np.ndindex(*prisms.shape[:2])}
+def _object(part: str, piece: ConvexPiece, first: int) -> list[str]:
+    """Lines of an OBJ file for a piece of wall, whose vertices are numbered from `first`."""
+    vertices = [f"v {text(*corner)}" for corner in piece.vertices]
+    return [f"o {part}", *vertices, *("f {} {} {}".format(*(first + face)) for face in piece.faces)]

@@ -1,4 +1,4 @@
-"""A pipe corner: two straight legs, joined by a mitre or a bend, in the plane of the robot.
+"""A pipe corner: two straight legs, joined by a mitre, a bend, a tee or a cross, in the plane of the robot.
 
 Frame: the corner (the crossing of the two centre lines) is the origin; the first leg lies along -x, the robot comes
 from -x moving towards +x, and a left turn goes towards +y. `angle` is the INTERIOR angle between the legs, so the
@@ -21,9 +21,14 @@ import numpy as np
 from pydantic import model_validator
 
 from pipenav.arrays import Flags, Floats
+from pipenav.pipes.branch import Branch
+from pipenav.pipes.branch_pipes import check_fitting, make_branches, reaches
 from pipenav.pipes.corner_checks import LEG_MAX_MM, check_corner, check_range, check_turn, default_leg, shortest_leg
 from pipenav.pipes.corner_lines import arc_chords, fillet_radius, tangent_length
 from pipenav.pipes.pipe import DEFAULT_WALL, LegFrames, Pipe, Turn, WallSide
+from pipenav.pipes.route_corner import Corner
+from pipenav.pipes.route_legs import make_legs
+from pipenav.pipes.route_walls import PlanarWalls, branched_walls
 from pipenav.units import deg_to_rad, m_to_mm, mm_to_m, rad_to_deg
 
 
@@ -43,6 +48,7 @@ class PipeCorner(Pipe):
         turn: side that the pipe turns to, seen by the robot.
         bend_radius: radius of the centre line's bend [m]; 0 is a mitre.
         leg: length of each leg along its centre line, from the corner [m].
+        branches: in a tee or a cross, the pipes that the robot does not take.
         wall: wall thickness [m].
     """
 
@@ -50,6 +56,7 @@ class PipeCorner(Pipe):
     turn: Turn = "left"
     bend_radius: float = 0.0
     leg: float
+    branches: tuple[Branch, ...] = ()
 
     @classmethod
     def of(
@@ -79,12 +86,22 @@ class PipeCorner(Pipe):
     def _within_ranges(self) -> Self:
         check_corner(self.diameter, self.angle, self.bend_radius, self.wall)
         shortest = m_to_mm(shortest_leg(self.diameter, self.angle, self.bend_radius, self.wall))
+        if self.branches:
+            fitting = self.as_route_corner
+            check_fitting(1, fitting, self.diameter, self.diameter, self.wall)
+            past = reaches(fitting, self.diameter, self.diameter, self.wall)[:2].max()
+            shortest = max(shortest, m_to_mm(past + 0.1 * self.diameter))
         check_range("leg length", m_to_mm(self.leg), math.ceil(shortest - 1e-9), LEG_MAX_MM, "mm")
         return self
 
     def __hash__(self) -> int:
         """Hash over all fields, ten times faster than pydantic's: pipes are keys of caches."""
-        return hash((self.diameter, self.angle, self.turn, self.bend_radius, self.leg, self.wall))
+        return hash((self.diameter, self.angle, self.turn, self.bend_radius, self.leg, self.wall, self.branches))
+
+    @property
+    def as_route_corner(self) -> Corner:
+        """The corner as a part of a route."""
+        return Corner(angle=self.angle, turn=self.turn, bend_radius=self.bend_radius, branches=self.branches)
 
     @property
     def turn_sign(self) -> float:
@@ -103,7 +120,10 @@ class PipeCorner(Pipe):
 
     @property
     def inner_edge(self) -> float:
-        """Distance along either leg from the corner to where the inner wall's bend ends [m]."""
+        """Distance along either leg from the corner to where the inner wall's bend ends [m].
+
+        It is 0 where the pipe goes straight on, past a branch too.
+        """
         return self.tangent_length(self.radius)
 
     @property
@@ -113,12 +133,18 @@ class PipeCorner(Pipe):
 
     @property
     def name(self) -> str:
-        """`corner-d100-a75-left`: diameter [mm], interior angle [deg], turn; a bend radius [mm] before the turn."""
+        """`corner-d100-a75-left`: diameter [mm], interior angle [deg], turn; a bend radius [mm] before the turn.
+
+        Branches follow the turn.
+        """
         bend = f"-r{m_to_mm(self.bend_radius):g}" if self.bend_radius else ""
-        return f"corner-d{m_to_mm(self.diameter):g}-a{rad_to_deg(self.angle):g}{bend}-{self.turn}"
+        branches = "".join(f"-{branch.name}" for branch in self.branches)
+        return f"corner-d{m_to_mm(self.diameter):g}-a{rad_to_deg(self.angle):g}{bend}-{self.turn}{branches}"
 
     @property
     def label(self) -> str:
+        if self.branches:
+            return f"{m_to_mm(self.diameter):g} mm, {self.as_route_corner.label}"
         bend = f", in {m_to_mm(self.bend_radius):g} mm" if self.bend_radius else ""
         return f"{m_to_mm(self.diameter):g} mm, {rad_to_deg(self.angle):g} deg, {self.turn}{bend}"
 
@@ -158,7 +184,7 @@ class PipeCorner(Pipe):
 
     @property
     def walls(self) -> Lines:
-        """Inner and outer wall; the arrays are read-only."""
+        """Inner and outer wall of the two legs, as if there were no branches; the arrays are read-only."""
         return _walls(self)
 
     @property
@@ -167,12 +193,16 @@ class PipeCorner(Pipe):
 
     @property
     def edges(self) -> Flags:
+        if self.branches:
+            return _fitting_walls(self).edges
         inner = np.arange(len(self.segments)) >= len(self.walls.outer) - 1
         return np.stack([inner, inner], axis=1)
 
     def contains(self, points: Floats) -> Flags:
         """Flags of points (..., 2) inside the pipe, not in or beyond a wall, nor beyond an open end: (...)."""
         outline = np.concatenate([self.walls.outer, self.walls.inner[::-1]])
+        if self.branches:
+            outline = self.segments.reshape(-1, 2)
         x, y = np.moveaxis(np.asarray(points, float), -1, 0)
         inside = np.zeros(x.shape, bool)
         # A point is inside where a ray from it towards +x crosses the outline an odd number of times.
@@ -210,6 +240,8 @@ class PipeCorner(Pipe):
 
     @property
     def wall_sides(self) -> list[WallSide]:
+        if self.branches:
+            return _fitting_walls(self).sides
         back = self.radius + self.wall
         return [WallSide(self.walls.inner, self.line(back)), WallSide(self.walls.outer, self.line(-back))]
 
@@ -245,6 +277,8 @@ def _leg_frames(pipe: PipeCorner) -> LegFrames:
 
 @lru_cache(maxsize=4096)
 def _segments(pipe: PipeCorner) -> Floats:
+    if pipe.branches:
+        return _fitting_walls(pipe).segments
     # A left turn's outer wall has the pipe on its left as it runs forwards, its inner wall as it runs backwards.
     walls = [pipe.walls.outer, pipe.walls.inner[::-1]]
     stacked = np.concatenate([np.stack([line[:-1], line[1:]], axis=1) for line in walls])
@@ -252,3 +286,10 @@ def _segments(pipe: PipeCorner) -> Floats:
         stacked = stacked[:, ::-1]
     stacked.setflags(write=False)
     return stacked
+
+
+@lru_cache(maxsize=4096)
+def _fitting_walls(pipe: PipeCorner) -> PlanarWalls:
+    corners = [pipe.as_route_corner]
+    legs = make_legs(corners, np.full(2, pipe.leg), np.full(2, pipe.radius))
+    return branched_walls(legs, make_branches(corners, legs.start, legs.axes), pipe.wall, capped=False)

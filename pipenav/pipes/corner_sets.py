@@ -4,62 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Self, TypeVar
+from typing import Self
 
-import numpy as np
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from pipenav.errors import ConfigError, PipenavError, UnknownName, shown
+from pipenav.errors import PipenavError, UnknownName, shown
 from pipenav.pipes.bend_radius import bend_radius_mm
 from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.set_file import MAX_CORNERS, MAX_TURNS, Values, read_as, too_large, values_of
+from pipenav.pipes.tee import TeePassage, TeeSetFile, tee
 from pipenav.storage import shipped
 from pipenav.storage.text_files import read_toml
-
-_File = TypeVar("_File", bound=BaseModel)
-
-MAX_STEPS = 1000
-"""Most steps of a range: more is a slip of the keyboard."""
-
-
-MAX_CORNERS = 10_000
-"""Most corners of a set: several times the largest that is shipped."""
-
-MAX_TURNS = 100
-"""Most entries in a list of turns."""
-
-
-class _Range(BaseModel):
-    """Evenly spaced values, both ends included."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-    start: float
-    stop: float
-    step: float = Field(gt=0)
-
-    @model_validator(mode="after")
-    def _whole_steps(self) -> _Range:
-        steps = (self.stop - self.start) / self.step
-        if not 0 <= steps <= MAX_STEPS or abs(steps - round(steps)) > 1e-6:
-            raise PydanticCustomError(
-                "whole_steps",
-                f"from {self.start:g} to {self.stop:g} must be a whole number of steps of {self.step:g}, "
-                f"at most {MAX_STEPS}",
-            )
-        return self
-
-    def values(self) -> list[float]:
-        count = round((self.stop - self.start) / self.step) + 1
-        return [round(float(x), 6) for x in np.linspace(self.start, self.stop, count)]
-
-
-_List = Annotated[list[float], Field(min_length=1, max_length=MAX_STEPS + 1)]
-Values = Annotated[
-    Annotated[_List, Tag("list")] | Annotated[_Range, Tag("range")],
-    Discriminator(lambda given: "range" if isinstance(given, dict | _Range) else "list"),
-]
-"""Numbers in a set's file: a list, or a range with both ends. Only the kind that was meant reports a problem."""
 
 
 class CornerSetFile(BaseModel):
@@ -85,7 +41,7 @@ class CornerSetFile(BaseModel):
         diameters, angles = values_of(self.diameters_mm), values_of(self.angles_deg)
         radii_d = [0.0] if self.bend_radii_d is None else values_of(self.bend_radii_d)
         if (count := len(diameters) * len(angles) * len(self.turns) * len(radii_d)) > MAX_CORNERS:
-            raise ConfigError(f"a set of {count:,} corners is too large: give it {MAX_CORNERS:,} at most.")
+            raise too_large(count)
         return [
             PipeCorner.of(d, angle, turn, self.bend_radius_mm + times * d)
             for turn in self.turns
@@ -93,11 +49,6 @@ class CornerSetFile(BaseModel):
             for angle in angles
             for times in radii_d
         ]
-
-
-def values_of(given: Values) -> list[float]:
-    """The numbers that were given, one by one."""
-    return given.values() if isinstance(given, _Range) else given
 
 
 def corner_set_names() -> list[str]:
@@ -111,7 +62,8 @@ def parse_corners(given: Sequence[str]) -> list[PipeCorner]:
     `pipenav.pipes.route_sets.parse_pipes` takes routes too.
 
     Args:
-        given: shipped names, TOML files, or `d=90,angle=60[,turn=right][,bend_radius=100]` (mm, deg; radius also 1.5D).
+        given: shipped names, TOML files, `d=90,angle=60[,turn=right][,bend_radius=100]` (mm, deg; radius also 1.5D),
+            or a tee, `d=90,tee=90[,way=into][,turn=right]`.
 
     Raises:
         PipenavError: something that is none of these, or a pipe that is out of range.
@@ -131,43 +83,32 @@ def _parse_one(text: str) -> list[PipeCorner]:
 
 
 def _typed_corner(text: str) -> PipeCorner:
-    allowed = {"d": None, "angle": None, "turn": "left", "bend_radius": "0"}
+    defaults = {"d": None, "turn": "left"}
+    corner, fitting = {"angle": None, "bend_radius": "0"}, {"tee": None, "way": "straight"}
     values = {}
     for part in text.split(","):
         key, _, value = part.partition("=")
-        if key.strip() not in allowed:
-            raise UnknownName(f"pipe key in {shown(text)}", key.strip(), allowed)
+        if key.strip() not in defaults | corner | fitting:
+            raise UnknownName(f"pipe key in {shown(text)}", key.strip(), [*defaults, *corner, *fitting])
         values[key.strip()] = value.strip()
-    given = {**allowed, **values}
+    is_tee = "tee" in values
+    if strange := sorted(values.keys() & (corner if is_tee else fitting).keys()):
+        kinds = ("tee", "corner") if is_tee else ("corner", "tee")
+        raise PipenavError(
+            f"pipe {shown(text)} has {', '.join(strange)} of a {kinds[1]} in a {kinds[0]}: leave it out, or give "
+            f"{'angle in place of tee' if is_tee else 'tee in place of angle'}."
+        )
+    given = {**defaults, **(fitting if is_tee else corner), **values}
     try:
-        diameter, angle = (float(given[key] or "missing") for key in ("d", "angle"))
+        diameter, angle = (float(given[key] or "missing") for key in ("d", "tee" if is_tee else "angle"))
     except ValueError:
         raise PipenavError(f"pipe {shown(text)} is incomplete: write it as d=90,angle=60[,turn=right].") from None
-    bend_radius = bend_radius_mm(given["bend_radius"] or "missing", diameter)
-    return PipeCorner.of(diameter, angle, given["turn"] or "left", bend_radius)
+    turn = given["turn"] or "left"
+    if is_tee:
+        return tee(diameter, angle, TeePassage(given["way"] or "missing", turn))
+    return PipeCorner.of(diameter, angle, turn, bend_radius_mm(given["bend_radius"] or "missing", diameter))
 
 
 def _read(path: Path) -> list[PipeCorner]:
-    return read_as(CornerSetFile, path).make()
-
-
-def read_as(kind: type[_File], path: Path, inner: type[BaseModel] = _Range) -> _File:
-    """A TOML file as a model.
-
-    Args:
-        kind: model of the whole file.
-        path: the file.
-        inner: model of the tables in it, for the keys that a message suggests.
-
-    Raises:
-        FileProblem: the file cannot be read.
-        ConfigError: it is no TOML, or does not fit.
-    """
-    table = read_toml(path)
-    try:
-        return kind.model_validate(table)
-    except ValidationError as error:
-        prefix = [str(part) for part in error.errors()[0]["loc"][:-1]]
-        fields = (inner if prefix else kind).model_fields
-        known = [".".join([*prefix, field.alias or name]) for name, field in fields.items()]
-        raise ConfigError.from_validation(str(path), error, known) from error
+    kind: type[CornerSetFile | TeeSetFile] = TeeSetFile if "tee_angles_deg" in read_toml(path) else CornerSetFile
+    return read_as(kind, path).make()

@@ -97,7 +97,7 @@ def boards_between(boards: list[tuple[Floats, Floats]], half_height: float, mirr
         faces = [_grid_faces(len(grid), 4, closed=False), caps, 4 * len(grid) - 4 + caps[:, ::-1]]
         triangles.append(np.concatenate(faces) + sum(map(len, points)))
         points.append(grid.reshape(-1, 3))
-    return _mesh(np.concatenate(points), np.concatenate(triangles), mirrored)
+    return mesh_of(np.concatenate(points), np.concatenate(triangles), mirrored)
 
 
 def tube_between(inner: Floats, outer: Floats, mirrored: bool = False) -> Mesh:
@@ -109,7 +109,7 @@ def tube_between(inner: Floats, outer: Floats, mirrored: bool = False) -> Mesh:
     """
     # A ring goes along the inner surface and back along the outer one, which closes the ends of the wall.
     grid = np.concatenate([inner, outer[:, ::-1]], axis=1).swapaxes(0, 1)  # (2 stations, lines, 3)
-    return _mesh(grid.reshape(-1, 3), _grid_faces(len(grid), len(inner), closed=True), mirrored)
+    return mesh_of(grid.reshape(-1, 3), _grid_faces(len(grid), len(inner), closed=True), mirrored)
 
 
 def round_angles(radius: float) -> Floats:
@@ -148,8 +148,14 @@ def _grid_faces(rows: int, columns: int, closed: bool) -> Faces:
     return np.concatenate([np.stack(corners, axis=-1).reshape(-1, 3) for corners in ((a, b, c), (a, c, d))])
 
 
-def _mesh(points: Floats, triangles: Faces, mirrored: bool) -> Mesh:
-    """The mesh of points (p, 3) [m]; points that coincide, as along an arc without radius, become one."""
+def mesh_of(points: Floats, triangles: Faces, mirrored: bool) -> Mesh:
+    """The mesh of points (p, 3) [m] and triangles (t, 3); points that coincide, as along an arc without radius, merge.
+
+    Args:
+        points: points [m].
+        triangles: indices of the corners, counter-clockwise seen from outside.
+        mirrored: whether right and left are exchanged, which turns the triangles round.
+    """
     rounded = np.round(m_to_mm(1.0) * points / MESH_GRID_MM) * MESH_GRID_MM
     vertices, index = np.unique(rounded.astype(np.float32) + 0.0, axis=0, return_inverse=True)
     faces = index.reshape(-1)[triangles]

@@ -6,10 +6,10 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from pipenav.pipes.corner_sets import Values, values_of
 from pipenav.pipes.pipe import DEFAULT_WALL
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_corner import reducer_corner
+from pipenav.pipes.set_file import Values, values_of
 from pipenav.units import mm_to_m
 
 MAX_PAIRS = 1000

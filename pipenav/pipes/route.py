@@ -17,20 +17,23 @@ from pydantic import Field, model_validator
 
 from pipenav.arrays import Flags, Floats, Ints
 from pipenav.errors import PipenavError
-from pipenav.pipes.centre_lines import CentreLines
+from pipenav.pipes.branch_pipes import BranchPipes, make_branches, meeting_branch, way_past
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.corner_checks import default_leg
 from pipenav.pipes.pipe import DEFAULT_WALL, LegFrames, Pipe, WallSide
+from pipenav.pipes.rotations import about_x, in_space
 from pipenav.pipes.route_checks import (
     MAX_CORNERS,
-    CrossesItself,
+    BranchMeets,
+    StraightsMeet,
     check_corner_count,
     check_numbers,
     check_straights,
     shortest_straights,
 )
 from pipenav.pipes.route_corner import Corner, corner_of, leg_diameters
-from pipenav.pipes.route_legs import Legs, about_x, frozen, make_legs
+from pipenav.pipes.route_legs import Legs, frozen, make_legs
+from pipenav.pipes.route_walls import PlanarWalls, branched_walls, plain_walls
 from pipenav.units import m_to_mm, mm_to_m
 
 FLAT = 1e-9
@@ -49,13 +52,6 @@ class Frames(NamedTuple):
     rotation: Floats
 
 
-class Sides(NamedTuple):
-    """The two walls of a planar route as polylines, points in order along the route [m], each (points, 2)."""
-
-    left: Floats
-    right: Floats
-
-
 class PipeRoute(Pipe):
     """A row of corners. All lengths in metres, angles in radians; `PipeRoute.of` takes millimetres and degrees.
 
@@ -67,10 +63,12 @@ class PipeRoute(Pipe):
         straights: length of every leg along its centre line, from open end or corner to corner or open end
             (corners + 1) [m].
         wall: wall thickness [m].
+        capped: whether a cap closes the far end.
     """
 
     corners: tuple[Corner, ...] = Field(min_length=1, max_length=MAX_CORNERS)
     straights: tuple[float, ...]
+    capped: bool = False
 
     @classmethod
     def of(
@@ -101,7 +99,12 @@ class PipeRoute(Pipe):
 
     @classmethod
     def with_default_straights(
-        cls, diameter: float, corners: tuple[Corner, ...], straights_mm: Sequence[float | None], wall: float
+        cls,
+        diameter: float,
+        corners: tuple[Corner, ...],
+        straights_mm: Sequence[float | None],
+        wall: float,
+        capped: bool = False,
     ) -> Self:
         """A route some of whose straights are not given: these are as long as the corners and a robot need.
 
@@ -110,6 +113,7 @@ class PipeRoute(Pipe):
             corners: corners in order.
             straights_mm: length of every leg, or None.
             wall: wall thickness [m].
+            capped: whether a cap closes the far end.
 
         Raises:
             PipenavError: as `of`.
@@ -121,7 +125,7 @@ class PipeRoute(Pipe):
             default_leg(shortest, own) if mm is None else mm_to_m(mm)
             for mm, shortest, own in zip(straights_mm, least, diameters, strict=True)
         )
-        return cls(diameter=diameter, corners=corners, straights=straights, wall=wall)
+        return cls(diameter=diameter, corners=corners, straights=straights, wall=wall, capped=capped)
 
     @classmethod
     def from_corner(cls, pipe: PipeCorner) -> Self:
@@ -130,7 +134,7 @@ class PipeRoute(Pipe):
         Raises:
             OutOfRange: the corner is a bend of less than 0.75 diameters.
         """
-        corner = Corner(angle=pipe.angle, turn=pipe.turn, bend_radius=pipe.bend_radius)
+        corner = Corner(angle=pipe.angle, turn=pipe.turn, bend_radius=pipe.bend_radius, branches=pipe.branches)
         return cls(diameter=pipe.diameter, corners=(corner,), straights=(pipe.leg, pipe.leg), wall=pipe.wall)
 
     @model_validator(mode="after")
@@ -139,27 +143,33 @@ class PipeRoute(Pipe):
         check_straights(self.straights, shortest_straights(self.diameter, self.corners, self.wall))
         met = self.legs.meeting(self.legs.radius + self.wall)
         if met:
-            raise CrossesItself(met.first + 1, met.second + 1)
+            raise StraightsMeet(met.first + 1, met.second + 1)
+        branch = meeting_branch(self.branches, self.legs.rods(self.legs.radius + self.wall), self.wall)
+        if branch:
+            raise BranchMeets(branch.corner + 1, branch.other)
         return self
 
     def __hash__(self) -> int:
         """Hash over all fields, faster than pydantic's: pipes are keys of caches."""
         corners = tuple(tuple(corner.__dict__.values()) for corner in self.corners)
-        return hash((self.diameter, corners, self.straights, self.wall))
+        return hash((self.diameter, corners, self.straights, self.wall, self.capped))
 
     @property
     def planar(self) -> bool:
         """Whether the whole route lies in the x-y plane: every roll is a multiple of 180 deg."""
-        return all(abs(math.remainder(corner.roll, math.pi)) < FLAT for corner in self.corners)
+        flat = all(abs(math.remainder(corner.roll, math.pi)) < FLAT for corner in self.corners)
+        return flat and self.branches.in_plane
 
     @property
     def name(self) -> str:
         """`run-d100-L90-R75roll90`: diameter [mm], then turn, interior angle and roll [deg] of every corner."""
-        return "-".join([f"run-d{m_to_mm(self.diameter):g}", *(corner.name for corner in self.corners)])
+        ends = ["cap"] if self.capped else []
+        return "-".join([f"run-d{m_to_mm(self.diameter):g}", *(corner.name for corner in self.corners), *ends])
 
     @property
     def label(self) -> str:
-        return ", ".join([f"{m_to_mm(self.diameter):g} mm", *(corner.label for corner in self.corners)])
+        ends = ["a cap"] if self.capped else []
+        return ", ".join([f"{m_to_mm(self.diameter):g} mm", *(corner.label for corner in self.corners), *ends])
 
     @property
     def legs(self) -> Legs:
@@ -168,6 +178,16 @@ class PipeRoute(Pipe):
         `leg_frames` is the part of it that every kind of pipe has; `frames` are the same legs with twist.
         """
         return _legs(self)
+
+    @property
+    def branches(self) -> BranchPipes:
+        """The branches of its tees and crosses."""
+        return _branches(self)
+
+    @property
+    def has_fittings(self) -> bool:
+        """Whether it has a tee, a cross or a cap, so that its walls are more than lines along it."""
+        return self.capped or any(corner.branches for corner in self.corners)
 
     @property
     def frames(self) -> Frames:
@@ -189,8 +209,8 @@ class PipeRoute(Pipe):
         return np.concatenate([self.legs.start, end[None]]) + 0.0  # no minus zeros in files
 
     @property
-    def walls(self) -> Sides:
-        """The walls of a planar route, left and right; the arrays are read-only.
+    def walls(self) -> PlanarWalls:
+        """The walls of a planar route; the arrays are read-only.
 
         Raises:
             PipenavError: the route leaves the plane.
@@ -199,29 +219,11 @@ class PipeRoute(Pipe):
 
     @property
     def segments(self) -> Floats:
-        """Wall segments `[[x1, y1], [x2, y2]]` of a planar route, free space on the left of each, read-only.
-
-        The right wall along the route, then the left wall back: (s, 2, 2) [m].
-
-        Raises:
-            PipenavError: the route leaves the plane.
-        """
-        return _segments(self)
+        return self.walls.segments
 
     @property
     def edges(self) -> Flags:
-        to_left = np.cos(self.legs.inside) * self.legs.reach  # in the plane, positive where the route turns left
-        sides = []
-        for around, inner in ((0.0, to_left > FLAT), (math.pi, to_left < -FLAT)):
-            points = np.array(self.legs.line_chords(self.legs.radius, around)) + 1
-            at_point = np.repeat(inner, points)
-            for i in np.flatnonzero(~np.isnan(self.legs.taper)):  # of its two points the narrower one
-                narrower = int(points[:i].sum()) + int(self.legs.radius[i + 1] < self.legs.radius[i])
-                at_point[narrower] = True
-            at_point = np.concatenate([at_point[:1], at_point, at_point[-1:]])  # an open end is like its neighbour
-            sides.append(np.stack([at_point[:-1], at_point[1:]], axis=1))  # (segments, 2)
-        left, right = sides
-        return np.concatenate([right, left[::-1, ::-1]])
+        return self.walls.edges
 
     @property
     def interior_angles(self) -> Floats:
@@ -234,7 +236,10 @@ class PipeRoute(Pipe):
     @property
     def inner_edges(self) -> Floats:
         edges = np.maximum(self.legs.bend, self.legs.radius[:-1]) * self.legs.reach
-        return np.where(np.isnan(self.legs.taper), edges, self.legs.taper / 2)
+        edges = np.where(np.isnan(self.legs.taper), edges, self.legs.taper / 2)
+        for i in np.flatnonzero(self.legs.taper == 0):
+            edges[i] = way_past(self.corners[i], *self.legs.radius[i : i + 2].tolist())
+        return edges
 
     @property
     def leg_frames(self) -> LegFrames:
@@ -242,8 +247,7 @@ class PipeRoute(Pipe):
 
     @property
     def wall_sides(self) -> list[WallSide]:
-        backs = (self.legs.line(self.legs.radius + self.wall, around)[:, :2] for around in (0.0, math.pi))
-        return [WallSide(*sides) for sides in zip(self.walls, backs, strict=True)]
+        return self.walls.sides
 
     @property
     def corner(self) -> None:
@@ -262,11 +266,12 @@ class PipeRoute(Pipe):
     def contains(self, points: Floats) -> Flags:
         """Flags of points (..., 3), or (..., 2) of the x-y plane, in the round bore, not past an open end: (...)."""
         points = in_space(points)
-        leg, local, beyond = CentreLines.of([self], 3).locate(points.reshape(1, -1, 3))
-        inside = ((beyond == 0) & self.legs.in_straight(leg, local)).reshape(points.shape[:-1])
-        for i in np.flatnonzero(self.legs.bend):
-            inside |= self.legs.in_bend(points, int(i))
-        return np.asarray(inside)
+        inside = self.branches.contain(points)
+        for i in range(len(self.straights)):
+            inside |= self.legs.in_straight(points, i)
+        for i in np.flatnonzero(self.legs.bend).tolist():
+            inside |= self.legs.in_bend(points, i)
+        return inside
 
 
 def as_route(pipe: Pipe) -> PipeRoute:
@@ -287,7 +292,8 @@ def _legs(route: PipeRoute) -> Legs:
 @lru_cache(maxsize=1024)
 def _with_straights(route: PipeRoute, straights: tuple[float, ...]) -> PipeRoute:
     """The route with other straights; cached, as it takes long to find out that a route does not cross itself."""
-    return PipeRoute(diameter=route.diameter, corners=route.corners, straights=straights, wall=route.wall)
+    first, wall = route.diameter, route.wall
+    return PipeRoute(diameter=first, corners=route.corners, straights=straights, wall=wall, capped=route.capped)
 
 
 @lru_cache(maxsize=4096)
@@ -297,24 +303,16 @@ def _frames(route: PipeRoute) -> Frames:
 
 
 @lru_cache(maxsize=4096)
-def _walls(route: PipeRoute) -> Sides:
+def _branches(route: PipeRoute) -> BranchPipes:
+    return make_branches(route.corners, route.legs.start, route.legs.axes)
+
+
+@lru_cache(maxsize=4096)
+def _walls(route: PipeRoute) -> PlanarWalls:
     if not route.planar:
         raise PipenavError(
             f"{route.name} leaves the plane, so it has no walls in the plane: choose a route without rolls."
         )
-    left, right = (route.legs.line(route.legs.radius, around)[:, :2].copy() for around in (0.0, math.pi))
-    return Sides(frozen(left), frozen(right))
-
-
-@lru_cache(maxsize=4096)
-def _segments(route: PipeRoute) -> Floats:
-    walls = [route.walls.right, route.walls.left[::-1]]
-    return frozen(np.concatenate([np.stack([line[:-1], line[1:]], axis=1) for line in walls]))
-
-
-def in_space(points: Floats) -> Floats:
-    """Points (..., 2) of the x-y plane as points (..., 3)."""
-    points = np.asarray(points, float)
-    if points.shape[-1] == 3:
-        return points
-    return np.concatenate([points, np.zeros((*points.shape[:-1], 1))], axis=-1)
+    if route.has_fittings:
+        return branched_walls(route.legs, route.branches, route.wall, route.capped)
+    return plain_walls(route.legs, route.wall)

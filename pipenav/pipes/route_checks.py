@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
+from pipenav.pipes.branch_pipes import check_fitting, reaches
 from pipenav.pipes.corner_checks import (
     ANGLE_RANGE_DEG,
     BEND_RADIUS_MAX_MM,
@@ -34,12 +36,26 @@ ROLL_MAX_DEG = 360.0
 
 
 class CrossesItself(PipenavError):
-    """Two straights of a route that are no neighbours meet."""
+    """Two pipes of a route that are no neighbours meet."""
+
+
+class StraightsMeet(CrossesItself):
+    """Two straights of a route that are no neighbours meet; their numbers count from 1."""
 
     def __init__(self, first: int, second: int) -> None:
         super().__init__(
             f"the route crosses itself: straights {first} and {second} would touch or nearly touch; make one of the "
             f"straights {first} to {second} longer or shorter, or turn a corner between them the other way."
+        )
+
+
+class BranchMeets(CrossesItself):
+    """A branch of a route meets another pipe, which stands in words; the corner's number counts from 1."""
+
+    def __init__(self, corner: int, other: str) -> None:
+        super().__init__(
+            f"the route crosses itself: the branch at corner {corner} and {other} would touch or nearly touch; make "
+            "the branch shorter, a straight between them longer, or turn a corner between them the other way."
         )
 
 
@@ -68,17 +84,22 @@ def check_numbers(diameter: float, corners: Sequence[Corner], straights: int, wa
     """
     check_range("diameter", m_to_mm(diameter), *DIAMETER_RANGE_MM, "mm")
     check_range("wall thickness", m_to_mm(wall), *WALL_RANGE_MM, "mm")
-    for i, (corner, before) in enumerate(zip(corners, leg_diameters(diameter, corners)[:-1], strict=True), 1):
+    for i, (corner, (before, after)) in enumerate(
+        zip(corners, pairwise(leg_diameters(diameter, corners)), strict=True), 1
+    ):
         check_range(f"interior angle of corner {i}", rad_to_deg(corner.angle), *ANGLE_RANGE_DEG, "deg")
         check_range(f"roll of corner {i}", rad_to_deg(corner.roll), -ROLL_MAX_DEG, ROLL_MAX_DEG, "deg")
-        if corner.bend_radius:
+        if corner.branches:
+            check_fitting(i, corner, before, after, wall)
+        elif corner.bend_radius:
             low = LEAST_BEND * m_to_mm(before)
             what = f"bend radius of corner {i} (0 is a mitre)"
             check_range(what, m_to_mm(corner.bend_radius), low, BEND_RADIUS_MAX_MM, "mm")
-        if corner.to_diameter is None:
+        kind = "reducer" if corner.reducer else "corner"
+        check_range(f"diameter behind {kind} {i}", m_to_mm(after), *DIAMETER_RANGE_MM, "mm")
+        if not corner.reducer:
             check_range(f"length of corner {i}, which is no reducer,", m_to_mm(corner.length), 0.0, 0.0, "mm")
         else:
-            check_range(f"diameter behind reducer {i}", m_to_mm(corner.to_diameter), *DIAMETER_RANGE_MM, "mm")
             check_range(f"length of reducer {i}", m_to_mm(corner.length), 0.0, REDUCER_MAX_MM, "mm")
             check_range(f"interior angle of reducer {i}", rad_to_deg(corner.angle), 180.0, 180.0, "deg")
             check_range(f"bend radius of reducer {i}", m_to_mm(corner.bend_radius), 0.0, 0.0, "mm")
@@ -119,13 +140,31 @@ def shortest_straights(diameter: float, corners: Sequence[Corner], wall: float) 
     diameters, inside = leg_diameters(diameter, corners), inside_angles(corners)
     outside = diameters / 2 + wall  # (legs,)
     reach = 1 / np.tan([corner.angle / 2 for corner in corners])  # (corners,)
-    bend, taper = np.array([(corner.bend_radius, corner.length) for corner in corners]).T
-    mitred = np.where(bend == 0, reach, 0.0)[:, None] * np.stack([np.cos(inside), np.sin(inside)], axis=1)
-    ends = np.where(bend > 0, np.maximum(bend, outside[:-1]) * reach, taper / 2)
-    lost = outside * np.linalg.norm(_beside_each_leg(mitred), axis=1) + _beside_each_leg(ends[:, None])[:, 0]
+    mitred = np.array([not corner.bend_radius and not corner.branches for corner in corners])
+    by_mitres = np.where(mitred, reach, 0.0)[:, None] * np.stack([np.cos(inside), np.sin(inside)], axis=1)
+    before, after = np.array(
+        [_lost_to(corner, *pair, wall) for corner, pair in zip(corners, pairwise(diameters), strict=True)]
+    ).T
+    lost = outside * np.linalg.norm(_beside_each_leg(by_mitres, by_mitres), axis=1)
+    lost += _beside_each_leg(before[:, None], after[:, None])[:, 0]
     return [float(x) for x in lost + 0.1 * diameters]
 
 
-def _beside_each_leg(of_corners: Floats) -> Floats:
-    """Sum of the values (corners, k) of the corners at either end of each leg, (corners + 1, k)."""
-    return np.concatenate([of_corners[:1], of_corners[:-1] + of_corners[1:], of_corners[-1:]])
+def _lost_to(corner: Corner, before: float, after: float, wall: float) -> tuple[float, float]:
+    """Lengths that a corner takes from all lines of the leg before it and of the leg after it [m]; 0 for a mitre."""
+    if corner.branches:
+        first, second = reaches(corner, before, after, wall)[:2].tolist()
+        return first, second
+    bent = max(corner.bend_radius, before / 2 + wall) / math.tan(corner.angle / 2)
+    lost = bent if corner.bend_radius else corner.length / 2
+    return lost, lost
+
+
+def _beside_each_leg(before: Floats, after: Floats) -> Floats:
+    """Sum of the values at the corners at either end of each leg, (corners + 1, k).
+
+    Args:
+        before: values of the corners for the leg before, (corners, k).
+        after: values for the leg after, (corners, k).
+    """
+    return np.concatenate([before[:1], after[:-1] + before[1:], after[-1:]])

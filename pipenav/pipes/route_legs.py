@@ -15,9 +15,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipenav.arrays import Flags, Floats, Ints
+from pipenav.arrays import Flags, Floats
 from pipenav.pipes.convex import apart
 from pipenav.pipes.corner_lines import ARC_TOLERANCE, arc_chords
+from pipenav.pipes.rotations import about_x, about_z
 from pipenav.pipes.route_corner import Corner, inside_angles
 
 SPACING = 0.02
@@ -41,6 +42,13 @@ class MeetingLegs(NamedTuple):
     second: int
 
 
+class _Rod(NamedTuple):
+    """Points around a leg's rod, (points, 3), and the length of the shortest line along it [m]."""
+
+    points: Floats
+    shortest: float
+
+
 class Legs(NamedTuple):
     """Geometry of the straight legs, without twist; the arrays are read-only.
 
@@ -54,7 +62,8 @@ class Legs(NamedTuple):
         turn_angle: change of direction in each corner, (corners,) [rad].
         bend: radius of the centre line's bend in each corner, 0 for a mitre, (corners,) [m].
         radius: radius of the bore in each leg, (legs,) [m].
-        taper: length of the reducer at each corner, `STEP` or more, and NaN where there is none, (corners,) [m].
+        taper: length of the reducer at each corner, `STEP` or more; 0 in a tee or cross, where the legs end squarely at
+            the crossing of their axes; NaN in every other corner, (corners,) [m].
     """
 
     length: Floats
@@ -124,24 +133,39 @@ class Legs(NamedTuple):
             points.append(begin[:, i, None] + fillet[:, i, None, None] * arc)
         return np.concatenate([*points, end + sideways[:, -1:]], axis=1)
 
-    def in_straight(self, leg: Ints, local: Floats) -> Flags:
-        """Flags of points in the bore of their legs, reducers included and bends left out: (...).
+    def in_straight(self, points: Floats, leg: int) -> Flags:
+        """Flags of points (..., 3) in the bore of one leg, reducers included and bends left out: (...).
 
         Args:
-            leg: leg of each point, (...).
-            local: position from the leg's start: along it, to its left and upwards, (..., 3) [m].
+            points: points in the route's frame [m].
+            leg: the leg, counted from 0.
         """
-        along, radius = local[..., 0], self.radius[leg]
-        straight = np.ones(leg.shape, bool)
-        for i in range(len(self.bend)):
-            past_corner = np.where(leg == i, along - self.length[i], np.where(leg == i + 1, along, np.inf))
-            if math.isnan(self.taper[i]):
-                straight &= ~(np.abs(past_corner) < self.bend[i] * self.reach[i])
-                continue
-            share = np.clip(past_corner / self.taper[i] + 0.5, 0.0, 1.0)
-            tapered = self.radius[i] + share * (self.radius[i + 1] - self.radius[i])
-            radius = np.where(np.isinf(past_corner), radius, tapered)
-        return np.asarray(straight & (np.hypot(local[..., 1], local[..., 2]) <= radius))
+        along, left, up = np.moveaxis((points - self.start[leg]) @ self.axes[leg], -1, 0)
+        radius = np.full(along.shape, self.radius[leg])
+        straight = (along >= 0) if leg == 0 else self._past_corner(points, along, leg - 1, 1.0)
+        if leg == len(self.bend):
+            straight &= along <= self.length[leg]
+        else:
+            straight &= self._past_corner(points, self.length[leg] - along, leg, -1.0)
+        for corner, past in ((leg - 1, along), (leg, along - self.length[leg])):
+            if 0 <= corner < len(self.bend) and self.taper[corner] > 0:
+                share = np.clip(past / self.taper[corner] + 0.5, 0.0, 1.0)
+                tapered = self.radius[corner] + share * (self.radius[corner + 1] - self.radius[corner])
+                radius = np.where(np.abs(past) < self.taper[corner] / 2, tapered, radius)
+        return np.asarray(straight & (np.hypot(left, up) <= radius))
+
+    def _past_corner(self, points: Floats, along: Floats, corner: int, sign: float) -> Flags:
+        """Flags of points (..., 3) on the side of a corner where its leg is: (...).
+
+        Args:
+            points: points in the route's frame [m].
+            along: distance from the crossing of the axes along the leg, (...) [m].
+            corner: the corner, counted from 0.
+            sign: +1 for the leg after the corner, -1 for the leg before.
+        """
+        if self.bend[corner] or not math.isnan(self.taper[corner]):
+            return np.asarray(along >= self.bend[corner] * self.reach[corner])
+        return np.asarray(sign * ((points - self.start[corner + 1]) @ self.mitre[corner]) >= 0)
 
     def in_bend(self, points: Floats, corner: int) -> Flags:
         """Flags of points (..., 3) in the bore of a corner's bend, which is a piece of a torus: (...).
@@ -159,26 +183,43 @@ class Legs(NamedTuple):
         near = np.hypot(np.hypot(forwards, outwards) - bend, across) <= self.radius[corner]
         return np.asarray(near & (angle >= 0) & (angle <= self.turn_angle[corner]))
 
+    def rods(self, radius: Floats) -> list[Floats]:
+        """Points around every leg as a solid rod, with half of each bend beside it, (points, 3) [m] each.
+
+        Args:
+            radius: radius of each leg's rod, (legs,) [m].
+        """
+        return [points for points, _ in self._rods(radius)]
+
     def meeting(self, radius: Floats) -> MeetingLegs | None:
         """Two legs that are no neighbours and yet meet, or nearly so (`SPACING`), as solid rods.
 
         Args:
             radius: radius of each leg's rod, (legs,) [m].
         """
-        around = (np.arange(ROUND) + 0.5) * 2 * math.pi / ROUND
+        rods = self._rods(radius)
+        for i, j in combinations(range(len(rods)), 2):
+            spacing = SPACING if j > i + 2 else min(SPACING, SHORT_SPACING * rods[i + 1].shortest)
+            if j > i + 1 and not apart(rods[i].points, rods[j].points, spacing):
+                return MeetingLegs(i, j)
+        return None
+
+    def _rods(self, radius: Floats) -> list[_Rod]:
+        around = rod_angles()
         # A leg's rod takes half of each bend beside it.
         halves = [(count + 1) // 2 for count in self.chords(float(radius.max()))]
         lines = self.lines(radius[None] / math.cos(math.pi / ROUND), around, [2 * half for half in halves])
         bends = np.cumsum([0, *(2 * half + 1 for half in halves)])  # the point before each bend, and the last but one
         first, last = bends, bends + 1
         middle = np.array([0, *(bends[:-1] + 1 + np.array(halves, int)), lines.shape[1] - 1])
-        rods = [lines[:, a : b + 1].reshape(-1, 3) for a, b in pairwise(middle)]
         shortest = np.linalg.norm(lines[:, last] - lines[:, first], axis=2).min(axis=0)  # (legs,)
-        for i, j in combinations(range(len(rods)), 2):
-            spacing = SPACING if j > i + 2 else min(SPACING, SHORT_SPACING * shortest[i + 1])
-            if j > i + 1 and not apart(rods[i], rods[j], spacing):
-                return MeetingLegs(i, j)
-        return None
+        ends = zip(pairwise(middle), shortest.tolist(), strict=True)
+        return [_Rod(lines[:, a : b + 1].reshape(-1, 3), least) for (a, b), least in ends]
+
+
+def rod_angles() -> Floats:
+    """Angles of the corners of a rod's prism around its axis, (ROUND,) [rad]."""
+    return np.asarray((np.arange(ROUND) + 0.5) * 2 * math.pi / ROUND)
 
 
 def make_legs(corners: Sequence[Corner], straights: Floats, radius: Floats) -> Legs:
@@ -190,11 +231,11 @@ def make_legs(corners: Sequence[Corner], straights: Floats, radius: Floats) -> L
         radius: radius of the bore in each leg, (corners + 1,) [m].
     """
     angles, bends = np.array([(corner.angle, corner.bend_radius) for corner in corners]).T.copy()
-    tapers = np.array([np.nan if one.to_diameter is None else max(one.length, STEP) for one in corners])
+    tapers = np.array([_taper(corner) for corner in corners])
     inside = inside_angles(corners)
     axes = [np.eye(3)]
     for angle, around in zip(angles, inside, strict=True):
-        axes.append(axes[-1] @ about_x(around) @ _about_z(math.pi - angle) @ about_x(-around))
+        axes.append(axes[-1] @ about_x(around) @ about_z(math.pi - angle) @ about_x(-around))
     stacked = np.stack(axes)
     along = stacked[:, :, 0]
     steps = np.cumsum(straights[1:-1, None] * along[1:-1], axis=0)
@@ -206,18 +247,14 @@ def make_legs(corners: Sequence[Corner], straights: Floats, radius: Floats) -> L
     return Legs(*map(frozen, (straights, start, stacked, inside, reach, mitre, turns, bends, radius, tapers)))
 
 
+def _taper(corner: Corner) -> float:
+    """Length of a corner's reducer, see `Legs.taper` [m]."""
+    if corner.branches:
+        return 0.0
+    return math.nan if corner.to_diameter is None else max(corner.length, STEP)
+
+
 def frozen(array: Floats) -> Floats:
     """The array itself, made read-only."""
     array.setflags(write=False)
     return array
-
-
-def about_x(angle: float) -> Floats:
-    """Rotation about x, (3, 3)."""
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
-
-
-def _about_z(angle: float) -> Floats:
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

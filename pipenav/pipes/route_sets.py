@@ -6,22 +6,21 @@ import random
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Literal, NamedTuple, Self, TypeVar
+from typing import Literal, NamedTuple, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
-from pydantic_core import PydanticCustomError
+from pydantic import BaseModel, ConfigDict, Field
 
 from pipenav.errors import ConfigError, PipenavError, UnknownName, shown
-from pipenav.pipes.corner_sets import MAX_TURNS, Values, corner_set_names, parse_corners, read_as, values_of
-from pipenav.pipes.pipe import DEFAULT_WALL, Pipe
+from pipenav.pipes.corner_sets import corner_set_names, parse_corners
+from pipenav.pipes.pipe import Pipe
 from pipenav.pipes.reducer import ReducerSetFile
 from pipenav.pipes.route import PipeRoute, as_route
 from pipenav.pipes.route_checks import MAX_CORNERS, CrossesItself
-from pipenav.pipes.route_corner import Corner, corner_of, reducer_corner
+from pipenav.pipes.route_file import read_route
 from pipenav.pipes.s_bend import SBendSetFile
+from pipenav.pipes.set_file import MAX_TURNS, Values, read_as, values_of
 from pipenav.storage import shipped
 from pipenav.storage.text_files import read_toml
-from pipenav.units import m_to_mm, mm_to_m
 
 T = TypeVar("T")
 
@@ -34,62 +33,6 @@ MAX_DRAWS = 1000
 
 MAX_WORK = 100_000
 """Draws of a whole set times the square of its corners, as the time of a draw grows: some seconds."""
-
-
-class CornerEntry(BaseModel):
-    """A corner of a route as TOML, with the straight that follows it."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    angle_deg: float | None = None
-    turn: str | None = None
-    roll_deg: float = 0.0
-    bend_radius_mm: float = 0.0
-    to_diameter_mm: float | None = None
-    length_mm: float = 0.0
-    straight_mm: float | None = None
-
-    @model_validator(mode="after")
-    def _corner_or_reducer(self) -> Self:
-        if self.to_diameter_mm is None:
-            missing = [key for key in ("angle_deg", "turn") if getattr(self, key) is None]
-            if missing:
-                raise PydanticCustomError("missing_key", f"{' and '.join(missing)} missing: field required")
-            if "length_mm" in self.model_fields_set:
-                raise PydanticCustomError("no_reducer", "a length_mm needs to_diameter_mm, which makes a reducer")
-        elif given := sorted(self.model_fields_set - {"to_diameter_mm", "length_mm", "straight_mm"}):
-            raise PydanticCustomError("reducer_turns", f"a reducer goes straight on: leave out {', '.join(given)}")
-        return self
-
-    def corner(self) -> Corner:
-        """The corner, or the reducer."""
-        if self.to_diameter_mm is not None:
-            return reducer_corner(self.to_diameter_mm, self.length_mm)
-        assert self.angle_deg is not None and self.turn is not None
-        return corner_of(self.angle_deg, self.turn, self.roll_deg, self.bend_radius_mm)
-
-
-class RouteFile(BaseModel):
-    """A route as TOML."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    schema_: Literal[1, 2] = Field(alias="schema")
-    description: str = ""
-    diameter_mm: float
-    wall_mm: float = m_to_mm(DEFAULT_WALL)
-    first_straight_mm: float | None = None
-    corners: list[CornerEntry] = Field(min_length=1, max_length=MAX_CORNERS)
-
-    def route(self) -> PipeRoute:
-        """The route that the file describes.
-
-        Raises:
-            PipenavError: the route is not possible.
-        """
-        corners = tuple(one.corner() for one in self.corners)
-        straights = [self.first_straight_mm, *(corner.straight_mm for corner in self.corners)]
-        return PipeRoute.with_default_straights(mm_to_m(self.diameter_mm), corners, straights, mm_to_m(self.wall_mm))
 
 
 class RouteSetFile(BaseModel):
@@ -200,22 +143,6 @@ def parse_route(text: str) -> NamedRoute:
     if not text.endswith(".toml"):
         raise UnknownName("route", text, [*(f"{known}:1" for known in route_set_names()), "FILE.toml"])
     return NamedRoute(Path(text).stem, read_route(Path(text)))
-
-
-def read_route(path: Path) -> PipeRoute:
-    """The route of a TOML file, corner by corner.
-
-    Raises:
-        FileProblem: the file cannot be read.
-        ConfigError: it is no route, or not a possible one.
-    """
-    if not isinstance(read_toml(path).get("corners"), list):
-        raise ConfigError(f"{path} is not one route: that is a file with a [[corners]] table for each corner.")
-    file = read_as(RouteFile, path, CornerEntry)
-    try:
-        return file.route()
-    except PipenavError as error:
-        raise ConfigError(f"{path}: {error}") from error
 
 
 def _parse_one(text: str) -> Sequence[Pipe]:

@@ -14,7 +14,14 @@ import numpy as np
 from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner_lines import ARC_TOLERANCE
-from pipenav.pipes.corner_solids import Faces, Mesh, boards_between, round_angles, tube_between
+from pipenav.pipes.corner_solids import Mesh, boards_between, round_angles, tube_between
+from pipenav.pipes.fitting_solids import (
+    PRISM_FACES,
+    ConvexPiece,
+    fitting_boards_mesh,
+    fitting_tube_mesh,
+    fitting_wall_pieces,
+)
 from pipenav.pipes.route import PipeRoute
 from pipenav.units import m_to_mm
 
@@ -23,13 +30,6 @@ FACETS = 16
 
 BEND_DEVIATION = 0.01
 """Largest distance between a bend and the chords of its prisms, as a share of the bore's radius."""
-
-PRISM_FACES: Faces = np.array(
-    [[0, 1, 2], [0, 2, 3], [4, 6, 5], [4, 7, 6]]
-    + [[i, 4 + i, 4 + (i + 1) % 4] for i in range(4)]
-    + [[i, 4 + (i + 1) % 4, (i + 1) % 4] for i in range(4)]
-)
-"""Triangles of a prism of `wall_prisms`, counter-clockwise seen from outside, (12, 3)."""
 
 
 def wall_prisms(route: PipeRoute, facets: int = FACETS, thickness: float | None = None) -> Floats:
@@ -68,11 +68,34 @@ def wall_prisms(route: PipeRoute, facets: int = FACETS, thickness: float | None 
     return np.concatenate([ring[:, :-1], ring[:, 1:]], axis=2).swapaxes(0, 1)
 
 
+def wall_pieces(route: PipeRoute, thickness: float | None = None) -> dict[str, ConvexPiece]:
+    """The wall as convex pieces by name: the prisms of `wall_prisms`, or in a route with fittings what is left of them.
+
+    Args:
+        route: the route.
+        thickness: thickness of the wall [m], by default the route's own.
+
+    Raises:
+        PipenavError: a wall so thick that those of the legs before and after a short one would meet.
+    """
+    if route.has_fittings:
+        chords = route.legs.chords(float(route.legs.radius.max()), BEND_DEVIATION * float(route.legs.radius.min()))
+        parts = fitting_wall_pieces(route, FACETS, route.wall if thickness is None else thickness, chords)
+        return {f"wall_{number}": part for number, part in enumerate(parts, 1)}
+    prisms = wall_prisms(route, thickness=thickness)
+    return {
+        f"wall_{piece + 1}_{side}": ConvexPiece(prisms[piece, side], PRISM_FACES)
+        for piece, side in np.ndindex(*prisms.shape[:2])
+    }
+
+
 def route_tube_mesh(route: PipeRoute) -> Mesh:
     """The hollow tube of a route."""
     outside = route.legs.radius + route.wall
     widest = float(outside.max())
     chords = route.legs.chords(widest, ARC_TOLERANCE / 4)
+    if route.has_fittings:
+        return fitting_tube_mesh(route, round_angles(widest), chords)
     inner, outer = (route.legs.lines(r[None], round_angles(widest), chords) for r in (route.legs.radius, outside))
     return tube_between(inner, outer)
 
@@ -84,6 +107,8 @@ def route_boards_mesh(route: PipeRoute) -> Mesh:
         PipenavError: the route leaves the plane.
     """
     _ = route.walls  # raises where the route leaves the plane
+    if route.has_fittings:
+        return fitting_boards_mesh(route)
     outside, sides = route.legs.radius + route.wall, np.array([0.0, math.pi])
     chords = route.legs.chords(float(outside.max()), ARC_TOLERANCE / 4)
     (left, right), (behind_left, behind_right) = (

@@ -112,7 +112,8 @@ def read_record(file: Path, kind: str, schemas: Sequence[int], keys: Sequence[st
     if not isinstance(record, dict) or "schema" not in record:
         raise ConfigError(f"{file} is not a {kind}: it has no 'schema'.")
     if record["schema"] not in schemas:
-        known = " and ".join(map(str, schemas))
+        *others, last = map(str, schemas)
+        known = f"{', '.join(others)} and {last}" if others else last
         raise ConfigError(f"{file} has schema {shown(record['schema'])}: this version of pipenav reads schema {known}.")
     missing = [key for key in keys if key not in record]
     if missing:

@@ -16,9 +16,10 @@ from helpers.random_routes import along_centre, rounded_length
 from pipenav.arrays import Floats
 from pipenav.errors import ConfigError, OutOfRange, PipenavError
 from pipenav.export.route_folder import FILES, read_route_folder, route_files, route_record, write_route_folder
+from pipenav.pipes.fitting_solids import PRISM_FACES
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_sets import parse_routes
-from pipenav.pipes.route_solids import BEND_DEVIATION, FACETS, PRISM_FACES, wall_prisms
+from pipenav.pipes.route_solids import BEND_DEVIATION, FACETS, wall_prisms
 
 CASES = {
     "level": parse_routes(["runs-level:5"])[0],
@@ -182,7 +183,7 @@ def test_what_is_not_a_route_folder_stays(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "error", "message"),
     [
-        ({"schema": 3}, ConfigError, "schema 3: this version of pipenav reads schema 1 and 2"),
+        ({"schema": 4}, ConfigError, "schema 4: this version of pipenav reads schema 1, 2 and 3"),
         ({"diameter_mm": 90}, ConfigError, "diameter_mm 90 contradicts"),
         ({"straights_mm": [1, 2]}, ConfigError, r"straights_mm \[1, 2\] contradicts"),
         ({"corners": []}, ConfigError, "corners: tuple should have at least 1 item"),

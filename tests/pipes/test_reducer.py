@@ -62,7 +62,7 @@ def test_walls_in_the_plane_follow_the_bore_and_edges_are_where_it_widens(
     before: float, behind: float, length: float
 ) -> None:
     route = reducer(before, behind, length, 800)
-    for wall, side in zip(route.walls, (1, -1), strict=True):
+    for (wall, _), side in zip(route.wall_sides, (1, -1), strict=True):
         np.testing.assert_allclose(side * wall[:, 1], radius_at(route, wall[:, 0]), atol=1e-9)
     assert len(route.segments) == 6
     bends = np.abs(before - behind) > 1e-6

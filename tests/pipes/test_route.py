@@ -116,7 +116,7 @@ def test_routes_of_the_same_numbers_are_equal_and_arrays_are_read_only() -> None
     route = PipeRoute.of(100, corners)
     assert route == PipeRoute.of(100, corners) and hash(route) == hash(PipeRoute.of(100, corners))
     assert route != PipeRoute.of(100, [(90, "left", 0), (75, "left", 180)])
-    for array in (*route.walls, route.segments, *route.frames, *route.legs):
+    for array in (*(side.face for side in route.wall_sides), route.segments, *route.frames, *route.legs):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 0.0
 
@@ -172,8 +172,8 @@ def test_a_route_of_one_corner_is_that_corner(diameter: float, angle: float, tur
     pipe = PipeCorner.of(diameter, angle, turn)
     route = PipeRoute.from_corner(pipe)
     left, right = pipe.walls if turn == "left" else pipe.walls[::-1]
-    np.testing.assert_allclose(route.walls.left, left, atol=1e-12)
-    np.testing.assert_allclose(route.walls.right, right, atol=1e-12)
+    np.testing.assert_allclose(route.wall_sides[0].face, left, atol=1e-12)
+    np.testing.assert_allclose(route.wall_sides[1].face, right, atol=1e-12)
     np.testing.assert_allclose(route.centre_line[:, :2], pipe.line(0.0), atol=1e-12)
     points = np.random.default_rng(1).uniform(-1.2, 1.2, (200, 2)) * pipe.leg
     points = points[pipe.contains(points)]

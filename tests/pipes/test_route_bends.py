@@ -54,7 +54,7 @@ def test_a_planar_routes_segments_have_free_space_on_their_left_only(route: Pipe
 
 @given(planar_bent_routes)
 def test_edges_are_where_the_wall_bends_away_from_the_free_space(route: PipeRoute) -> None:
-    right = len(route.walls.right) - 1
+    right = len(route.wall_sides[1].face) - 1
     for wall, edges in zip(np.split(route.segments, [right]), np.split(route.edges, [right]), strict=True):
         step = wall[:, 1] - wall[:, 0]
         step /= np.linalg.norm(step, axis=1, keepdims=True)
@@ -69,8 +69,8 @@ def test_a_route_of_one_bend_is_that_corner(diameter: float, angle: float, turn:
     pipe = PipeCorner.of(diameter, angle, turn, times * diameter)
     route = PipeRoute.from_corner(pipe)
     left, right = pipe.walls if turn == "left" else pipe.walls[::-1]
-    np.testing.assert_allclose(route.walls.left, left, atol=1e-12)
-    np.testing.assert_allclose(route.walls.right, right, atol=1e-12)
+    np.testing.assert_allclose(route.wall_sides[0].face, left, atol=1e-12)
+    np.testing.assert_allclose(route.wall_sides[1].face, right, atol=1e-12)
     np.testing.assert_allclose(route.inner_edges, pipe.inner_edges, atol=1e-12)
     points = np.random.default_rng(1).uniform(-1.2, 1.2, (200, 2)) * pipe.leg
     np.testing.assert_allclose(route.distance_along(points), pipe.distance_along(points), atol=1e-12)

@@ -161,7 +161,7 @@ def test_what_is_no_route_is_named(text: str, message: str) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (ONE.replace("schema = 1", "schema = 3"), "schema: input should be 1 or 2, given 3"),
+        (ONE.replace("schema = 1", "schema = 4"), "schema: input should be 1, 2 or 3, given 4"),
         (ONE.replace("schema = 1", ""), "schema: field required"),
         (ONE.replace("diameter_mm", "diametre_mm"), "diameter_mm: field required"),
         (ONE + "rol_deg = 90", "unknown key 'corners.1.rol_deg': did you mean 'corners.1.roll_deg'"),

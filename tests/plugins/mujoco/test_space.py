@@ -13,8 +13,8 @@ from pipenav.arrays import Floats
 from pipenav.backends.simulators import open_simulator, open_space
 from pipenav.backends.spatial import SpaceBackend
 from pipenav.errors import PipenavError
+from pipenav.pipes.rotations import about_x
 from pipenav.pipes.route import PipeRoute
-from pipenav.pipes.route_legs import about_x
 from pipenav.robots.kinematics import waypoints
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.rolling.clamp import ZIGZAG, RollForward, steepness

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.route_legs import about_x
+from pipenav.pipes.rotations import about_x
 from pipenav.robots import laser
 from pipenav.tasks.rolling import senses
 from pipenav.tasks.rolling.clamp import axle_offset, nearest_zigzag
