@@ -11,11 +11,11 @@ from pydantic import ValidationError
 from pipenav.errors import ConfigError
 from pipenav.export.corner_folder import write_stl
 from pipenav.export.scene_xml import COLOUR, Shape, add, mjcf, sdf, text, urdf, write_xml
-from pipenav.pipes.fitting_solids import ConvexPiece
 from pipenav.pipes.json_keys import ROUTE_KEYS, keys_of_branches, route_fields
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_corner import Corner
 from pipenav.pipes.route_solids import route_boards_mesh, route_tube_mesh, wall_pieces
+from pipenav.pipes.system_solids import ConvexPiece
 from pipenav.storage.atomic_folder import read_record, refuse_contradictions, write_folder, write_record
 from pipenav.units import m_to_mm, rad_to_deg
 

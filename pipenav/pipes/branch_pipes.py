@@ -131,7 +131,23 @@ def reach_of_opening(radius: float, other: float, cosine: float) -> float:
     return 0.0 if sine < IN_LINE else max((other + radius * cosine) / sine, 0.0)
 
 
-def reaches(corner: Corner, before: float, after: float, wall: float = 0.0) -> Floats:
+def reaches(directions: Floats, radius: Floats) -> Floats:
+    """Reach of a fitting's openings along each of its pipes from the crossing of their axes, (pipes,) [m].
+
+    Args:
+        directions: unit vectors along the pipes, away from the crossing, (pipes, 3).
+        radius: radius of each pipe's bore, or of its outside, (pipes,) [m].
+    """
+    cosines, pipes = directions @ directions.T, range(len(radius))
+    return np.array(
+        [
+            max(reach_of_opening(float(radius[i]), float(radius[j]), float(cosines[i, j])) for j in pipes if j != i)
+            for i in pipes
+        ]
+    )
+
+
+def reaches_of(corner: Corner, before: float, after: float, wall: float = 0.0) -> Floats:
     """Reach of all openings along every pipe of a fitting: the leg before, the leg after, and the branches, (p,) [m].
 
     Args:
@@ -141,14 +157,7 @@ def reaches(corner: Corner, before: float, after: float, wall: float = 0.0) -> F
         wall: thickness of the wall where the outsides are asked for [m].
     """
     arms = _arms(corner, before, after)
-    radii = [arm.diameter / 2 + wall for arm in arms]
-    cosines = np.array([arm.direction for arm in arms]) @ np.array([arm.direction for arm in arms]).T
-    return np.array(
-        [
-            max(reach_of_opening(radii[i], radii[j], float(cosines[i, j])) for j in range(len(arms)) if j != i)
-            for i in range(len(arms))
-        ]
-    )
+    return reaches(np.array([arm.direction for arm in arms]), np.array([arm.diameter / 2 + wall for arm in arms]))
 
 
 def way_past(corner: Corner, before: float, after: float) -> float:
@@ -163,7 +172,7 @@ def way_past(corner: Corner, before: float, after: float) -> float:
         after: radius of the leg after [m].
     """
     if corner.straight_on:
-        return float(reaches(corner, 2 * before, 2 * after)[:2].max())
+        return float(reaches_of(corner, 2 * before, 2 * after)[:2].max())
     cosine = math.cos(corner.angle)
     return max(reach_of_opening(before, after, cosine), reach_of_opening(after, before, cosine))
 
@@ -200,7 +209,7 @@ def check_fitting(number: int, corner: Corner, before: float, after: float, wall
 
 def shortest_branches(corner: Corner, before: float, after: float, wall: float) -> list[float]:
     """Least length of each branch of a fitting: past the opening, by a tenth of its diameter, (branches,) [m]."""
-    needed = reaches(corner, before, after, wall)[2:]
+    needed = reaches_of(corner, before, after, wall)[2:]
     return [float(reach) + 0.1 * branch.diameter for reach, branch in zip(needed, corner.branches, strict=True)]
 
 

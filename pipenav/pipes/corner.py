@@ -22,7 +22,7 @@ from pydantic import model_validator
 
 from pipenav.arrays import Flags, Floats
 from pipenav.pipes.branch import Branch
-from pipenav.pipes.branch_pipes import check_fitting, make_branches, reaches
+from pipenav.pipes.branch_pipes import check_fitting, make_branches, reaches_of
 from pipenav.pipes.corner_checks import LEG_MAX_MM, check_corner, check_range, check_turn, default_leg, shortest_leg
 from pipenav.pipes.corner_lines import arc_chords, fillet_radius, tangent_length
 from pipenav.pipes.pipe import DEFAULT_WALL, LegFrames, Pipe, Turn, WallSide
@@ -89,7 +89,7 @@ class PipeCorner(Pipe):
         if self.branches:
             fitting = self.as_route_corner
             check_fitting(1, fitting, self.diameter, self.diameter, self.wall)
-            past = reaches(fitting, self.diameter, self.diameter, self.wall)[:2].max()
+            past = reaches_of(fitting, self.diameter, self.diameter, self.wall)[:2].max()
             shortest = max(shortest, m_to_mm(past + 0.1 * self.diameter))
         check_range("leg length", m_to_mm(self.leg), math.ceil(shortest - 1e-9), LEG_MAX_MM, "mm")
         return self

@@ -10,7 +10,7 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
-from pipenav.pipes.branch_pipes import check_fitting, reaches
+from pipenav.pipes.branch_pipes import check_fitting, reaches_of
 from pipenav.pipes.corner_checks import (
     ANGLE_RANGE_DEG,
     BEND_RADIUS_MAX_MM,
@@ -153,7 +153,7 @@ def shortest_straights(diameter: float, corners: Sequence[Corner], wall: float) 
 def _lost_to(corner: Corner, before: float, after: float, wall: float) -> tuple[float, float]:
     """Lengths that a corner takes from all lines of the leg before it and of the leg after it [m]; 0 for a mitre."""
     if corner.branches:
-        first, second = reaches(corner, before, after, wall)[:2].tolist()
+        first, second = reaches_of(corner, before, after, wall)[:2].tolist()
         return first, second
     bent = max(corner.bend_radius, before / 2 + wall) / math.tan(corner.angle / 2)
     lost = bent if corner.bend_radius else corner.length / 2

@@ -77,6 +77,22 @@ class Legs(NamedTuple):
     radius: Floats
     taper: Floats
 
+    def part(self, first: int, last: int) -> Legs:
+        """The legs from one to another, counted from 0, with the corners between them."""
+        legs, corners = slice(first, last + 1), slice(first, last)
+        return Legs(
+            self.length[legs],
+            self.start[legs],
+            self.axes[legs],
+            self.inside[corners],
+            self.reach[corners],
+            self.mitre[corners],
+            self.turn_angle[corners],
+            self.bend[corners],
+            self.radius[legs],
+            self.taper[corners],
+        )
+
     def line(self, distance: float | Floats, around: float) -> Floats:
         """Single line, with as few chords in each bend as the tolerance allows, (points, 3) [m]; see `lines`."""
         chords = self.line_chords(distance, around)

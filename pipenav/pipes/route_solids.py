@@ -15,14 +15,15 @@ from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner_lines import ARC_TOLERANCE
 from pipenav.pipes.corner_solids import Mesh, boards_between, round_angles, tube_between
-from pipenav.pipes.fitting_solids import (
+from pipenav.pipes.pipe_system import system_of
+from pipenav.pipes.route import PipeRoute
+from pipenav.pipes.system_solids import (
     PRISM_FACES,
     ConvexPiece,
     fitting_boards_mesh,
-    fitting_tube_mesh,
-    fitting_wall_pieces,
+    system_tube_mesh,
+    system_wall_pieces,
 )
-from pipenav.pipes.route import PipeRoute
 from pipenav.units import m_to_mm
 
 FACETS = 16
@@ -79,8 +80,8 @@ def wall_pieces(route: PipeRoute, thickness: float | None = None) -> dict[str, C
         PipenavError: a wall so thick that those of the legs before and after a short one would meet.
     """
     if route.has_fittings:
-        chords = route.legs.chords(float(route.legs.radius.max()), BEND_DEVIATION * float(route.legs.radius.min()))
-        parts = fitting_wall_pieces(route, FACETS, route.wall if thickness is None else thickness, chords)
+        behind = route.wall if thickness is None else thickness
+        parts = system_wall_pieces(system_of(route), FACETS, behind, BEND_DEVIATION)
         return {f"wall_{number}": part for number, part in enumerate(parts, 1)}
     prisms = wall_prisms(route, thickness=thickness)
     return {
@@ -93,9 +94,9 @@ def route_tube_mesh(route: PipeRoute) -> Mesh:
     """The hollow tube of a route."""
     outside = route.legs.radius + route.wall
     widest = float(outside.max())
-    chords = route.legs.chords(widest, ARC_TOLERANCE / 4)
     if route.has_fittings:
-        return fitting_tube_mesh(route, round_angles(widest), chords)
+        return system_tube_mesh(system_of(route))
+    chords = route.legs.chords(widest, ARC_TOLERANCE / 4)
     inner, outer = (route.legs.lines(r[None], round_angles(widest), chords) for r in (route.legs.radius, outside))
     return tube_between(inner, outer)
 

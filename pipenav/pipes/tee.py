@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from pipenav.errors import PipenavError, shown
 from pipenav.pipes.branch import Branch
-from pipenav.pipes.branch_pipes import reaches, with_default_branches
+from pipenav.pipes.branch_pipes import reaches_of, with_default_branches
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.corner_checks import check_turn, default_leg
 from pipenav.pipes.pipe import DEFAULT_WALL, Turn
@@ -81,7 +81,7 @@ def tee(
     """
     diameter, wall = mm_to_m(diameter_mm), _wall(wall_mm)
     corner = _corner(diameter, diameter, deg_to_rad(angle_deg), passage, wall)
-    shortest = float(reaches(corner, diameter, diameter, wall)[:2].max()) + 0.1 * diameter
+    shortest = float(reaches_of(corner, diameter, diameter, wall)[:2].max()) + 0.1 * diameter
     leg = default_leg(shortest, diameter) if leg_mm is None else mm_to_m(leg_mm)
     return PipeCorner(
         diameter=diameter, angle=corner.angle, turn=corner.turn, leg=leg, wall=wall, branches=corner.branches

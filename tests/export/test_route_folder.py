@@ -16,10 +16,10 @@ from helpers.random_routes import along_centre, rounded_length
 from pipenav.arrays import Floats
 from pipenav.errors import ConfigError, OutOfRange, PipenavError
 from pipenav.export.route_folder import FILES, read_route_folder, route_files, route_record, write_route_folder
-from pipenav.pipes.fitting_solids import PRISM_FACES
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_sets import parse_routes
 from pipenav.pipes.route_solids import BEND_DEVIATION, FACETS, wall_prisms
+from pipenav.pipes.system_solids import PRISM_FACES
 
 CASES = {
     "level": parse_routes(["runs-level:5"])[0],

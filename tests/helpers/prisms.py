@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pipenav.arrays import Floats
-from pipenav.pipes.fitting_solids import PRISM_FACES
+from pipenav.pipes.system_solids import PRISM_FACES
 
 
 def faces_of(prisms: Floats) -> tuple[Floats, Floats]:

@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner_solids import Mesh
-from pipenav.pipes.fitting_solids import PRISM_FACES
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_sets import parse_routes
 from pipenav.pipes.route_solids import FACETS, route_boards_mesh, route_tube_mesh, wall_prisms
+from pipenav.pipes.system_solids import PRISM_FACES
 
 SHIPPED = parse_routes(["runs-rolled"])[::4] + parse_routes(["runs-level"])[::8]
 TIGHT = PipeRoute.of(100, [(55, "left", 30), (125, "right", -45), (90, "left", 90)], [400, 120, 150, 300])

@@ -1,9 +1,4 @@
-"""Routes with tees, crosses or caps as solids: their tube, their boards, and their wall as convex pieces.
-
-The pipes of a fitting are halves of cylinders that begin at the crossing of its axes. The tube is the union of all
-pipes' outsides without the union of their bores. The wall is, for each pipe, the prisms around it without the bores of
-the fitting's other pipes, cut into convex pieces by the planes of those bores.
-"""
+"""Systems of pipes with tees, crosses or caps as solids: their tube, their boards, and their wall as convex pieces."""
 
 from __future__ import annotations
 
@@ -15,8 +10,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from pipenav.arrays import Floats
-from pipenav.pipes.branch_pipes import reaches
-from pipenav.pipes.corner_solids import MESH_GRID_MM, Faces, Mesh, mesh_of
+from pipenav.pipes.corner_lines import ARC_TOLERANCE
+from pipenav.pipes.corner_solids import MESH_GRID_MM, Faces, Mesh, mesh_of, round_angles
+from pipenav.pipes.pipe_system import Fitting, PipeSystem, Strand, StrandEnd, polygon_angles, stations
 from pipenav.pipes.route import PipeRoute
 from pipenav.units import mm_to_m
 
@@ -48,55 +44,11 @@ PRISM_FACES: Faces = np.array(
 """Triangles of a prism between two quadrilaterals, counter-clockwise seen from outside, (12, 3)."""
 
 
-class _End(NamedTuple):
-    """End of a section.
-
-    Attributes:
-        direction: unit vector along the section's axis, out of it, (3,).
-        fitting: number of the tee or cross there; None for an end of the whole.
-        pipe: which of the fitting's pipes the section is there.
-        closed: whether a cap closes it.
-    """
-
-    direction: Floats
-    fitting: int | None = None
-    pipe: int = 0
-    closed: bool = False
-
-
-class _Section(NamedTuple):
-    """Part of a route between two fittings or ends, or a branch.
-
-    Attributes:
-        lines: lines along its surface, (lines, stations, 3) [m].
-        start, end: its two ends.
-    """
-
-    lines: Floats
-    start: _End
-    end: _End
-
-
-class _Round(NamedTuple):
-    """Lines around a section: their angles, (lines,) [rad], the factor on the radius, and chords of the corners."""
-
-    around: Floats
-    factor: float
-    chords: Sequence[int]
-
-
-def fitting_tube_mesh(route: PipeRoute, around: Floats, chords: Sequence[int]) -> Mesh:
-    """The hollow tube of a route with branches or a cap.
-
-    Args:
-        route: the route.
-        around: angles of the lines that stand for a circle, (lines,) [rad].
-        chords: number of chords of each corner.
-    """
-    lines = _Round(around, 1.0, chords)
-    outside = _union(_sections(route, route.wall, lines), 0.0, route.wall)
-    tube = outside - _union(_sections(route, 0.0, lines), BEYOND, 0.0)
-    return _mesh(tube)
+def system_tube_mesh(system: PipeSystem) -> Mesh:
+    """The hollow tube of a system: the union of all outsides without the union of all bores."""
+    around = round_angles(max(float(strand.legs.radius.max()) for strand in system.strands) + system.wall)
+    outside = _union(system, system.wall, around, 0.0, system.wall)
+    return _mesh(outside - _union(system, 0.0, around, BEYOND, 0.0))
 
 
 def fitting_boards_mesh(route: PipeRoute) -> Mesh:
@@ -112,69 +64,50 @@ def fitting_boards_mesh(route: PipeRoute) -> Mesh:
     return _mesh(boards.translate((0.0, 0.0, -route.diameter / 2)))
 
 
-def _mesh(made: Manifold) -> Mesh:
-    mesh = made.simplify(2 * MESH_GRID_MM * mm_to_m(1.0)).to_mesh64()
-    return mesh_of(np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts).astype(np.int64), mirrored=False)
-
-
-def fitting_wall_pieces(route: PipeRoute, facets: int, thickness: float, chords: Sequence[int]) -> list[ConvexPiece]:
-    """The wall of a route with branches or a cap as convex pieces.
+def system_wall_pieces(system: PipeSystem, facets: int, thickness: float, deviation: float) -> list[ConvexPiece]:
+    """The wall of a system as convex pieces: each pipe's prisms without the bores of its fittings' other pipes.
 
     Args:
-        route: the route.
+        system: the system.
         facets: sides of the polygon that stands for the bore.
         thickness: thickness of the wall [m].
-        chords: number of chords of each corner.
+        deviation: largest distance between a bend and the chords of its prisms, as a share of the bore's radius.
     """
-    lines = _Round((np.arange(facets) - 0.5) * 2 * math.pi / facets, 1 / math.cos(math.pi / facets), chords)
-    bores = {i: _bores(route, i, facets) for i in np.flatnonzero(route.legs.taper == 0).tolist()}
+    bores = [_bores(fitting, facets) for fitting in system.fittings]
+    around, to_corner = polygon_angles(facets), 1 / math.cos(math.pi / facets)
     pieces: list[ConvexPiece] = []
-    for near, far in zip(_sections(route, 0.0, lines), _sections(route, thickness, lines), strict=True):
-        ring = np.stack([near.lines, np.roll(near.lines, -1, 0), np.roll(far.lines, -1, 0), far.lines], axis=2)
+    for strand in system.strands:
+        legs = strand.legs
+        chords = legs.chords(float(legs.radius.max()), deviation * float(legs.radius.min()))
+        near, far = (legs.lines(r[None] * to_corner, around, chords) for r in (legs.radius, legs.radius + thickness))
+        ring = np.stack([near, np.roll(near, -1, 0), np.roll(far, -1, 0), far], axis=2)
         rings = ring.swapaxes(0, 1)  # (stations, facets, 4, 3)
-        for prisms, ends in _prisms(route, near, rings, thickness):
+        for prisms, ends in _prisms(system, strand, rings, thickness):
             for prism in prisms:
                 pieces += _without(prism, [bore for end in ends for bore in _others(bores, end)])
-        for end, edge in ((near.start, far.lines[:, 0]), (near.end, far.lines[:, -1])):
+        for end, edge in ((strand.start, far[:, 0]), (strand.end, far[:, -1])):
             if end.closed:
                 pieces.append(_hull(np.concatenate([edge, edge + thickness * end.direction])))
     return pieces
 
 
-def _sections(route: PipeRoute, outside: float, lines: _Round) -> list[_Section]:
-    """The sections of a route, so much wider than their bores [m]: the route's own in order, then its branches."""
-    legs, branches = route.legs, route.branches
-    drawn = legs.lines((legs.radius + outside)[None] * lines.factor, lines.around, lines.chords)
-    fittings = np.flatnonzero(legs.taper == 0).tolist()
-    last_station = np.cumsum([count + 1 for count in lines.chords])
-    parts = np.split(drawn, [int(last_station[i]) for i in fittings], axis=1)
-    starts = [_End(-legs.axes[0, :, 0]), *(_End(-legs.axes[i + 1, :, 0], i, 1) for i in fittings)]
-    ends = [*(_End(legs.axes[i, :, 0], i, 0) for i in fittings), _End(legs.axes[-1, :, 0], closed=route.capped)]
-    sections = [_Section(*part) for part in zip(parts, starts, ends, strict=True)]
-    for b, corner in enumerate(branches.corner.tolist()):
-        along, left, up = branches.axes[b].T
-        radius = (branches.radius[b] + outside) * lines.factor
-        sideways = radius * (np.cos(lines.around)[:, None] * left + np.sin(lines.around)[:, None] * up)
-        ring = branches.start[b] + sideways
-        pipe = 2 + int((branches.corner[:b] == corner).sum())
-        far = _End(along, closed=bool(branches.closed[b]))
-        stations = np.stack([ring, ring + branches.length[b] * along], axis=1)
-        sections.append(_Section(stations, _End(-along, corner, pipe), far))
-    return sections
-
-
-def _union(sections: Sequence[_Section], past_open: float, past_closed: float) -> Manifold:
-    """The union of sections as solids, longer at ends that are open and at those that are closed [m]."""
+def _union(system: PipeSystem, outside: float, around: Floats, past_open: float, past_closed: float) -> Manifold:
+    """The union of all strands as solids, so much wider than their bores [m], and longer at open and closed ends."""
     from manifold3d import Manifold, OpType
 
     solids = []
-    for section in sections:
-        lines = section.lines.copy()
-        for end, station in ((section.start, 0), (section.end, -1)):
+    for strand in system.strands:
+        lines = stations(strand.legs, outside, around, ARC_TOLERANCE / 4)
+        for end, station in ((strand.start, 0), (strand.end, -1)):
             if end.fitting is None:
                 lines[:, station] += (past_closed if end.closed else past_open) * end.direction
         solids.append(_solid(lines))
     return Manifold.batch_boolean(solids, OpType.Add)
+
+
+def _mesh(made: Manifold) -> Mesh:
+    mesh = made.simplify(2 * MESH_GRID_MM * mm_to_m(1.0)).to_mesh64()
+    return mesh_of(np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts).astype(np.int64), mirrored=False)
 
 
 def _solid(lines: Floats) -> Manifold:
@@ -206,42 +139,40 @@ def _solid(lines: Floats) -> Manifold:
 
 
 def _prisms(
-    route: PipeRoute, section: _Section, rings: Floats, thickness: float
-) -> Iterator[tuple[Floats, list[_End]]]:
-    """Prisms of a section's wall, (facets, 8, 3) [m] each time, with the ends whose fittings they reach.
+    system: PipeSystem, strand: Strand, rings: Floats, thickness: float
+) -> Iterator[tuple[Floats, list[StrandEnd]]]:
+    """Prisms of a strand's wall, (facets, 8, 3) [m] each time, with the ends whose fittings they reach.
 
     Straights beside a fitting are cut where the fitting's openings end, so that the rest of them stays whole.
     """
     last = len(rings) - 2
     for k in range(last + 1):
         first_ring, last_ring = rings[k], rings[k + 1]
-        ends = [end for end, at in ((section.start, 0), (section.end, last)) if at == k and end.fitting is not None]
-        long = [_reach(route, end, thickness) for end in ends]
+        ends = [end for end, at in ((strand.start, 0), (strand.end, last)) if at == k and end.fitting is not None]
+        long = [_reach(system, end, thickness) for end in ends]
         shortest = float(np.linalg.norm(last_ring - first_ring, axis=-1).min())
         if sum(long) >= shortest:
             yield np.concatenate([first_ring, last_ring], axis=1), ends
             continue
         cuts = [first_ring]
-        parts: list[list[_End]] = []
+        parts: list[list[StrandEnd]] = []
         for end, reach in zip(ends, long, strict=True):
-            if end is section.start:
+            if end is strand.start:
                 cuts.append(first_ring - reach * end.direction)
                 parts.append([end])
         parts.append([])
-        if ends and ends[-1] is section.end:
-            cuts.append(last_ring - long[-1] * section.end.direction)
-            parts.append([section.end])
+        if ends and ends[-1] is strand.end:
+            cuts.append(last_ring - long[-1] * strand.end.direction)
+            parts.append([strand.end])
         cuts.append(last_ring)
         for (one, other), reached in zip(pairwise(cuts), parts, strict=True):
             yield np.concatenate([one, other], axis=1), reached
 
 
-def _reach(route: PipeRoute, end: _End, thickness: float) -> float:
+def _reach(system: PipeSystem, end: StrandEnd, thickness: float) -> float:
     """Reach of a fitting's openings along one of its pipes, in walls of a thickness [m]."""
     assert end.fitting is not None
-    before, after = (2 * route.legs.radius[end.fitting : end.fitting + 2]).tolist()
-    # The polygon's corners lie a little outside of the bore.
-    return float(1.05 * reaches(route.corners[end.fitting], before, after, thickness)[end.pipe])
+    return 1.05 * system.fittings[end.fitting].reach(end.pipe, thickness)  # the polygon's corners lie outside the bore
 
 
 class _Bore(NamedTuple):
@@ -251,23 +182,19 @@ class _Bore(NamedTuple):
     offsets: Floats
 
 
-def _bores(route: PipeRoute, fitting: int, facets: int) -> list[_Bore]:
-    """Bores of the pipes of a fitting: the leg before, the leg after, and its branches."""
-    legs, branches = route.legs, route.branches
-    here = np.flatnonzero(branches.corner == fitting)
-    before = legs.axes[fitting] * np.array([-1.0, 1.0, 1.0])
-    axes = [before, legs.axes[fitting + 1], *branches.axes[here]]
-    radii = [*legs.radius[fitting : fitting + 2], *branches.radius[here]]
+def _bores(fitting: Fitting, facets: int) -> list[_Bore]:
+    """Bores of the pipes of a fitting."""
     around = np.arange(facets) * 2 * math.pi / facets
     bores = []
-    for (along, left, up), radius in zip((one.T for one in axes), radii, strict=True):
+    for axes, radius in zip(fitting.axes, fitting.radius.tolist(), strict=True):
+        along, left, up = axes.T
         sides = np.cos(around)[:, None] * left + np.sin(around)[:, None] * up
         normals = np.concatenate([-along[None], sides])
-        bores.append(_Bore(normals, normals @ legs.start[fitting + 1] + np.append(0.0, np.full(facets, radius))))
+        bores.append(_Bore(normals, normals @ fitting.centre + np.append(0.0, np.full(facets, radius))))
     return bores
 
 
-def _others(bores: dict[int, list[_Bore]], end: _End) -> list[_Bore]:
+def _others(bores: Sequence[list[_Bore]], end: StrandEnd) -> list[_Bore]:
     """Bores of a fitting's other pipes than the one that ends there."""
     assert end.fitting is not None
     return [bore for i, bore in enumerate(bores[end.fitting]) if i != end.pipe]
