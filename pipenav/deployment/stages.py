@@ -11,7 +11,7 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.backends.messages import Command, Reading
-from pipenav.locating.locator import LocateConfig
+from pipenav.locating.locator import LocateConfig, Told
 from pipenav.locating.map_locator import MapLocator
 from pipenav.motions.follower import Follower
 from pipenav.policies.policy import Policy
@@ -68,7 +68,7 @@ class Locate:
     def decide(self, reading: Reading) -> Decision | str:
         """A command, or the outcome: `located` or `not-located`."""
         if not self._ticks:
-            self._locator.start(np.array([0]), reading, self._turn_sign)
+            self._locator.start(np.array([0]), reading, Told.corner(self._turn_sign))
         decision = self._locator.act(reading)
         self._ticks += 1
         if decision.done[0]:

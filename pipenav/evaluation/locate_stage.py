@@ -8,7 +8,7 @@ from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Simulator
 from pipenav.backends.messages import Command, Reading
 from pipenav.evaluation.stage import Stage, StageStep
-from pipenav.locating.locator import Locator, require_arm
+from pipenav.locating.locator import Locator, Told, require_arm
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots import frames
 from pipenav.robots.robot import RobotSpec
@@ -68,7 +68,7 @@ class LocateStage(Stage):
         self._steps[indices], self._base[indices], self._turn_sign[indices] = 0, episodes.base, episodes.turn_sign
         self.target[indices], self.beam[indices] = np.nan, -1
         self.reading.put(indices, reading)
-        self._locator.start(indices, reading, episodes.turn_sign)
+        self._locator.start(indices, reading, Told.of(episodes.pipes))
 
     def step(self) -> StageStep:
         decision = self._locator.act(self.reading)

@@ -7,6 +7,9 @@ the lines y = r and y = -r. The corner ahead has three unknowns, each found by a
 - the inner edge e: before it beams end at the line y = r, behind it they cross that line (`first_leg`);
 - the second leg's heading h: its outer wall runs at the distance 2 r from the inner edge (`second_leg`).
 
+In a tee or a cross the first leg's walls may go on behind the opening, or the outer wall may open too. So there, beams
+that end at y = r never tell of the second leg, and beams beyond y = -r nothing of the radius.
+
 A vote outlives wrong readings. A reading at the laser's minimum says no more than that something may be nearer; one at
 its maximum, that nothing was.
 """
@@ -17,10 +20,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipenav.arrays import Floats, Ints
+from pipenav.arrays import Flags, Floats, Ints
 from pipenav.locating.first_leg import edge_range, radius_votes
 from pipenav.locating.rays import Rays, pick
-from pipenav.locating.second_leg import HEADINGS, SecondLegVotes, second_leg_votes
+from pipenav.locating.second_leg import HEADINGS, OuterWall, SecondLegVotes, second_leg_votes
 from pipenav.robots.parts import Laser
 
 SCANS = 32
@@ -76,13 +79,13 @@ class CornerMap:
 
     def __init__(self, laser: Laser, n: int, tolerance: float) -> None:
         self._laser, self._tolerance = laser, tolerance
-        self._scans = np.zeros(n, int)
+        self._scans, self._tee = np.zeros(n, int), np.zeros(n, bool)
         points, flags = np.full((3, n, SCANS, laser.beams, 2), np.nan), np.zeros((2, n, SCANS, laser.beams), bool)
         self._kept = Rays(*points, *flags)  # (n, SCANS, beams) instead of (k, m)
 
-    def forget(self, indices: Ints) -> None:
-        """Begin anew with some robots."""
-        self._scans[indices] = 0
+    def forget(self, indices: Ints, tee: Flags) -> None:
+        """Begin anew with some robots, of which some come to a tee or a cross, (k,)."""
+        self._scans[indices], self._tee[indices] = 0, tee
         self._kept.end[indices], self._kept.met[indices], self._kept.near[indices] = np.nan, False, False
 
     def add(self, indices: Ints, tip: Floats, beams: Floats, ranges: Floats) -> None:
@@ -104,26 +107,28 @@ class CornerMap:
         kept.near[indices, slot] = near
         self._scans[indices] += 1
 
-    def corner(self, indices: Ints, depth: float) -> CornerEstimate:
+    def corner(self, indices: Ints, depth: float, straight: Flags) -> CornerEstimate:
         """Corners of some robots that fit best.
 
         Args:
             indices: which robots, (k,).
             depth: distance of the target past the inner edge, along the second leg [m].
+            straight: whether the target lies straight on, past the crossing of the axes, (k,).
         """
-        parts = [self._corner(indices[i : i + CHUNK], depth) for i in range(0, len(indices), CHUNK)]
+        chunks = [slice(i, i + CHUNK) for i in range(0, len(indices), CHUNK)]
+        parts = [self._corner(indices[chunk], depth, straight[chunk]) for chunk in chunks]
         return CornerEstimate(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
-    def _corner(self, indices: Ints, depth: float) -> CornerEstimate:
-        rays, tolerance = self._rays(indices), self._tolerance
-        radius = RADII[radius_votes(rays, RADII[None], tolerance).argmax(axis=1)]
+    def _corner(self, indices: Ints, depth: float, straight: Flags) -> CornerEstimate:
+        rays, tolerance, tee = self._rays(indices), self._tolerance, self._tee[indices]
+        radius = RADII[radius_votes(rays, RADII[None], tolerance, tee).argmax(axis=1)]
         radii = radius[:, None] + NEAR_RADII
-        first_leg = radius_votes(rays, radii, tolerance)
+        first_leg = radius_votes(rays, radii, tolerance, tee)
         low, high = edge_range(rays, radii, tolerance, self._laser.range_min)
         edges = low[..., None] + (high - low)[..., None] * SHARES  # (k, radii, edges)
-        second_leg = second_leg_votes(rays, radii, high, edges, tolerance)
+        second_leg = second_leg_votes(rays, radii, OuterWall(edges, high, tee), tolerance)
         votes = second_leg.agree - second_leg.against + first_leg[..., None, None]
-        return _best(radii, edges, votes, second_leg, depth)
+        return _best(radii, edges, votes, second_leg, _Wanted(depth, straight))
 
     def _rays(self, indices: Ints) -> Rays:
         used = int(min(SCANS, self._scans[indices].max(initial=1)))
@@ -133,7 +138,14 @@ class CornerMap:
         return Rays(tip, direction, end, met, near)
 
 
-def _best(radii: Floats, edges: Floats, votes: Floats, second_leg: SecondLegVotes, depth: float) -> CornerEstimate:
+class _Wanted(NamedTuple):
+    """Target that is wanted: its depth [m], and whether it lies straight on, (k,)."""
+
+    depth: float
+    straight: Flags
+
+
+def _best(radii: Floats, edges: Floats, votes: Floats, second_leg: SecondLegVotes, wanted: _Wanted) -> CornerEstimate:
     """The corner with the most votes, averaged with corners that lose to it by less than `TIE`.
 
     Args:
@@ -141,7 +153,7 @@ def _best(radii: Floats, edges: Floats, votes: Floats, second_leg: SecondLegVote
         edges: their inner edges, (k, radii, edges) [m]; NaN where no edge can be.
         votes: votes for the corners, (k, radii, edges, headings).
         second_leg: votes on the second leg.
-        depth: distance of the target past the inner edge [m].
+        wanted: the target that is wanted.
     """
     impossible = np.isnan(edges)
     flat = np.where(impossible[..., None], -np.inf, votes).reshape(len(votes), -1)  # (k, corners), as all flat ones
@@ -154,10 +166,11 @@ def _best(radii: Floats, edges: Floats, votes: Floats, second_leg: SecondLegVote
     grid[0], grid[1], grid[2] = radii[:, :, None, None], np.where(impossible, 0.0, edges)[..., None], HEADINGS
     tried = grid.reshape(3, *flat.shape)
     radius, edge, heading = (weight * tried).sum(axis=-1)
-    target = _target(radius, edge, heading, depth)
+    target = _target(radius, edge, heading, wanted)
     robot, corner = np.nonzero(weight)
     radius_tried, edge_tried, heading_tried = tried[:, robot, corner]
-    off = _target(radius_tried, edge_tried, heading_tried, depth) - target[robot]
+    wanted_there = wanted._replace(straight=wanted.straight[robot])
+    off = _target(radius_tried, edge_tried, heading_tried, wanted_there) - target[robot]
     away = np.zeros_like(weight)
     away[robot, corner] = np.sqrt((off * off).sum(axis=-1))
     unknown = np.where(known, 0.0, np.nan)
@@ -172,7 +185,13 @@ def _best(radii: Floats, edges: Floats, votes: Floats, second_leg: SecondLegVote
     )
 
 
-def _target(radius: Floats, edge: Floats, heading: Floats, depth: float) -> Floats:
-    """The point on the second leg's axis at `depth` past the inner edge, (..., 2) [m]."""
-    sin, cos = np.sin(heading), np.cos(heading)
-    return np.stack([edge + depth * cos + radius * sin, radius + depth * sin - radius * cos], axis=-1)
+def _target(radius: Floats, edge: Floats, heading: Floats, wanted: _Wanted) -> Floats:
+    """The point on the second leg's axis past the inner edge, or on the first leg's axis past the crossing, (k, 2) [m].
+
+    The crossing lies radius x tan(heading / 2) past the edge. Straight on, nothing but the edge and the radius need be
+    known: the point is exact for a branch at a right angle, and past the crossing for others, in bores up to 120 mm.
+    """
+    sin, cos, depth = np.sin(heading), np.cos(heading), wanted.depth
+    around = np.stack([edge + depth * cos + radius * sin, radius + depth * sin - radius * cos], axis=-1)
+    ahead = np.stack([edge + radius + depth, np.zeros_like(edge)], axis=-1)
+    return np.where(wanted.straight[:, None], ahead, around)

@@ -37,21 +37,28 @@ class _Crossings(NamedTuple):
     free: Flags
 
 
-def radius_votes(rays: Rays, radii: Floats, tolerance: float) -> Floats:
+def radius_votes(rays: Rays, radii: Floats, tolerance: float, tee: Flags) -> Floats:
     """Votes for radii: beams that end at the outer wall, y = -radius, less those that end beyond it, (k, r).
+
+    In a tee the outer wall may open before the inner one does. Beams that end at either wall vote there.
 
     Args:
         rays: rays of k robots.
         radii: radii to vote on, (k, r) or (1, r) [m].
         tolerance: largest distance from a wall of a beam that votes for it [m].
+        tee: whether the outer wall can open too, so that a beam may end beyond it, (k,).
     """
     below = -rays.end[..., 1]
     below = packed(below, rays.met & (below > radii.min() - 2 * tolerance))
     off = (below[..., None] - radii[:, None]) / tolerance  # (k, m, r)
     beyond = off > 1.0
     votes = weights(off)
-    votes -= beyond
-    return np.asarray(votes.sum(axis=1))
+    votes -= beyond & ~tee[:, None, None]
+    total = votes.sum(axis=1)
+    if tee.any():
+        above = packed(rays.end[..., 1], rays.met & tee[:, None])
+        total += weights((above[..., None] - radii[:, None]) / tolerance).sum(axis=1)
+    return np.asarray(total)
 
 
 def edge_range(rays: Rays, radii: Floats, tolerance: float, range_min: float) -> EdgeRange:

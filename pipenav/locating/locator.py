@@ -1,12 +1,13 @@
 """Approach I (thesis 3.4, 5.3.1): the robot finds a target around the corner by itself.
 
-It sees its own sensors and knows whether the corner turns left or right, nothing else. There are two ways to do it,
+It sees its own sensors and is told which exit to take (`Told`), nothing else. There are two ways to do it,
 `printed_locator` and `map_locator`; `variants` names them.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Literal, NamedTuple, Protocol
 
 import numpy as np
@@ -15,6 +16,7 @@ from pydantic import Field
 from pipenav.arrays import Flags, Floats, Ints, Table
 from pipenav.backends.messages import Reading
 from pipenav.errors import PipenavError
+from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import RobotSpec
 
 Variant = Literal["map", "thesis"]
@@ -59,6 +61,33 @@ class LocateConfig(Table):
     scans: int = Field(2, ge=1, description="scans in a row that must find the same target")
 
 
+class Told(NamedTuple):
+    """Knowledge that k robots are given about the fitting ahead.
+
+    Attributes:
+        turn_sign: +1 where the exit, or the branch beside an exit straight on, lies to the left, -1 to the right, (k,).
+        tee: whether the fitting is a tee or a cross, with other exits besides, (k,).
+        straight: whether the exit is straight on, (k,).
+    """
+
+    turn_sign: Floats
+    tee: Flags
+    straight: Flags
+
+    @classmethod
+    def of(cls, pipes: Sequence[PipeCorner]) -> Told:
+        """Knowledge about pipes, in which each robot takes the second leg."""
+        tee = np.array([bool(pipe.branches) for pipe in pipes], bool)
+        straight = np.array([pipe.as_route_corner.straight_on for pipe in pipes], bool)
+        return cls(np.array([pipe.turn_sign for pipe in pipes]), tee, tee & straight)
+
+    @classmethod
+    def corner(cls, turn_sign: Floats) -> Told:
+        """Knowledge of corners that have no exit but one, to these sides, (k,)."""
+        none = np.zeros(len(turn_sign), bool)
+        return cls(turn_sign, none, none)
+
+
 class SearchStep(NamedTuple):
     """Next step of k robots, and the targets that they know.
 
@@ -84,13 +113,13 @@ class Locator(Protocol):
 
     n: int
 
-    def start(self, indices: Ints, reading: Reading, turn_sign: Floats) -> None:
+    def start(self, indices: Ints, reading: Reading, told: Told) -> None:
         """Begin anew with k robots.
 
         Args:
             indices: which robots, sorted and unique, (k,).
             reading: readings of these robots.
-            turn_sign: +1 where the corner turns left, -1 where it turns right, (k,).
+            told: knowledge that each of them is given.
         """
         ...
 

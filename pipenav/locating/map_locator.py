@@ -1,8 +1,9 @@
 """The default method of approach I: a map of what the laser has met, and eq 3.18's advance.
 
 The arm straightens on the first leg's axis, collects what all beams have met (`corner_map`), and stops as soon as only
-one corner fits. The target is the middle of the second leg, a set depth past the inner edge. The arm touches nothing,
-and goes back to where it started, straight.
+one corner fits. The target is the middle of the second leg, a set depth past the inner edge; for an exit straight on it
+lies on the first leg's axis, past its crossing with the branch's. The arm touches nothing, and goes back to where it
+started, straight.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ import numpy as np
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.messages import Reading
 from pipenav.locating.corner_map import CornerMap
-from pipenav.locating.locator import LocateConfig, SearchStep, advance
+from pipenav.locating.locator import LocateConfig, SearchStep, Told, advance
 from pipenav.robots import frames, kinematics
 from pipenav.robots.robot import RobotSpec
 
@@ -33,16 +34,18 @@ class MapLocator:
     def __init__(self, robot: RobotSpec, config: LocateConfig, n: int) -> None:
         self._robot, self._config, self.n = robot, config, n
         self._map = CornerMap(robot.laser, n, config.tolerance)
+        self._straight = np.zeros(n, bool)
         self._advance, self._turn_sign, self._home = np.full(n, config.v0), np.ones(n), np.zeros(n)
         self._agreed, self._back = np.zeros(n, int), np.zeros(n, bool)
         self._wall = np.full((n, robot.laser.beams), -np.inf)
         self._target, self._beam = np.full((n, 2), np.nan), np.full(n, -1)
 
-    def start(self, indices: Ints, reading: Reading, turn_sign: Floats) -> None:
-        self._map.forget(indices)
+    def start(self, indices: Ints, reading: Reading, told: Told) -> None:
+        self._map.forget(indices, told.tee)
+        self._straight[indices] = told.straight
         self._advance[indices], self._turn_sign[indices], self._home[indices] = (
             self._config.v0,
-            turn_sign,
+            told.turn_sign,
             reading.q[:, 0],
         )
         self._agreed[indices], self._back[indices], self._wall[indices] = 0, False, -np.inf
@@ -80,9 +83,9 @@ class MapLocator:
         self._map.add(
             indices, frames.robot_to_canonical(pose.tip, turn_sign), beams * turn_sign[:, None], reading.ranges
         )
-        corner = self._map.corner(indices, config.depth)
-        known = (corner.spread <= config.spread) & (corner.votes >= config.votes)
-        known &= corner.agreement >= config.agreement
+        corner = self._map.corner(indices, config.depth, self._straight[indices])
+        second_leg = (corner.votes >= config.votes) & (corner.agreement >= config.agreement)
+        known = (corner.spread <= config.spread) & (second_leg | self._straight[indices])
         self._agreed[indices] = np.where(known, self._agreed[indices] + 1, 0)
         sure = self._agreed[indices] >= config.scans
         target = frames.canonical_to_robot(corner.target, turn_sign)[sure]

@@ -11,7 +11,7 @@ import numpy as np
 
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.messages import Reading
-from pipenav.locating.locator import LocateConfig, SearchStep, advance
+from pipenav.locating.locator import LocateConfig, SearchStep, Told, advance
 from pipenav.robots import kinematics
 from pipenav.robots.robot import RobotSpec
 
@@ -24,8 +24,9 @@ class PrintedLocator:
         self._advance, self._turn_sign = np.full(n, config.v0), np.ones(n)
         self._start = np.zeros((n, len(robot.joints)))
 
-    def start(self, indices: Ints, reading: Reading, turn_sign: Floats) -> None:
-        self._advance[indices], self._turn_sign[indices], self._start[indices] = self._config.v0, turn_sign, reading.q
+    def start(self, indices: Ints, reading: Reading, told: Told) -> None:
+        self._advance[indices], self._start[indices] = self._config.v0, reading.q
+        self._turn_sign[indices] = told.turn_sign
 
     def act(self, reading: Reading) -> SearchStep:
         robot, config = self._robot, self._config

@@ -42,18 +42,32 @@ class SecondLegVotes(NamedTuple):
     share: Floats
 
 
-def second_leg_votes(rays: Rays, radii: Floats, high: Floats, edges: Floats, tolerance: float) -> SecondLegVotes:
+class OuterWall(NamedTuple):
+    """Where the second leg's outer wall may be.
+
+    Attributes:
+        edges: inner edges that are tried, (k, r, edges) [m].
+        high: end of the inner wall at the latest, (k, r) [m].
+        tee: whether the inner wall's line may be a wall again behind the opening, (k,).
+    """
+
+    edges: Floats
+    high: Floats
+    tee: Flags
+
+
+def second_leg_votes(rays: Rays, radii: Floats, outer: OuterWall, tolerance: float) -> SecondLegVotes:
     """Votes on the second leg's outer wall.
 
     Args:
         rays: rays of k robots.
         radii: radii of the pipe, (k, r) [m].
-        high: where the inner wall ends at the latest, (k, r) [m].
-        edges: inner edges that are tried, (k, r, edges) [m].
+        outer: where the wall may be.
         tolerance: largest distance from a wall of a beam that votes for it [m].
     """
     x, y = rays.end[:, None, :, 0], rays.end[:, None, :, 1]  # (k, 1, m)
-    inner = (np.abs(y - radii[..., None]) <= tolerance) & (x <= high[..., None])
+    edges, before_edge = outer.edges, x <= outer.high[..., None]
+    inner = (np.abs(y - radii[..., None]) <= tolerance) & (before_edge | outer.tee[:, None, None])
     ahead = rays.met[:, None] & ~inner & (y > tolerance - radii[..., None])  # (k, r, m)
     wall = edges[..., None] * SIN + radii[..., None, None] * (2 - COS)  # (k, r, edges, headings)
     agree, against = np.empty_like(wall), np.empty_like(wall, np.intp)

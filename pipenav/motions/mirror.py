@@ -4,6 +4,8 @@ The front half enters the corner by the first leg and reaches into the second. T
 round: joined to the front half at its own base, it lies bent around the corner with its tip in the first leg, and is
 drawn out into the second. Seen from the second leg, that is an arm in the mirrored pipe (same diameter and angle,
 other turn) which leaves the corner backwards: the front's motion, reflected and played from its end to its start.
+
+In a tee the branches are not where they are in the mirrored pipe, so only a simulation tells whether the rear passes.
 """
 
 from __future__ import annotations
@@ -64,17 +66,12 @@ class _MiddlePose(NamedTuple):
     heading: float
 
 
-def mirror_pipe(pipe: PipeCorner) -> PipeCorner:
-    """The pipe that turns to the other side."""
-    return pipe.model_copy(update={"turn": "right" if pipe.turn == "left" else "left"})
-
-
 def mirror(robot: RobotSpec, motion: Motion) -> Motion:
     """Mirror image of a motion about the first leg's axis: hinges change sign, slides do not, the pipe turns over.
 
     It is exact for every pose, as joints at zero are the straight arm on that axis. Mirroring twice changes nothing.
     """
-    return Motion(mirror_pipe(motion.pipe), motion.base, motion.q * robot.mirror_signs)
+    return Motion(motion.pipe.mirrored, motion.base, motion.q * robot.mirror_signs)
 
 
 def reverse(motion: Motion) -> Motion:
@@ -83,8 +80,12 @@ def reverse(motion: Motion) -> Motion:
 
 
 def rear_motion(robot: RobotSpec, front: Motion) -> Motion:
-    """Motion of the rear half: `[l, -theta1, ...]` of the front's, in the order T..0, in the mirrored pipe."""
-    return reverse(mirror(robot, front))
+    """Motion of the rear half: `[l, -theta1, ...]` of the front's, in the order T..0.
+
+    The pipe is the front's as it is for a robot that comes by the second leg: the mirrored one, but in a tee or a cross
+    the branches lie elsewhere.
+    """
+    return reverse(mirror(robot, front))._replace(pipe=front.pipe.turned_round)
 
 
 def join(parts: Sequence[Motion]) -> Motion:

@@ -39,6 +39,11 @@ class Branch(Table):
     closed: bool = False
 
     @property
+    def mirrored(self) -> Branch:
+        """Its mirror image about the plane across the x-y plane that the leg before lies in."""
+        return self.model_copy(update={"turn": "right" if self.turn == "left" else "left", "roll": -self.roll})
+
+    @property
     def name(self) -> str:
         """`tR90d80roll45c`: turn, interior angle [deg], diameter [mm], roll [deg], and c where it is closed."""
         roll = f"roll{rad_to_deg(self.roll):g}" if self.roll else ""

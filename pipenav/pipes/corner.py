@@ -104,6 +104,25 @@ class PipeCorner(Pipe):
         return Corner(angle=self.angle, turn=self.turn, bend_radius=self.bend_radius, branches=self.branches)
 
     @property
+    def mirrored(self) -> Self:
+        """The corner that turns to the other side."""
+        turn: Turn = "right" if self.turn == "left" else "left"
+        return self.model_copy(update={"turn": turn, "branches": tuple(branch.mirrored for branch in self.branches)})
+
+    @property
+    def turned_round(self) -> Self:
+        """The corner as it is for a robot that comes by the second leg; without branches it is the mirrored one."""
+        branches = tuple(self._from_second_leg(branch) for branch in self.branches)
+        return self.mirrored.model_copy(update={"branches": branches})
+
+    def _from_second_leg(self, branch: Branch) -> Branch:
+        """A branch in the plane as it is for a robot that comes by the second leg."""
+        sign = 1.0 if branch.turn == "left" else -1.0
+        heading = math.remainder(sign * (math.pi - branch.angle) - self.heading_change - math.pi, 2 * math.pi)
+        turn: Turn = "left" if heading >= 0 else "right"
+        return branch.model_copy(update={"angle": math.pi - abs(heading), "turn": turn})
+
+    @property
     def turn_sign(self) -> float:
         """+1 for a left turn, -1 for a right one: y of the canonical frame times this is y of the pipe's frame."""
         return 1.0 if self.turn == "left" else -1.0

@@ -7,12 +7,14 @@ a tee or a cross, is where strands begin and end; its pipes are halves of cylind
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.pipes.branch_pipes import reaches
+from pipenav.pipes.network import PipeNetwork, first_axes
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_legs import Legs
 
@@ -91,6 +93,50 @@ def system_of(route: PipeRoute) -> PipeSystem:
             far = StrandEnd(out, closed=bool(branches.closed[b]))
             strands.append(Strand(stub, StrandEnd(-out, number, pipe), far))
     return PipeSystem(strands, fittings, route.wall)
+
+
+def network_system(network: PipeNetwork) -> PipeSystem:
+    """A whole network as a system."""
+    names = [name for name in network.nodes if len(network.pipes_at(name)) > 2]
+    pipes: dict[str, list[_FittingPipe]] = {name: [] for name in names}
+    strands = []
+    for way in network.strands:
+        legs = _placed(network, way)
+        ends = []
+        for name, leg, sign in ((way[0], 0, -1.0), (way[-1], len(way) - 2, 1.0)):
+            end = StrandEnd(sign * legs.axes[leg, :, 0], closed=network.nodes[name].capped)
+            if name in pipes:
+                end = end._replace(fitting=names.index(name), pipe=len(pipes[name]))
+                pipes[name].append(_FittingPipe(legs.axes[leg] * np.array([-sign, 1.0, 1.0]), float(legs.radius[leg])))
+            ends.append(end)
+        strands.append(Strand(legs, *ends))
+    fittings = [
+        Fitting(
+            np.array(network.nodes[name].position),
+            np.array([pipe.axes for pipe in found]),
+            np.array([pipe.radius for pipe in found]),
+        )
+        for name, found in pipes.items()
+    ]
+    return PipeSystem(strands, fittings, network.wall)
+
+
+class _FittingPipe(NamedTuple):
+    """A pipe of a fitting: its axes as columns, (3, 3), and the radius of its bore [m]."""
+
+    axes: Floats
+    radius: float
+
+
+def _placed(network: PipeNetwork, way: Sequence[str]) -> Legs:
+    """The legs of a way, in the network's frame."""
+    start, second = (np.array(network.nodes[name].position) for name in way[:2])
+    length = float(np.linalg.norm(second - start))
+    frame = first_axes((second - start) / length)
+    if len(way) == 2:
+        return straight_leg(start, frame, length, network.pipe_between(*way).diameter / 2)
+    legs = network.route(way).legs
+    return legs._replace(start=second + legs.start @ frame.T, axes=frame @ legs.axes, mitre=legs.mitre @ frame.T)
 
 
 def straight_leg(start: Floats, axes: Floats, length: float, radius: float) -> Legs:

@@ -132,7 +132,9 @@ def _corner(run: float, branch: float, angle: float, passage: TeePassage, wall: 
     way, turn = check_way(passage.way), check_turn(passage.turn)
     other: Turn = "right" if turn == "left" else "left"
     if way == "straight":
-        corner = Corner(angle=math.pi, branches=(Branch(angle=angle, turn=turn, diameter=branch, length=0.0),))
+        corner = Corner(
+            angle=math.pi, turn=turn, branches=(Branch(angle=angle, turn=turn, diameter=branch, length=0.0),)
+        )
     elif way == "into":
         to = branch if branch != run else None
         side = Branch(angle=math.pi, diameter=run, length=0.0)

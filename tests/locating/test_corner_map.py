@@ -20,6 +20,8 @@ DEPTH = 0.1
 TOLERANCE = 0.01
 ROBOTS = ("basic", "high-fidelity", "real-setup")
 ONE = np.arange(1)
+ALONE = np.zeros(1, bool)
+"""Flags of a corner that has no exit straight on."""
 
 
 def scan(map: CornerMap, lidar: Laser, pipe: PipeCorner, before: float, robot: int = 0, heading: float = 0.0) -> None:
@@ -35,7 +37,7 @@ def approach(lidar: Laser, pipe: PipeCorner, first: float = 0.15, last: float = 
     map = CornerMap(lidar, 1, TOLERANCE)
     for before in np.arange(first, last, -0.02):
         scan(map, lidar, pipe, before)
-    return map.corner(ONE, DEPTH)
+    return map.corner(ONE, DEPTH, ALONE)
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
@@ -84,11 +86,11 @@ def test_robots_are_told_apart_and_forgotten_one_by_one() -> None:
     for before in np.arange(0.15, 0.01, -0.02):
         for robot, pipe in enumerate(pipes):
             scan(map, lidar, pipe, before, robot)
-    together = map.corner(np.arange(3), DEPTH)
+    together = map.corner(np.arange(3), DEPTH, np.zeros(3, bool))
     for robot, pipe in enumerate(pipes):
         np.testing.assert_array_equal(together.target[robot], approach(lidar, pipe).target[0])
-    map.forget(np.array([1]))
-    left = map.corner(np.arange(3), DEPTH)
+    map.forget(np.array([1]), np.zeros(1, bool))
+    left = map.corner(np.arange(3), DEPTH, np.zeros(3, bool))
     assert np.isnan(left.target[1]).all()
     np.testing.assert_array_equal(left.target[[0, 2]], together.target[[0, 2]])
 
@@ -100,7 +102,8 @@ def test_new_scans_replace_the_oldest() -> None:
         scan(map, lidar, other, before)
     for before in np.linspace(0.15, 0.05, 32):
         scan(map, lidar, pipe, before)
-    assert map.corner(ONE, DEPTH).target[0] == pytest.approx((pipe.inner_edge + DEPTH) * pipe.second_leg, abs=0.01)
+    target = map.corner(ONE, DEPTH, ALONE).target[0]
+    assert target == pytest.approx((pipe.inner_edge + DEPTH) * pipe.second_leg, abs=0.01)
 
 
 @settings(max_examples=15, deadline=None)
@@ -115,7 +118,8 @@ def test_the_vote_outlives_beams_that_read_the_minimum(wrong: list[tuple[int, in
             if at == number:
                 read[0, beam] = lidar.range_min
         map.add(ONE, tip, beams, read)
-    assert map.corner(ONE, DEPTH).target[0] == pytest.approx((pipe.inner_edge + DEPTH) * pipe.second_leg, abs=0.02)
+    target = map.corner(ONE, DEPTH, ALONE).target[0]
+    assert target == pytest.approx((pipe.inner_edge + DEPTH) * pipe.second_leg, abs=0.02)
 
 
 @given(seed=st.integers(0, 2**32 - 1))
