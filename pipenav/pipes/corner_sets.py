@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
-from pipenav.errors import ConfigError, PipenavError, UnknownName, shown
+from pipenav.errors import ConfigError, PipenavError, UnknownName, first_problem, shown
 from pipenav.pipes.bend_radius import bend_radius_mm
 from pipenav.pipes.corner import PipeCorner
 from pipenav.storage import shipped
@@ -22,8 +22,17 @@ MAX_STEPS = 1000
 """Most steps of a range: more is a slip of the keyboard."""
 
 
+ROUTE_KEYS = {"corners", "s_bend", "reducers_mm"}
+"""Keys by which a file of routes is told from one of corners."""
+
+SINGLE = "give single corners, such as thesis or d=90,angle=60; only a whole robot passes routes"
+"""Advice where routes are named and only single corners will do."""
+
 MAX_CORNERS = 10_000
 """Most corners of a set: several times the largest that is shipped."""
+
+TYPED = "write it as d=90,angle=60[,turn=right], in mm and deg without the units"
+"""Advice on how a corner is typed."""
 
 MAX_TURNS = 100
 """Most entries in a list of turns."""
@@ -44,7 +53,7 @@ class _Range(BaseModel):
         if not 0 <= steps <= MAX_STEPS or abs(steps - round(steps)) > 1e-6:
             raise PydanticCustomError(
                 "whole_steps",
-                f"from {self.start:g} to {self.stop:g} must be a whole number of steps of {self.step:g}, "
+                f"from {self.start:g} up to {self.stop:g} must be a whole number of steps of {self.step:g}, "
                 f"at most {MAX_STEPS}",
             )
         return self
@@ -56,8 +65,8 @@ class _Range(BaseModel):
 
 _List = Annotated[list[float], Field(min_length=1, max_length=MAX_STEPS + 1)]
 Values = Annotated[
-    Annotated[_List, Tag("list")] | Annotated[_Range, Tag("range")],
-    Discriminator(lambda given: "range" if isinstance(given, dict | _Range) else "list"),
+    Annotated[_List, Tag("<list>")] | Annotated[_Range, Tag("<range>")],
+    Discriminator(lambda given: "<range>" if isinstance(given, dict | _Range) else "<list>"),
 ]
 """Numbers in a set's file: a list, or a range with both ends. Only the kind that was meant reports a problem."""
 
@@ -126,29 +135,46 @@ def _parse_one(text: str) -> list[PipeCorner]:
     if "=" in text:
         return [_typed_corner(text)]
     if text not in corner_set_names():
+        if (shipped.pipes_dir() / "runs" / f"{text.partition(':')[0]}.toml").is_file():
+            raise PipenavError(f"{shown(text)} names routes: {SINGLE}.")
         raise UnknownName("pipe set", text, [*corner_set_names(), "FILE.toml", "d=90,angle=60"])
     return _read(shipped.pipes_dir() / f"{text}.toml")
 
 
 def _typed_corner(text: str) -> PipeCorner:
-    allowed = {"d": None, "angle": None, "turn": "left", "bend_radius": "0"}
-    values = {}
+    allowed = {"d": "", "angle": "", "turn": "left", "bend_radius": "0"}
+    values: dict[str, str] = {}
     for part in text.split(","):
-        key, _, value = part.partition("=")
-        if key.strip() not in allowed:
-            raise UnknownName(f"pipe key in {shown(text)}", key.strip(), allowed)
-        values[key.strip()] = value.strip()
+        key, equals, value = (word.strip() for word in part.partition("="))
+        if not equals:
+            raise PipenavError(f"pipe {shown(text)} has {shown(part)} in it, which is no key=value: {TYPED}.")
+        if key not in allowed:
+            raise PipenavError(f"pipe {shown(text)}: {UnknownName('key', key, allowed)}")
+        if key in values:
+            raise PipenavError(f"pipe {shown(text)} says {key} twice: say it once.")
+        values[key] = value
     given = {**allowed, **values}
+    diameter, angle = (_typed_number(text, key, given[key]) for key in ("d", "angle"))
+    return PipeCorner.of(diameter, angle, given["turn"], bend_radius_mm(given["bend_radius"], diameter))
+
+
+def _typed_number(text: str, key: str, value: str) -> float:
+    if not value:
+        raise PipenavError(f"pipe {shown(text)} is incomplete, without {key}: {TYPED}.")
     try:
-        diameter, angle = (float(given[key] or "missing") for key in ("d", "angle"))
+        return float(value)
     except ValueError:
-        raise PipenavError(f"pipe {shown(text)} is incomplete: write it as d=90,angle=60[,turn=right].") from None
-    bend_radius = bend_radius_mm(given["bend_radius"] or "missing", diameter)
-    return PipeCorner.of(diameter, angle, given["turn"] or "left", bend_radius)
+        raise PipenavError(f"pipe {shown(text)}: {key} {shown(value)} is no number: {TYPED}.") from None
 
 
 def _read(path: Path) -> list[PipeCorner]:
-    return read_as(CornerSetFile, path).make()
+    if ROUTE_KEYS & read_toml(path).keys():
+        raise ConfigError(f"{path} holds routes: {SINGLE}.")
+    file = read_as(CornerSetFile, path)
+    try:
+        return file.make()
+    except PipenavError as error:
+        raise ConfigError(f"{path}: {error}") from error
 
 
 def read_as(kind: type[_File], path: Path, inner: type[BaseModel] = _Range) -> _File:
@@ -167,7 +193,7 @@ def read_as(kind: type[_File], path: Path, inner: type[BaseModel] = _Range) -> _
     try:
         return kind.model_validate(table)
     except ValidationError as error:
-        prefix = [str(part) for part in error.errors()[0]["loc"][:-1]]
+        prefix = [str(part) for part in first_problem(error)["loc"][:-1]]
         fields = (inner if prefix else kind).model_fields
         known = [".".join([*prefix, field.alias or name]) for name, field in fields.items()]
         raise ConfigError.from_validation(str(path), error, known) from error
