@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Self, TypeVar
 
 import numpy as np
@@ -18,12 +18,16 @@ Flags = NDArray[np.bool_]
 Number = TypeVar("Number", int, float)
 
 
-def ordered(span: tuple[Number, Number]) -> tuple[Number, Number]:
-    """A range, checked; for pydantic.
+def ordered(given: Any, check: Callable[[Any], tuple[Number, Number]]) -> tuple[Number, Number]:
+    """A range, checked; wraps the check of its numbers in pydantic.
 
     Raises:
-        ValueError: its ends are the wrong way round.
+        ValueError: it has not two ends, or has them the wrong way round.
     """
+    if not isinstance(given, list | tuple) or len(given) != 2:
+        instead = f", given {list(given)}" if isinstance(given, list | tuple) else ""
+        raise ValueError(f"a range is written as [smallest, largest]{instead}")
+    span = check(given)
     if span[0] > span[1]:
         raise ValueError(f"a range is written as [smallest, largest], given [{span[0]:g}, {span[1]:g}]")
     return span

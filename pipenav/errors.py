@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import errno
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -32,8 +33,10 @@ class UnknownName(PipenavError):
 
     def __init__(self, kind: str, given: str, known: Iterable[str]) -> None:
         names = sorted(known)
-        near = get_close_matches(given, names, n=3, cutoff=0.5) if len(given) <= LONGEST_SHOWN else []
+        near = get_close_matches(given, names, n=3, cutoff=LIKENESS) if len(given) <= LONGEST_SHOWN else []
         choose = f"choose {_either(names)}." if names else "there are none."
+        if len(names) > MOST_NAMES:
+            choose = f"it is like none of the {len(names)} known ones, which pipenav list shows."
         super().__init__(f"unknown {kind} {shown(given)}: {f'did you mean {_either(near)}?' if near else choose}")
 
 
@@ -42,7 +45,10 @@ class OutOfRange(PipenavError):
 
     def __init__(self, what: str, given: float, low: float, high: float, unit: str = "") -> None:
         unit = f" {unit}" if unit else ""
-        super().__init__(f"{what} {given:g}{unit} is out of range: choose {low:g} to {high:g}{unit}.")
+        number = f"{what} {given:g}{unit}"
+        if not what[-1:].isalpha():  # length of straight 2, 115 mm, ...: two numbers in a row would run together
+            number = f"{what.rstrip(',')}, {given:g}{unit},"
+        super().__init__(f"{number} is out of range: choose {low:g} to {high:g}{unit}.")
 
 
 class ConfigError(PipenavError):
@@ -57,22 +63,20 @@ class ConfigError(PipenavError):
             error: error that pydantic raised.
             known: keys that exist, to suggest the nearest one for an unknown key.
         """
-        first = error.errors(include_url=False)[0]
-        key = dotted(first["loc"]) or "the value"
+        first = first_problem(error)
         if first["type"] == "extra_forbidden":
-            return cls(f"{where}: {UnknownName('key', key, known)}")
+            return cls(f"{where}: {UnknownName('key', dotted(first['loc']), known)}")
         more = f" ({error.error_count() - 1} more)" if error.error_count() > 1 else ""
-        given = first.get("input")
-        instead = f", given {shown(given)}" if isinstance(given, str | int | float | bool) else ""
-        message = shown(first["msg"].removeprefix("Value error, "), quoted=False, longest=500)
-        return cls(f"{where}: {shown(key, quoted=False)}: {message[:1].lower()}{message[1:]}{instead}{more}.")
+        return cls(f"{where}: {described(first)}{more}.")
 
 
 class FileProblem(PipenavError):
     """A file that cannot be read or written."""
 
     def __init__(self, path: Path, doing: str, error: OSError) -> None:
-        super().__init__(f"cannot {doing} {shown(path, quoted=False, longest=300)}: {error.strerror or error}.")
+        problem = f"cannot {doing} {shown(path, quoted=False, longest=300)}: {error.strerror or error}"
+        remedy = READ_REMEDIES.get(error.errno or 0) if doing == "read" else WRITE_REMEDIES.get(error.errno or 0)
+        super().__init__(f"{problem}; {remedy}." if remedy else f"{problem}.")
 
 
 class BackendUnavailable(PipenavError):
@@ -81,6 +85,46 @@ class BackendUnavailable(PipenavError):
     def __init__(self, name: str, missing: str, remedy: str) -> None:
         super().__init__(f"backend {name!r} cannot run: {missing}; {remedy}.")
 
+
+READ_REMEDIES = {
+    errno.ENOENT: "check its name",
+    errno.ENOTDIR: "check its name",
+    errno.EISDIR: "give the path of a file",
+    errno.EACCES: "give yourself the right to read it",
+    errno.ENAMETOOLONG: "check its name",
+}
+"""Advice where a file cannot be read, by the number of the error."""
+
+_ELSEWHERE = "choose another place"
+
+WRITE_REMEDIES = {
+    errno.ENOENT: _ELSEWHERE,
+    errno.ENOTDIR: _ELSEWHERE,
+    errno.EISDIR: _ELSEWHERE,
+    errno.EACCES: f"{_ELSEWHERE}, or give yourself the right to write there",
+    errno.EPERM: _ELSEWHERE,
+    errno.EROFS: _ELSEWHERE,
+    errno.EINVAL: _ELSEWHERE,
+    errno.ENAMETOOLONG: "choose a shorter name",
+}
+"""Advice where a file or a folder cannot be written, by the number of the error."""
+
+LIKENESS = 0.6
+"""Share of a name's letters, as difflib counts them, that a name must have in common to be suggested."""
+
+MOST_NAMES = 30
+"""Most names that a message lists."""
+
+PLAIN_WORDS = (
+    (" after validation", ""),
+    (", unable to parse string as a number", ""),
+    (", unable to parse string as an integer", ""),
+    ("a valid tuple", "a list"),
+    ("a valid list", "a list"),
+    ("a valid dictionary", "a table"),
+    ("nput was not a valid JSON value", "nput should be a number, a text, true, false or a list of those"),
+)
+"""Words of pydantic, and what people who write a file call the same."""
 
 LONGEST_SHOWN = 100
 """Most characters of a given value in a message."""
@@ -98,6 +142,35 @@ def shown(value: object, quoted: bool = True, longest: int = LONGEST_SHOWN) -> s
     return "".join(letter if letter.isprintable() else "?" for letter in text)
 
 
+def first_problem(error: ValidationError) -> Any:
+    """The problem that a message names: an unknown key, which a missing one often is by a slip, else the first."""
+    problems = error.errors(include_url=False)
+    return next((problem for problem in problems if problem["type"] == "extra_forbidden"), problems[0])
+
+
+def described(problem: Any) -> str:
+    """A problem that pydantic found in words: its key, what is allowed there, and what was given."""
+    key, given, kind = dotted(problem["loc"]), problem.get("input"), problem["type"]
+    where = f"{shown(key, quoted=False)}: " if key else ""
+    if kind == "missing":
+        return f"{where}this key is missing, add it"
+    if kind == "union_tag_invalid":
+        tags = [tag.strip("<>") for tag in problem["ctx"]["expected_tags"].replace("'", "").split(", ")]
+        return f"{where}unknown kind {shown(problem['ctx']['tag'].strip('<>'))}, choose {_either(tags)}"
+    message = plain_words(shown(problem["msg"].removeprefix("Value error, "), quoted=False, longest=500))
+    instead = f", given {shown(given)}" if isinstance(given, str | int | float | bool) else ""
+    if kind.endswith("_type") and isinstance(given, dict | list | tuple):
+        instead = ", given a table" if isinstance(given, dict) else f", given {shown(given)}"
+    return f"{where}{message[:1].lower()}{message[1:]}{instead}"
+
+
+def plain_words(message: str) -> str:
+    """A message of pydantic in the words of people who write a file."""
+    for word, plain in PLAIN_WORDS:
+        message = message.replace(word, plain)
+    return message.split(" or instance of ")[0]
+
+
 def dotted(location: Iterable[str | int]) -> str:
     """Key of a value in a configuration, `links.0.length`, from its location as pydantic gives it.
 
@@ -111,6 +184,6 @@ def _restored(kind: type[PipenavError], args: tuple[Any, ...]) -> PipenavError:
     return kind.__new__(kind, *args)
 
 
-def _either(names: list[str]) -> str:
+def _either(names: Sequence[str]) -> str:
     quoted = [repr(name) for name in names]
     return " or ".join([", ".join(quoted[:-1]), quoted[-1]]) if len(quoted) > 1 else quoted[0]

@@ -23,7 +23,7 @@ def load_simulator(name: str) -> type[Simulator]:
     """
     kind = load_backend(name)
     if not issubclass(kind, Simulator):
-        raise BackendUnavailable(name, "it is not a simulator", "choose --backend mujoco; see pipenav backends")
+        raise BackendUnavailable(name, "it is not a simulator", "choose one that is, such as mujoco")
     return kind
 
 

@@ -93,14 +93,16 @@ class LazyCommand(TyperCommand):
         self.target = target
 
     def make_context(self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any) -> Any:
-        from pipenav.cli.usage import UsageError, explain
+        from pipenav.cli.usage import UsageError, check_typed, explain
 
-        typed = list(args)  # parsing takes the list apart
+        typed, command = list(args), self.load()  # parsing takes the list apart
         try:
-            return self.load().make_context(info_name, args, parent, **extra)
+            context = command.make_context(info_name, args, parent, **extra)
         except UsageError as error:
-            explain(error, str(self.name), typed)
+            explain(error, command, typed)
             raise
+        check_typed(context, typed)
+        return context
 
     def load(self) -> Any:
         """Import the command's module and build the command from its function."""
@@ -111,9 +113,32 @@ class LazyCommand(TyperCommand):
         return typer.main.get_command(single)
 
 
+class CommandGroup(TyperGroup):
+    """All commands; wrong usage of `pipenav` itself is explained too."""
+
+    def make_context(self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any) -> Any:
+        from pipenav.cli.usage import UsageError, explain
+
+        typed = list(args)
+        try:
+            return super().make_context(info_name, args, parent, **extra)
+        except UsageError as error:
+            explain(error, self, typed)
+            raise
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        from pipenav.cli.usage import UsageError
+
+        try:
+            return super().resolve_command(ctx, args)
+        except UsageError as error:
+            error.message = f"{error.message.rstrip('.')}" + ("" if "?" in error.message else "; see pipenav --help.")
+            raise
+
+
 def command_line() -> TyperGroup:
     """The `pipenav` command with all its subcommands."""
-    app = typer.Typer(no_args_is_help=True, context_settings=_SETTINGS)
+    app = typer.Typer(cls=CommandGroup, no_args_is_help=True, context_settings=_SETTINGS)
     app.callback()(_root)
     group = typer.main.get_command(app)
     assert isinstance(group, TyperGroup)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from pipenav.cli.terminal import refuse_ignored
 from pipenav.errors import PipenavError
 
 if TYPE_CHECKING:
@@ -44,10 +45,12 @@ def calibrate(
     from pipenav.storage.atomic_files import check_outputs
 
     if store_only:
+        ignored = {"--port": port, "--front-port": front_port, "--write-servos": write_servos}
+        refuse_ignored(ignored, "--store-only stores what --arm says, at the port that it names")
         _store(arm)
         return
     if port is None:
-        raise typer.BadParameter("name the device of the servo bus.", param_hint="--port")
+        raise typer.BadParameter("name the device of the servo bus, for example --port /dev/ttyUSB0.")
     ports = {"servos": port, "scanner": scanner_port} | ({"front": front_port} if front_port else {})
     spec = load_robot(robot)
     check_outputs([arm])

@@ -45,7 +45,7 @@ VariantOption = Annotated[
 ]
 RobotOption = Annotated[str | None, typer.Option(help=ROBOT_HELP, rich_help_panel=SUBJECT)]
 PipesOption = Annotated[list[str] | None, typer.Option(help=PIPES_HELP, rich_help_panel=EPISODES)]
-EpisodesOption = Annotated[int, typer.Option(min=1, help="Episodes per pipe.", rich_help_panel=EPISODES)]
+EpisodesOption = Annotated[int, typer.Option(min=1, max=100_000, help="Episodes per pipe.", rich_help_panel=EPISODES)]
 SeedOption = Annotated[int, typer.Option(min=0, help="Seed of starts and targets.", rich_help_panel=EPISODES)]
 DisturbOption = Annotated[str | None, typer.Option(help=DISTURB_HELP, rich_help_panel=SIMULATOR)]
 OutOption = Annotated[
@@ -85,17 +85,17 @@ def evaluate(
         pipenav eval --policy pirate --pipes runs-level --option timestep=0.001
         pipenav eval --policy arm --disturb real-world --require 90%
     """
-    from pipenav.evaluation.config import EvaluationConfig, todays_stage
+    from pipenav.evaluation.config import checked_config
 
     required = _required_share(require)
     if stage not in ("locate", "passage"):
         refuse_ignored({"--variant": variant}, "it says how --stage locate or passage locates a target")
-    config = EvaluationConfig(
+    config = checked_config(
         policy=policy,
         pipes=tuple(pipes or ["working-range"]),
         episodes=episodes,
         seed=seed,
-        stage=todays_stage(stage),
+        stage=stage,
         robot=robot,
         variant=variant or "map",
         backend=backend,

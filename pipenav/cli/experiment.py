@@ -57,7 +57,7 @@ StepsOption = Annotated[
     ),
 ]
 EpisodesOption = Annotated[
-    int, typer.Option(min=1, help="Episodes per pipe, agent and seed.", rich_help_panel=MEASURED)
+    int, typer.Option(min=1, max=100_000, help="Episodes per pipe, agent and seed.", rich_help_panel=MEASURED)
 ]
 BackendOption = Annotated[
     str, typer.Option(help="Simulator backend; see `pipenav backends`.", rich_help_panel=MEASURED)

@@ -115,6 +115,8 @@ def gen_pipe(
     elif d is not None and to_d is not None:
         from pipenav.pipes.reducer import reducer
 
+        if d == to_d:
+            raise typer.BadParameter(f"--to-d {to_d:g} is the diameter before the reducer too: give another one.")
         _refuse(context, ("angle", "turn", "bend_radius", "s_bend"), "a reducer goes straight on")
         _write_route(f"reducer-d{d:g}-to{to_d:g}", reducer(d, to_d, over, leg, wall), out)
     elif to_d is not None:
@@ -122,7 +124,8 @@ def gen_pipe(
     elif d is None or angle is None:
         missing = " and ".join(f"--{name}" for name, given in (("d", d), ("angle", angle)) if given is None)
         raise typer.BadParameter(
-            f"{missing} missing: give --d and --angle for one corner, or --route FILE for several."
+            f"{missing} missing: give --d and --angle for one corner, --d and --to-d for a reducer, or --route FILE "
+            "for several corners."
         )
     else:
         _refuse(context, ("over",), "--over is the length of a reducer, which --to-d makes")
@@ -149,6 +152,8 @@ def _write_corner(corner: PipeCorner, twice: bool, out: Path) -> None:
     from pipenav.export.corner_folder import FILES, write_pipe_folder
     from pipenav.pipes.s_bend import s_bend
 
+    if twice and not corner.heading_change:
+        raise typer.BadParameter("an angle of 180 deg makes no S-bend: give a smaller one, or leave out --s-bend.")
     if twice:
         _write_route(f"s-bend{corner.name.removeprefix('corner')}", s_bend(corner), out)
     else:

@@ -99,8 +99,10 @@ def _pipes(d: float | None, angle: float | None, turn: str | None, sets: list[st
         raise PipenavError("one pipe or a set, not both: give --d and --angle (and --turn), or --pipes.")
     if sets:
         return parse_corners(sets)
-    if d is None or angle is None:
-        raise PipenavError("no pipe is named: give both --d and --angle, or --pipes, for example --d 90 --angle 60.")
+    if missing := [name for name, value in (("--d", d), ("--angle", angle)) if value is None]:
+        give = "give --d and --angle, for example --d 90 --angle 60, or --pipes"
+        raise PipenavError(f"no pipe is named, without {' and '.join(missing)}: {give}.")
+    assert d is not None and angle is not None
     return [PipeCorner.of(d, angle, turn or "left")]
 
 

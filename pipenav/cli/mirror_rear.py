@@ -63,16 +63,19 @@ def mirror_rear(
         pipenav mirror-rear --trajectory front.csv --replay --record replayed.csv --option timestep=0.001
         pipenav mirror-rear --trajectory locate.csv --trajectory front.csv
     """
+    from pipenav.cli.options import recording_settings
     from pipenav.cli.terminal import refuse_ignored, say
     from pipenav.motions.mirror import plan_rear
     from pipenav.motions.trajectory_file import read_trajectory, write_trajectory
+    from pipenav.recording.record import record_rear
     from pipenav.robots.robot import load_robot
     from pipenav.storage.atomic_files import check_outputs
 
     if record is not None and not replay:
         raise PipenavError("--record writes what --replay runs: give both.")
     if not replay:
-        refuse_ignored({"--backend": backend, "--option": option}, "they set the simulator of --replay")
+        refuse_ignored({"--backend": backend, "--option": option}, "only --replay runs a simulator")
+    settings = recording_settings(backend or DEFAULT_BACKEND, option or [])
     check_outputs([out, *([] if record is None else [record])], inputs=[*trajectory, *_robot_file(robot)])
     spec = None if robot is None else load_robot(robot)
     parts = [read_trajectory(path, spec) for path in trajectory]
@@ -82,7 +85,7 @@ def mirror_rear(
     say(_hand_over_sentence(plan, parts[-1]))
     if not replay:
         return
-    done = _replayed(plan, backend or DEFAULT_BACKEND, option or [])
+    done = record_rear(plan, settings)
     say(_replay_sentence(plan, done, backend or DEFAULT_BACKEND))
     if record is not None:
         write_trajectory(record, done)
@@ -103,14 +106,6 @@ def _hand_over_sentence(plan: Trajectory, front: Trajectory) -> str:
         f"the pipe) and {rad_to_deg(jump.turn_angle):.0f} deg; "
         f"largest joint change {rad_to_deg(jump.joint_change):.0f} deg"
     )
-
-
-def _replayed(plan: Trajectory, backend: str, options: list[str]) -> Trajectory:
-    """The motion of the arm that follows the plan."""
-    from pipenav.cli.options import recording_settings
-    from pipenav.recording.record import record_rear
-
-    return record_rear(plan, recording_settings(backend, options))
 
 
 def _replay_sentence(plan: Trajectory, done: Trajectory, backend: str) -> str:

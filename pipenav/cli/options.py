@@ -30,8 +30,8 @@ def parse_options(given: list[str]) -> dict[str, Any]:
     options = {}
     for text in given:
         key, equals, value = text.partition("=")
-        if not equals:
-            raise PipenavError(f"option {text!r} has no value: write it as key=value, for example timestep=0.001.")
+        if not (equals and key.strip()):
+            raise PipenavError(f"option {text!r} is not a setting: write it as key=value, for example timestep=0.001.")
         if key.strip() in options:
             raise PipenavError(f"option {key.strip()!r} is given twice: give it once.")
         options[key.strip()] = toml_value(value.strip())

@@ -31,6 +31,8 @@ def replay(
 
     if draw is not None:
         check_outputs([draw], inputs=[log, log.with_name(POLICY_COPY)])
+        if draw.suffix.lower() != ".png":
+            raise PipenavError(f"{draw}: the picture is a PNG, give --draw a name ending in .png.")
     result = replayed(log)
     recording = result.recording
     if draw is not None:

@@ -62,7 +62,8 @@ def run_real(
     """
     from pipenav.cli.run_real_summary import conclude
     from pipenav.deployment.arm_policy import policy_for
-    from pipenav.deployment.plan import MissionPlan, free_folder
+    from pipenav.deployment.plan import MissionPlan, check_stop_file, free_folder
+    from pipenav.storage.atomic_files import used_folder
 
     if emulation_options.emulate:
         refuse_ignored({"--arm": arm_options.arm}, "--emulate needs no real arm")
@@ -71,12 +72,14 @@ def run_real(
     target, turn = _target(pipe_options.target, loaded.header.robot), _turn(pipe_options.turn)
     emulation = _emulation(emulation_options, loaded.header.robot, pipe)
     folder = free_folder(out)
+    if stopping.stop_file is not None:
+        check_stop_file(stopping.stop_file)
     stop_file = stopping.stop_file or folder / "STOP"
     most_ticks = stopping.ticks or (DRY_RUN_TICKS if arm_options.dry_run else None)
     plan = MissionPlan(loaded, turn, target, stopping.retreat, folder, stop_file, most_ticks)
     console = Console()
     with contextlib.ExitStack() as opened:
-        opened.callback(_drop_if_empty, folder)
+        opened.enter_context(used_folder(folder))
         arm = _connected(console, opened, plan, arm_options, emulation)
         _announce(console, plan, arm_options.dry_run)
         if not (arm_options.yes or arm_options.dry_run or emulation) and not typer.confirm("Move the arm?"):
@@ -85,18 +88,14 @@ def run_real(
     conclude(console, plan, ending, pipe, emulation)
 
 
-def _drop_if_empty(folder: Path) -> None:
-    """Remove the folder of a mission that did not begin."""
-    with contextlib.suppress(OSError):
-        folder.rmdir()
-
-
 def _pipe(given: PipeOptions, emulate: bool) -> PipeCorner | None:
     """The pipe around the arm; None where it is not known."""
     from pipenav.pipes.corner import PipeCorner
 
     if emulate:
-        return PipeCorner.of(given.d or 130.0, given.angle or 90.0, given.turn)
+        return PipeCorner.of(
+            130.0 if given.d is None else given.d, 90.0 if given.angle is None else given.angle, given.turn
+        )
     if given.d is None and given.angle is None:
         return None
     if given.d is None or given.angle is None:

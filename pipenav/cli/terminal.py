@@ -74,4 +74,5 @@ def refuse_ignored(given: dict[str, Any], why: str) -> None:
 
     names = [name for name, value in given.items() if value is not None and value is not False and value != []]
     if names:
-        raise PipenavError(f"{' and '.join(names)} would be ignored here: {why}.")
+        leave = "leave it out" if len(names) == 1 else "leave them out"
+        raise PipenavError(f"{' and '.join(names)} would be ignored here: {why}; {leave}.")

@@ -16,7 +16,7 @@ import typer
 from pipenav.cli.progress_bars import percentage_bar
 from pipenav.cli.signals import Interrupted, StopRequest, stop_signals
 from pipenav.cli.terminal import progress_console, say
-from pipenav.errors import PipenavError
+from pipenav.errors import PipenavError, shown
 from pipenav.learning.config import DEFAULT_PRESET, TrainConfig, load_config, preset_below, validate_config
 
 if TYPE_CHECKING:
@@ -123,7 +123,17 @@ class _Recipe:
         return preset_below(self.preset, self.file)
 
     def config(self) -> TrainConfig:
-        """The whole configuration."""
+        """The whole configuration.
+
+        Raises:
+            PipenavError: a key is set twice, or anything else that `load_config` refuses.
+        """
+        given = [key for key, value in self.options.items() if value is not None]
+        for text in self.settings:
+            key = text.partition("=")[0].strip()
+            if key in given:
+                raise PipenavError(f"{key} is set twice, again by --set {shown(text, quoted=False)}: set it once.")
+            given.append(key)
         return load_config(self.name, self.file, self.settings, self.options)
 
 
@@ -177,7 +187,7 @@ def _path_to_resume(recipe: _Recipe, path: Path, out: Path | None, start: Path |
     given = [recipe.preset, recipe.file, out, start, *recipe.settings]
     given += [value for key, value in recipe.options.items() if key != "steps"]
     if any(value is not None for value in given):
-        raise PipenavError("--resume continues a training with its own settings: give only --steps with it.")
+        raise PipenavError(f"--resume {path} goes on with that training's own settings: give only --steps with it.")
     TrainingFolder.open(path)
     return path
 
@@ -187,8 +197,13 @@ def _resumed_training(recipe: _Recipe, path: Path) -> _Training:
     from pipenav.learning.training_folder import TrainingFolder
 
     folder, config = TrainingFolder.open(path)
-    if recipe.options["steps"] is not None:
-        config = validate_config(config.model_dump() | {"steps": recipe.options["steps"]}, "--steps")
+    steps = recipe.options["steps"]
+    if steps is not None:
+        from pipenav.learning.checkpoint import steps_done
+
+        config = validate_config(config.model_dump() | {"steps": steps}, "--resume")
+        if (done := steps_done(folder.checkpoint)) > steps:
+            raise PipenavError(f"{path} has {done:,} steps behind it, given --steps {steps}: give more than that.")
     return _Training(str(path), folder, config, resumed=True)
 
 

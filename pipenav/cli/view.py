@@ -88,7 +88,7 @@ def view(
     """
     from pipenav.cli import view_sources as sources
 
-    _check_one_source(policy, behaviour, trajectory)
+    _check_one_source({"--policy": policy, "--behaviour": behaviour, "--trajectory": trajectory})
     outputs = _checked_outputs(out or [], [*(trajectory or []), *([Path(policy)] if policy else [])])
     wanted = sources.Wanted(pipes or [DEFAULT_PIPE], robot, seed or 0, episode or 0, outputs)
     if trajectory:
@@ -130,12 +130,12 @@ def _default_picture(pipe: str, source: str, wanted: Wanted, simulator: Sequence
     return Path(f"{label([*parts, *(part for part in simulator if part != DEFAULT_BACKEND)])}.png")
 
 
-def _check_one_source(*sources: object) -> None:
-    """Refuse anything but one of the three sources that a drawing can come from."""
-    if len([source for source in sources if source]) != 1:
-        raise PipenavError(
-            "nothing to draw, or several things at once: give one of --policy, --behaviour and --trajectory."
-        )
+def _check_one_source(sources: dict[str, object]) -> None:
+    """Refuse anything but one of the three sources that a drawing can come from, by the names of their options."""
+    given = [name for name, source in sources.items() if source]
+    if len(given) != 1:
+        problem = f"{' and '.join(given)} are several things to draw" if given else "there is nothing to draw"
+        raise PipenavError(f"{problem}: give one of --policy, --behaviour and --trajectory.")
 
 
 def _checked_outputs(paths: list[Path], inputs: list[Path]) -> list[Path]:
@@ -155,7 +155,8 @@ def _check_for_files(outputs: Sequence[Path], live: bool) -> None:
     for path in outputs:
         if path.suffix.lower() == TABLE:
             raise PipenavError(
-                f"{path}: a trajectory is recorded from a --policy or --behaviour; --trajectory only draws one."
+                f"{path}: a trajectory is recorded from a --policy or --behaviour, and --trajectory only draws one: "
+                "give --out a name ending in .png, .gif or .mp4."
             )
     if live and outputs:
         raise PipenavError("--live shows a trajectory and writes nothing: give it without --out, or --out without it.")

@@ -66,7 +66,7 @@ def passages_figure(robot: RobotSpec, agreement: Agreement, names: tuple[str, st
         _plain(axes)
         below = rows[1, i]
         below.plot(_times(apart.shape[1])[1:], apart[i], color=SECOND, lw=1.4)
-        below.set(ylim=(0.0, 1.15 * np.nanmax(apart)), xlabel="time [s]")
+        below.set(ylim=(0.0, 1.15 * np.nanmax(apart) or 1.0), xlabel="time [s]")
         _plain(below)
     rows[0, 0].set_ylabel("y [mm]")
     rows[1, 0].set_ylabel("tips apart [mm]")

@@ -36,6 +36,7 @@ def policy_for(name: str | None, robot: str | None) -> Policy:
 
 
 def _shipped_policy(robot: RobotSpec) -> Policy:
+    require_arm(robot)
     for name in policy_names():
         policy = load_policy(resolve_policy(name))
         if policy.header.robot == robot and policy.header.task.control == "position":

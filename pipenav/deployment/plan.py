@@ -9,7 +9,6 @@ from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.pipe import Turn
 from pipenav.policies.policy import Policy
-from pipenav.storage.atomic_files import prepare_folder
 
 TELEMETRY, PICTURE = "telemetry.jsonl", "run.png"
 POLICY_COPY = "policy.zip"
@@ -38,8 +37,22 @@ class MissionPlan(NamedTuple):
     most_ticks: int | None = None
 
 
+def check_stop_file(path: Path) -> None:
+    """Refuse a file of the emergency stop that could not appear, or that would stop the arm at once.
+
+    Raises:
+        PipenavError: its folder is missing, or the file is there.
+    """
+    if path.exists():
+        raise PipenavError(f"the stop file {path} is there already: remove it, or choose another.")
+    if not path.parent.is_dir():
+        raise PipenavError(f"there is no folder {path.parent} for the stop file {path.name}: make it first.")
+
+
 def free_folder(given: Path | None) -> Path:
-    """The folder of a new mission: the given one, which must hold no mission yet, or the next free one under `runs/`.
+    """Path of a new mission's folder, which is yet to be made.
+
+    It is the given one, which must hold no mission yet, or the next free one under `runs/`.
 
     Raises:
         PipenavError: the given folder holds a mission already.
@@ -47,8 +60,8 @@ def free_folder(given: Path | None) -> Path:
     if given is not None:
         if (given / TELEMETRY).exists():
             raise PipenavError(f"{given} holds a mission already: give another folder with --out.")
-        return prepare_folder(given)
+        return given
     number = 1
     while (folder := Path("runs") / f"real-{number}").exists():
         number += 1
-    return prepare_folder(folder)
+    return folder

@@ -11,7 +11,7 @@ from pipenav.deployment.loop import RETREATABLE, decision_record
 from pipenav.deployment.mission import Mission, mission_of
 from pipenav.deployment.plan import POLICY_COPY
 from pipenav.deployment.telemetry import Recording, TelemetryFileError, read_telemetry
-from pipenav.errors import shown
+from pipenav.errors import PipenavError, shown
 from pipenav.policies.policy import load_policy
 
 COMPARED = ("stage", "q", "qd", "ranges", "time", "observation", "action", "command", "sent", "clamped", "packet")
@@ -40,7 +40,10 @@ def replay(path: Path) -> Replay:
         TelemetryFileError, FileProblem, PolicyFileError: the log, or the policy beside it, cannot be used.
     """
     recording = read_telemetry(path)
-    policy = load_policy(path.with_name(POLICY_COPY))
+    copy = path.with_name(POLICY_COPY)
+    if not copy.exists():
+        raise PipenavError(f"{path} has no {POLICY_COPY} beside it: replay it in the folder of its mission.")
+    policy = load_policy(copy)
     try:
         header = recording.header
         recoder = load_real_robot(header["backend"]).recoder(policy.header.robot, header["machine"])

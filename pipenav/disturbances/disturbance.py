@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, TypeVar
 
-from pydantic import AfterValidator, BaseModel, Field, ValidationError
+from pydantic import BaseModel, Field, ValidationError, WrapValidator
 
 from pipenav.arrays import Table, ordered
 from pipenav.errors import ConfigError, PipenavError, UnknownName
@@ -21,9 +21,9 @@ MAX_LATENCY = 5
 _Factor = Annotated[float, Field(gt=0, le=10)]
 _Share = Annotated[float, Field(ge=0, le=1)]
 _Steps = Annotated[int, Field(ge=0, le=MAX_LATENCY)]
-Factors = Annotated[tuple[_Factor, _Factor], AfterValidator(ordered), Field(strict=False)]
-Shares = Annotated[tuple[_Share, _Share], AfterValidator(ordered), Field(strict=False)]
-Steps = Annotated[tuple[_Steps, _Steps], AfterValidator(ordered), Field(strict=False)]
+Factors = Annotated[tuple[_Factor, _Factor], WrapValidator(ordered), Field(strict=False)]
+Shares = Annotated[tuple[_Share, _Share], WrapValidator(ordered), Field(strict=False)]
+Steps = Annotated[tuple[_Steps, _Steps], WrapValidator(ordered), Field(strict=False)]
 
 
 class Disturbance(Table):

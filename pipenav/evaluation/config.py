@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, JsonValue
+from pydantic import BeforeValidator, Field, JsonValue, ValidationError
 
 from pipenav.arrays import Table
+from pipenav.errors import ConfigError
 from pipenav.locating.locator import Variant
 
 StageName = Literal["locate", "reach", "reach-rear", "passage", "traverse"]
@@ -21,6 +22,10 @@ def todays_stage(given: Any) -> Any:
     return EARLIER_STAGES.get(given, given) if isinstance(given, str) else given
 
 
+MOST_EPISODES = 100_000
+"""Most episodes in each pipe: days on any machine."""
+
+
 class EvaluationConfig(Table):
     """Everything that decides what an evaluation computes."""
 
@@ -28,7 +33,7 @@ class EvaluationConfig(Table):
     pipes: tuple[str, ...] = Field(
         ("working-range",), strict=False, min_length=1, description="pipes, as a person names them"
     )
-    episodes: int = Field(20, ge=1, description="episodes in each pipe")
+    episodes: int = Field(20, ge=1, le=MOST_EPISODES, description="episodes in each pipe")
     seed: int = Field(0, ge=0, description="seed of starts and targets")
     stage: Annotated[StageName | None, BeforeValidator(todays_stage)] = Field(
         None, description="stage to run; none: the one that the policy was trained for"
@@ -43,3 +48,15 @@ class EvaluationConfig(Table):
     def subject(self) -> str:
         """Name of what is evaluated: of the policy, or of the behaviour that locates a target."""
         return self.policy or f"locate:{self.variant}"
+
+
+def checked_config(**given: Any) -> EvaluationConfig:
+    """The configuration of an evaluation, by its keys.
+
+    Raises:
+        ConfigError: a value that does not fit.
+    """
+    try:
+        return EvaluationConfig(**given)
+    except ValidationError as error:
+        raise ConfigError.from_validation("this evaluation", error, EvaluationConfig.model_fields) from error

@@ -44,7 +44,8 @@ class CheckedEvaluation:
     def __init__(self, config: EvaluationConfig) -> None:
         if (config.policy is None) != (config.stage == "locate"):
             raise PipenavError(
-                f"stage {config.stage} measures a policy: give --policy, for example --policy arm."
+                f"{f'stage {config.stage}' if config.stage else 'an evaluation'} measures a policy: give --policy, for "
+                "example --policy arm."
                 if config.policy is None
                 else "stage locate runs without a policy: leave out --policy."
             )
@@ -69,7 +70,7 @@ class CheckedEvaluation:
         if self._controller is not None and traverses != (stage == "traverse"):
             does = "traverses the pipe as a whole" if traverses else "reaches a target around the corner"
             fits = "traverse" if traverses else "reach, reach-rear or passage"
-            raise PipenavError(f"policy {config.policy} {does}: its stage is {fits}, given {stage}.")
+            raise PipenavError(f"policy {config.policy} {does}, given stage {stage}: choose {fits}.")
         return stage
 
     def run(self, report_progress: ReportProgress = report_nothing) -> Evaluation:

@@ -60,7 +60,7 @@ def check_folder(folder: Path, config: EvaluationConfig) -> None:
     try:
         earlier = read_evaluation(folder)
     except PipenavError as error:
-        raise PipenavError(f"{error} Move {folder} away, or choose another --out.") from error
+        raise PipenavError(f"{str(error).rstrip('.')}; move {folder} away, or choose another --out.") from error
     differences = [
         f"{pair.key} {_shown(pair.there)} there, {_shown(pair.now)} now"
         for pair in _compared(earlier, config)

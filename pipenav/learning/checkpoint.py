@@ -60,6 +60,18 @@ def load_checkpoint(path: Path, model: PPO) -> Checkpoint:
     return checkpoint
 
 
+def steps_done(path: Path) -> int:
+    """Control steps that a training has done.
+
+    Raises:
+        PipenavError: a file that is corrupt.
+    """
+    try:
+        return _read(path).checkpoint.steps
+    except UNREADABLE as error:
+        raise PipenavError(f"{path} cannot be resumed from: {_first_line(error)}.") from error
+
+
 def load_weights(path: Path, model: PPO) -> None:
     """Give a fresh model what another training has learned, policy and value function, and nothing else of it.
 

@@ -136,7 +136,8 @@ def require_arm(robot: RobotSpec) -> None:
     """
     if robot.hinges[0] or not robot.hinges[1:].all() or len(robot.hinges) < 2:
         kinds = ", ".join(joint.type for joint in robot.joints)
-        raise PipenavError(f"approach I drives a slide followed by hinges; robot {robot.name!r} has {kinds}.")
+        problem = f"approach I drives a slide followed by hinges, and robot {robot.name!r} has {kinds}"
+        raise PipenavError(f"{problem}: choose another robot, for example basic.")
     front = LocateConfig().front
     if not (np.abs(robot.laser.angles) <= front).any():
         raise PipenavError(

@@ -134,7 +134,7 @@ def plan_rear(parts: Sequence[Trajectory]) -> Trajectory:
             )
     last = parts[-1]
     if last.header.stage is PassageStage.TRAVERSE:
-        raise PipenavError("a whole robot passes in one motion: it has no rear half to follow.")
+        raise PipenavError("a whole robot has no rear half to follow: give the trajectory of an arm.")
     if last.header.stage is not PassageStage.REACH:
         raise PipenavError(
             f"the passage ends with a part of stage {str(last.header.stage)!r}: give its front part last."

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from pydantic import ValidationError
 
-from pipenav.errors import ConfigError, PipenavError, shown
+from pipenav.errors import ConfigError, PipenavError, UnknownName, described, first_problem
 from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
 from pipenav.motions.trajectory_table import (
     FORCE,
@@ -70,7 +70,10 @@ def read_trajectory(path: Path, robot: RobotSpec | None = None) -> Trajectory:
         raise TrajectoryFileError(path, f"does not begin with {PREFIX.strip()!r}", "give a file that pipenav recorded")
     header = _header(path, lines[0].removeprefix(PREFIX))
     if robot is None:
-        robot = load_robot(header.robot)
+        try:
+            robot = load_robot(header.robot)
+        except UnknownName as error:
+            raise TrajectoryFileError(path, f"is of {error}", "give its robot.toml by --robot") from error
     if header.robot != robot.name:
         raise TrajectoryFileError(
             path, f"is of robot {header.robot!r}, not of {robot.name!r}", "give one that this robot recorded"
@@ -96,11 +99,7 @@ def _header(path: Path, text: str) -> TrajectoryHeader:
     try:
         header = TrajectoryHeader.model_validate_json(checked_json(text, "the header"))
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        key = ".".join(str(part) for part in first["loc"] if not str(part).startswith("<")) or "the header"
-        given = f", given {shown(first['input'])}" if isinstance(first["input"], str | int | float | bool) else ""
-        message = shown(first["msg"].removeprefix("Value error, "), quoted=False, longest=500)
-        raise TrajectoryFileError(path, f"line 1: {key}: {message[:1].lower()}{message[1:]}{given}") from error
+        raise TrajectoryFileError(path, f"line 1: {described(first_problem(error))}") from error
     except ConfigError as error:
         raise TrajectoryFileError(path, f"line 1: {str(error).rstrip('.')}") from error
     except PipenavError as error:  # from the pipe's own checks

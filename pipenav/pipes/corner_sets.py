@@ -9,13 +9,22 @@ from typing import Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from pipenav.errors import PipenavError, UnknownName, shown
+from pipenav.errors import ConfigError, PipenavError, UnknownName, shown
 from pipenav.pipes.bend_radius import bend_radius_mm
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.set_file import MAX_CORNERS, MAX_TURNS, Values, read_as, too_large, values_of
 from pipenav.pipes.tee import TeePassage, TeeSetFile, tee
 from pipenav.storage import shipped
 from pipenav.storage.text_files import read_toml
+
+ROUTE_KEYS = {"corners", "s_bend", "reducers_mm", "nodes"}
+"""Keys by which a file of routes is told from one of corners."""
+
+SINGLE = "give single corners, such as thesis or d=90,angle=60; only a whole robot passes routes"
+"""Advice where routes are named and only single corners will do."""
+
+TYPED = "write it as d=90,angle=60[,turn=right], in mm and deg without the units"
+"""Advice on how a corner is typed."""
 
 
 class CornerSetFile(BaseModel):
@@ -78,37 +87,52 @@ def _parse_one(text: str) -> list[PipeCorner]:
     if "=" in text:
         return [_typed_corner(text)]
     if text not in corner_set_names():
+        if (shipped.pipes_dir() / "runs" / f"{text.partition(':')[0]}.toml").is_file():
+            raise PipenavError(f"{shown(text)} names routes: {SINGLE}.")
         raise UnknownName("pipe set", text, [*corner_set_names(), "FILE.toml", "d=90,angle=60"])
     return _read(shipped.pipes_dir() / f"{text}.toml")
 
 
 def _typed_corner(text: str) -> PipeCorner:
-    defaults = {"d": None, "turn": "left"}
-    corner, fitting = {"angle": None, "bend_radius": "0"}, {"tee": None, "way": "straight"}
-    values = {}
+    common = {"d": "", "turn": "left"}
+    corner, fitting = {"angle": "", "bend_radius": "0"}, {"tee": "", "way": "straight"}
+    values: dict[str, str] = {}
     for part in text.split(","):
-        key, _, value = part.partition("=")
-        if key.strip() not in defaults | corner | fitting:
-            raise UnknownName(f"pipe key in {shown(text)}", key.strip(), [*defaults, *corner, *fitting])
-        values[key.strip()] = value.strip()
+        key, equals, value = (word.strip() for word in part.partition("="))
+        if not equals:
+            raise PipenavError(f"pipe {shown(text)} has {shown(part)} in it, which is no key=value: {TYPED}.")
+        if key not in common | corner | fitting:
+            raise PipenavError(f"pipe {shown(text)}: {UnknownName('key', key, [*common, *corner, *fitting])}")
+        if key in values:
+            raise PipenavError(f"pipe {shown(text)} says {key} twice: say it once.")
+        values[key] = value
     is_tee = "tee" in values
     if strange := sorted(values.keys() & (corner if is_tee else fitting).keys()):
-        kinds = ("tee", "corner") if is_tee else ("corner", "tee")
-        raise PipenavError(
-            f"pipe {shown(text)} has {', '.join(strange)} of a {kinds[1]} in a {kinds[0]}: leave it out, or give "
-            f"{'angle in place of tee' if is_tee else 'tee in place of angle'}."
-        )
-    given = {**defaults, **(fitting if is_tee else corner), **values}
-    try:
-        diameter, angle = (float(given[key] or "missing") for key in ("d", "tee" if is_tee else "angle"))
-    except ValueError:
-        raise PipenavError(f"pipe {shown(text)} is incomplete: write it as d=90,angle=60[,turn=right].") from None
-    turn = given["turn"] or "left"
+        kind, advice = ("tee", "angle in place of tee") if is_tee else ("corner", "tee in place of angle")
+        raise PipenavError(f"pipe {shown(text)} is a {kind}, which has no {' or '.join(strange)}: give {advice}.")
+    given = common | (fitting if is_tee else corner) | values
+    diameter, angle = (_typed_number(text, key, given[key]) for key in ("d", "tee" if is_tee else "angle"))
     if is_tee:
-        return tee(diameter, angle, TeePassage(given["way"] or "missing", turn))
-    return PipeCorner.of(diameter, angle, turn, bend_radius_mm(given["bend_radius"] or "missing", diameter))
+        return tee(diameter, angle, TeePassage(given["way"], given["turn"]))
+    return PipeCorner.of(diameter, angle, given["turn"], bend_radius_mm(given["bend_radius"], diameter))
+
+
+def _typed_number(text: str, key: str, value: str) -> float:
+    if not value:
+        raise PipenavError(f"pipe {shown(text)} is incomplete, without {key}: {TYPED}.")
+    try:
+        return float(value)
+    except ValueError:
+        raise PipenavError(f"pipe {shown(text)}: {key} {shown(value)} is no number: {TYPED}.") from None
 
 
 def _read(path: Path) -> list[PipeCorner]:
-    kind: type[CornerSetFile | TeeSetFile] = TeeSetFile if "tee_angles_deg" in read_toml(path) else CornerSetFile
-    return read_as(kind, path).make()
+    table = read_toml(path)
+    if ROUTE_KEYS & table.keys():
+        raise ConfigError(f"{path} holds routes: {SINGLE}.")
+    kind: type[CornerSetFile | TeeSetFile] = TeeSetFile if "tee_angles_deg" in table else CornerSetFile
+    file = read_as(kind, path)
+    try:
+        return file.make()
+    except PipenavError as error:
+        raise ConfigError(f"{path}: {error}") from error

@@ -69,9 +69,11 @@ class CornerEntry(BaseModel):
         elif self.to_diameter_mm is None:
             missing = [key for key in ("angle_deg", "turn") if getattr(self, key) is None]
             if missing:
-                raise PydanticCustomError("missing_key", f"{' and '.join(missing)} missing: field required")
+                add = f"{' and '.join(missing)} missing: add what is, or to_diameter_mm for a reducer"
+                raise PydanticCustomError("missing_key", add)
             if "length_mm" in self.model_fields_set:
-                raise PydanticCustomError("no_reducer", "a length_mm needs to_diameter_mm, which makes a reducer")
+                add = "a length_mm needs to_diameter_mm, which makes a reducer: add it, or leave out length_mm"
+                raise PydanticCustomError("no_reducer", add)
         elif given := sorted(self.model_fields_set - {"to_diameter_mm", "length_mm", "straight_mm"}):
             raise PydanticCustomError("reducer_turns", f"a reducer goes straight on: leave out {', '.join(given)}")
         return self
@@ -133,7 +135,7 @@ def read_route(path: Path) -> PipeRoute:
         ConfigError: it is no route, or not a possible one.
     """
     if not isinstance(read_toml(path).get("corners"), list):
-        raise ConfigError(f"{path} is not one route: that is a file with a [[corners]] table for each corner.")
+        raise ConfigError(f"{path} is not one route: give a file with a [[corners]] table for each corner.")
     file = read_as(RouteFile, path, CornerEntry)
     try:
         return file.route()

@@ -178,8 +178,9 @@ def _read_set(path: Path) -> list[PipeRoute]:
         kind = SBendSetFile
     elif "reducers_mm" in table:
         kind = ReducerSetFile
+    file = read_as(kind, path)
     try:
-        return read_as(kind, path).draw()
+        return file.draw()
     except PipenavError as error:
         raise ConfigError(f"{path}: {error}") from error
 

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
-from pipenav.errors import ConfigError
+from pipenav.errors import ConfigError, first_problem
 from pipenav.storage.text_files import read_toml
 
 _File = TypeVar("_File", bound=BaseModel)
@@ -40,7 +40,7 @@ class Range(BaseModel):
         if not 0 <= steps <= MAX_STEPS or abs(steps - round(steps)) > 1e-6:
             raise PydanticCustomError(
                 "whole_steps",
-                f"from {self.start:g} to {self.stop:g} must be a whole number of steps of {self.step:g}, "
+                f"from {self.start:g} up to {self.stop:g} must be a whole number of steps of {self.step:g}, "
                 f"at most {MAX_STEPS}",
             )
         return self
@@ -52,8 +52,8 @@ class Range(BaseModel):
 
 _List = Annotated[list[float], Field(min_length=1, max_length=MAX_STEPS + 1)]
 Values = Annotated[
-    Annotated[_List, Tag("list")] | Annotated[Range, Tag("range")],
-    Discriminator(lambda given: "range" if isinstance(given, dict | Range) else "list"),
+    Annotated[_List, Tag("<list>")] | Annotated[Range, Tag("<range>")],
+    Discriminator(lambda given: "<range>" if isinstance(given, dict | Range) else "<list>"),
 ]
 """Numbers in a set's file: a list, or a range with both ends. Only the kind that was meant reports a problem."""
 
@@ -84,7 +84,7 @@ def read_as(kind: type[_File], path: Path, inner: type[BaseModel] = Range) -> _F
     try:
         return kind.model_validate(table)
     except ValidationError as error:
-        prefix = [str(part) for part in error.errors()[0]["loc"][:-1]]
+        prefix = [str(part) for part in first_problem(error)["loc"][:-1]]
         fields = (inner if prefix else kind).model_fields
         known = [".".join([*prefix, field.alias or name]) for name, field in fields.items()]
         raise ConfigError.from_validation(str(path), error, known) from error

@@ -13,7 +13,7 @@ import safetensors.numpy
 from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
-from pipenav.errors import ConfigError, PipenavError, dotted
+from pipenav.errors import ConfigError, PipenavError, dotted, first_problem
 from pipenav.policies.header import FORMAT_VERSION, RATE_HZ, PolicyHeader, action_parts, observation_parts
 from pipenav.storage.text_files import as_text, checked_json
 from pipenav.tasks.registry import task_of
@@ -140,7 +140,7 @@ def _parse_header(path: Path, text: bytes) -> PolicyHeader:
         problem = f"holds an unusable {HEADER_MEMBER}: {str(error).rstrip('.')}"
         raise PolicyFileError(path, problem, NEW_COPY) from error
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
+        first = first_problem(error)
         if first["type"] == "extra_forbidden":
             problem = f"holds the unknown key {dotted(first['loc'])!r} in {HEADER_MEMBER}"
         else:

@@ -54,7 +54,10 @@ def open_controller(text: str, robot_name: str | None = None, seed: int = 0) -> 
         PolicyFileError: the policy file cannot be used.
         PipenavError: the baseline cannot control the robot, or the policy was made for another.
     """
+    baselines = [BASELINE + known for known in BASELINES]
     if not text.startswith(BASELINE):
+        if f"{text}:".lower().startswith(BASELINE):
+            raise UnknownName("baseline", text, baselines)
         policy = load_policy(resolve_policy(text))
         if robot_name is not None and load_robot(robot_name).name != policy.header.robot.name:
             raise PipenavError(
@@ -64,7 +67,7 @@ def open_controller(text: str, robot_name: str | None = None, seed: int = 0) -> 
         return PolicyController(policy)
     name = text.removeprefix(BASELINE)
     if name not in BASELINES:
-        raise UnknownName("baseline", text, [BASELINE + known for known in BASELINES])
+        raise UnknownName("baseline", text, baselines)
     robot = load_robot(robot_name or BASELINES[name])
     if name == "random":
         return RandomController(robot, seed)

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from pipenav.arrays import Flags, Floats, Table
-from pipenav.errors import ConfigError, UnknownName
+from pipenav.errors import ConfigError, UnknownName, first_problem
 from pipenav.robots.joint_types import resolve_types
 from pipenav.robots.parts import Actuator, Joint, Laser, Link, Name, Roll, Wheel, constant
 from pipenav.storage import shipped
@@ -198,7 +198,7 @@ def load_robot(name: str) -> RobotSpec:
 
 def _known_beside(error: ValidationError) -> list[str]:
     """Keys that exist beside the one at which pydantic found its first problem."""
-    first, *rest = location = error.errors()[0]["loc"][:-1] or ("",)
+    first, *rest = location = first_problem(error)["loc"][:-1] or ("",)
     tables: dict[str, type[BaseModel]] = {"links": Link, "actuators": Actuator, "laser": Laser, "roll": Roll}
     known = Joint if "joint" in rest else Wheel if "wheel" in rest else tables.get(str(first), RobotSpec)
     return [".".join(map(str, [*filter(None, map(str, location)), key])) for key in known.model_fields]

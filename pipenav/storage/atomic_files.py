@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from pipenav.errors import FileProblem, PipenavError
@@ -75,6 +75,22 @@ def prepare_folder(path: Path) -> Path:
     except OSError as error:
         raise FileProblem(path, "write into", error) from error
     return path
+
+
+@contextlib.contextmanager
+def used_folder(path: Path) -> Iterator[Path]:
+    """A folder as `prepare_folder` gives it; one that was made for it, and is empty in the end, goes again.
+
+    Raises:
+        FileProblem: it cannot be created, is no folder, or is read-only.
+    """
+    made = [folder for folder in (path, *path.parents) if not folder.exists()]
+    try:
+        yield prepare_folder(path)
+    finally:
+        with contextlib.suppress(OSError):  # the first that holds anything ends it
+            for folder in made:
+                folder.rmdir()
 
 
 def check_outputs(outputs: Sequence[Path], inputs: Iterable[Path] = ()) -> None:

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from pipenav.errors import FileProblem, PipenavError
-from pipenav.storage.atomic_files import prepare_folder
+from pipenav.storage.atomic_files import used_folder
 
 LOCK_FILE = ".pipenav.lock"
 """File in a folder in use; it holds the owner's process number and command."""
@@ -52,19 +52,15 @@ def one_writer(folder: Path, command: str | None = None) -> Iterator[Path]:
         FolderInUse: another process writes into it.
         FileProblem: the folder cannot be made or written into.
     """
-    made = [path for path in (folder, *folder.parents) if not path.exists()]
-    prepare_folder(folder)
-    descriptor = _lock(folder, command or current_command())
-    try:
-        yield folder
-    finally:
-        with contextlib.suppress(OSError):  # the folder may have been removed, or exchanged for one without the file
-            if _is_file_of(descriptor, folder / LOCK_FILE):
-                (folder / LOCK_FILE).unlink()
-        os.close(descriptor)
-        with contextlib.suppress(OSError):  # the first that holds anything ends it
-            for path in made:
-                path.rmdir()
+    with used_folder(folder):
+        descriptor = _lock(folder, command or current_command())
+        try:
+            yield folder
+        finally:
+            with contextlib.suppress(OSError):  # the folder may have been removed, or exchanged for one without it
+                if _is_file_of(descriptor, folder / LOCK_FILE):
+                    (folder / LOCK_FILE).unlink()
+            os.close(descriptor)
 
 
 def _lock(folder: Path, command: str) -> int:

@@ -84,7 +84,7 @@ def as_text(content: bytes, where: str) -> str:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         problem = f"byte {error.start + 1} is not part of a character"
-        raise ConfigError(f"{where} is not text in UTF-8: {problem}.") from error
+        raise ConfigError(f"{where} is not text in UTF-8: {problem}; give a text file.") from error
     return text.replace("\r\n", "\n")
 
 
@@ -108,7 +108,8 @@ def parse_toml(text: str, where: str) -> dict[str, Any]:
     try:
         table = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # a ValueError also for a date such as 2000-13-01
-        raise ConfigError(f"{where} is not valid TOML: {shown(error, quoted=False).rstrip('.')}.") from error
+        problem = f"{shown(error, quoted=False).rstrip('.')}; correct it there, or give another file"
+        raise ConfigError(f"{where} is not valid TOML: {problem}.") from error
     _check_values(table, where)
     return table
 
@@ -133,7 +134,8 @@ def parse_json(text: str, where: str) -> Any:
     try:
         content = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise ConfigError(f"{where} is not valid JSON: {shown(error, quoted=False).rstrip('.')}.") from error
+        problem = f"{shown(error, quoted=False).rstrip('.')}; correct it there, or give another file"
+        raise ConfigError(f"{where} is not valid JSON: {problem}.") from error
     _check_values(content, where)
     return content
 

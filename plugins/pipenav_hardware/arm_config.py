@@ -59,7 +59,7 @@ class ArmConfig(Table):
         if self.baud not in BAUD_VALUES:
             raise ValueError(f"baud {self.baud} is not one of {', '.join(map(str, sorted(BAUD_VALUES)))}")
         if len({servo.id for servo in self.servos}) < len(self.servos):
-            raise ValueError("two servos have the same id")
+            raise ValueError(f"two servos have the same id, of {list(self.ids)}: give each servo its own")
         return self
 
     @property

@@ -60,7 +60,7 @@ def test_the_command_writes_its_folder(
         (("--option", "timestep=0.001", "--option", "timestep=0.002"), "option 'timestep' is given twice"),
         (("--require", "0.99"), "--require 0.99 is not a percentage: write it as 99% or 99.5%."),
         (("--require", "many"), "--require many is not a percentage"),
-        (("--option", "timestep"), "option 'timestep' has no value: write it as key=value"),
+        (("--option", "timestep"), "option 'timestep' is not a setting: write it as key=value"),
         (("--option", "timstep=1"), "unknown key 'timstep': did you mean 'timestep'"),
         (("--option", "timestep=often"), "timestep: input should be a valid number, given 'often'."),
     ],
@@ -69,7 +69,8 @@ def test_what_is_wrong_is_said_in_one_line(
     args: tuple[str, ...], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"
-    code, said, error = run(capsys, *("--policy", "baseline:random", "--out", str(out), *args))
+    policy = () if "--policy" in args else ("--policy", "baseline:random")
+    code, said, error = run(capsys, *policy, "--out", str(out), *args)
     assert code == 1
     assert error.startswith("pipenav: error: ")
     assert message in error
@@ -83,7 +84,7 @@ def test_a_folder_that_cannot_be_is_one_line(tmp_path: Path, capsys: pytest.Capt
     file.touch()
     code, _, error = run(capsys, "--policy", "baseline:random", "--out", str(file))
     assert code == 1
-    assert error == f"pipenav: error: cannot use the folder {file}: it is a file.\n"
+    assert error == f"pipenav: error: cannot use the folder {file}: it is a file; choose another place.\n"
 
 
 QUICK = ("--pipes", PIPE, "--episodes", "2")

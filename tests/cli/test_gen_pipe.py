@@ -149,7 +149,10 @@ def test_makes_an_s_bend_of_a_corner(tmp_path: Path) -> None:
         (("--d", 100, "--to-d", 80, "--angle", 90), "a reducer goes straight on: leave out --angle."),
         (("--d", 100, "--angle", 90, "--over", 50), "--over is the length of a reducer, which --to-d makes: leave out"),
         (("--to-d", 80), "--d missing: give the diameter before the reducer too."),
-        (("--d", 100), "--angle missing: give --d and --angle for one corner, or --route FILE for several."),
+        (
+            ("--d", 100),
+            "--angle missing: give --d and --angle for one corner, --d and --to-d for a reducer, or",
+        ),
         ((), "--d and --angle missing"),
     ],
 )
@@ -165,7 +168,7 @@ def test_a_route_that_is_not_possible_is_left_to_the_caller_and_nothing_is_made(
     file.write_text(RUN.replace("500", "50"))
     result = run("--run", file, "--out", tmp_path)
     assert isinstance(result.exception, PipenavError)
-    assert str(result.exception).startswith(f"{file}: length of straight 2 50 mm is out of range: choose ")
+    assert str(result.exception).startswith(f"{file}: length of straight 2, 50 mm, is out of range: choose ")
     assert list(tmp_path.iterdir()) == [file]
 
 

@@ -107,9 +107,9 @@ def test_a_misplaced_target_may_lie_anywhere_and_another_may_not(here: Path) -> 
 @pytest.mark.parametrize(
     ("args", "message"),
     [
-        ((), "give both --d and --angle, or --pipes"),
-        (("--d", "90"), "give both --d and --angle, or --pipes"),
-        (("--angle", "60"), "give both --d and --angle, or --pipes"),
+        ((), "give --d and --angle, for example --d 90 --angle 60, or --pipes"),
+        (("--d", "90"), "give --d and --angle, for example --d 90 --angle 60, or --pipes"),
+        (("--angle", "60"), "give --d and --angle, for example --d 90 --angle 60, or --pipes"),
         (("--d", "90", "--angle", "60", "--pipes", "thesis"), "one pipe or a set, not both"),
         (("--turn", "right", "--pipes", "thesis"), "one pipe or a set, not both"),
         (("--d", "90", "--angle", "60", "--turn", "up"), "turn 'up' is unknown"),

@@ -141,7 +141,7 @@ def test_what_cannot_be_mirrored(front: Path, capsys: pytest.CaptureFixture[str]
     assert run("mirror-rear", "--trajectory", "front.csv", "--record", "done.csv") == 1
     assert "--record writes what --replay runs: give both." in capsys.readouterr().err
     assert run("mirror-rear", "--trajectory", "front.csv", "--option", "timestep=0.001") == 1
-    assert "--option would be ignored here: they set the simulator of --replay." in capsys.readouterr().err
+    assert "--option would be ignored here: only --replay runs a simulator; leave it out." in capsys.readouterr().err
     assert not Path("rear.csv").exists()
 
 

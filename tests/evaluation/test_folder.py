@@ -110,6 +110,6 @@ def test_the_robot_that_a_policy_brings_may_be_named(tmp_path: Path) -> None:
 
 def test_what_cannot_be_read_is_not_replaced(tmp_path: Path) -> None:
     (tmp_path / "eval.json").write_text("{}")
-    with pytest.raises(PipenavError, match=r"Move .* away, or choose another --out"):
+    with pytest.raises(PipenavError, match=r"move .* away, or choose another --out"):
         check_folder(tmp_path, PLAIN)
     check_folder(tmp_path / "new", PLAIN)

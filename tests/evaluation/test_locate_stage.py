@@ -77,7 +77,9 @@ def test_inside_the_second_leg_begins_past_the_bend() -> None:
 def test_a_robot_of_other_joints_is_refused() -> None:
     robot = load_robot("basic")
     hinges = robot.model_copy(update={"links": robot.links[1:]})
-    with pytest.raises(PipenavError, match="drives a slide followed by hinges; robot 'basic' has hinge, hinge, hinge"):
+    with pytest.raises(
+        PipenavError, match="a slide followed by hinges, and robot 'basic' has hinge, hinge, hinge: choose"
+    ):
         LocateStage(
             hinges,
             MapLocator(robot, LocateConfig(), 1),

@@ -187,7 +187,7 @@ def test_what_is_not_a_route_folder_stays(tmp_path: Path) -> None:
         ({"diameter_mm": 90}, ConfigError, "diameter_mm 90 contradicts"),
         ({"straights_mm": [1, 2]}, ConfigError, r"straights_mm \[1, 2\] contradicts"),
         ({"corners": []}, ConfigError, "corners: tuple should have at least 1 item"),
-        ({"corners": 3}, ConfigError, "corners: input should be a valid tuple"),
+        ({"corners": 3}, ConfigError, "corners: input should be a list"),
         ({"corners": [3]}, ConfigError, "corners.0: input should be"),
         ({"straights_m": ["long"]}, ConfigError, "straights.0: input should be a valid number"),
         ({"diameter_m": 0.5}, OutOfRange, "diameter 500 mm is out of range"),

@@ -150,7 +150,7 @@ def test_a_training_that_starts_from_another_has_its_weights_and_its_own_count(
     [
         ("resume.safetensors", b"half", "cannot be resumed from"),
         ("config.json", b"{", "config.json is not valid JSON"),
-        ("config.json", b"{}", "description: field required"),
+        ("config.json", b"{}", "description: this key is missing, add it"),
         ("progress.csv", b"\xff\xfe", "progress.csv is not text"),
         ("resume.safetensors", None, "holds no training"),
     ],

@@ -123,9 +123,9 @@ def test_the_narrowest_bore_decides_what_fits() -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ((100, 30), "diameter behind reducer 1 30 mm is out of range: choose 40 to 300 mm."),
-        ((100, 80, -1), "length of reducer 1 -1 mm is out of range: choose 0 to 2000 mm."),
-        ((100, 80, 400, 150), "length of straight 1 150 mm is out of range: choose 210"),
+        ((100, 30), "diameter behind reducer 1, 30 mm, is out of range: choose 40 to 300 mm."),
+        ((100, 80, -1), "length of reducer 1, -1 mm, is out of range: choose 0 to 2000 mm."),
+        ((100, 80, 400, 150), "length of straight 1, 150 mm, is out of range: choose 210"),
     ],
 )
 def test_messages_name_what_is_allowed(arguments: tuple[float, ...], message: str) -> None:

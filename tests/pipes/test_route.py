@@ -133,26 +133,26 @@ def test_names_and_labels_distinguish_routes() -> None:
         ((39, [(90, "left", 0)]), "diameter 39 mm is out of range: choose 40 to 300 mm."),
         (
             (100, [(90, "left", 0), (20, "left", 0)]),
-            "interior angle of corner 2 20 deg is out of range: choose 30 to 180",
+            "interior angle of corner 2, 20 deg, is out of range: choose 30 to 180",
         ),
-        ((100, [(90, "left", 400)]), "roll of corner 1 400 deg is out of range: choose -360 to 360 deg."),
-        ((100, [(90, "left", math.nan)]), "roll of corner 1 nan deg is out of range"),
+        ((100, [(90, "left", 400)]), "roll of corner 1, 400 deg, is out of range: choose -360 to 360 deg."),
+        ((100, [(90, "left", math.nan)]), "roll of corner 1, nan deg, is out of range"),
         (
             (100, [(90, "left", 0, 74)]),
-            "bend radius of corner 1 (0 is a mitre) 74 mm is out of range: choose 75",
+            "bend radius of corner 1 (0 is a mitre), 74 mm, is out of range: choose 75",
         ),
-        ((100, [(90, "left", 0, -1)]), "bend radius of corner 1 (0 is a mitre) -1 mm is out of range"),
-        ((100, [(90, "left", 0, 150)], [600, 159]), "length of straight 2 159 mm is out of range: choose 160 to"),
+        ((100, [(90, "left", 0, -1)]), "bend radius of corner 1 (0 is a mitre), -1 mm, is out of range"),
+        ((100, [(90, "left", 0, 150)], [600, 159]), "length of straight 2, 159 mm, is out of range: choose 160 to"),
         ((100, [(90, "up", 0)]), "turn 'up' is unknown: choose 'left' or 'right'."),
         ((100, []), "a route of 0 corners is not possible: give it 1 to 50."),
         ((100, [(90, "left", 0)] * 51), "a route of 51 corners is not possible: give it 1 to 50."),
         ((100, [(90, "left", 0)], [500]), "1 straights do not fit 1 corners: give one before each"),
         (
             (100, [(90, "left", 0)] * 2, [600, 115, 600]),
-            "length of straight 2 115 mm is out of range: choose 116 to 20000",
+            "length of straight 2, 115 mm, is out of range: choose 116 to 20000",
         ),
         ((100, [(90, "left", 0), (90, "right", 0)], [600, 9, 600]), "choose 10 to 20000 mm."),
-        ((100, [(90, "left", 0)], [600, math.inf]), "length of straight 2 inf mm is out of range"),
+        ((100, [(90, "left", 0)], [600, math.inf]), "length of straight 2, inf mm, is out of range"),
         ((100, [(90, "left", 0)], [600, 600], 0), "wall thickness 0 mm is out of range: choose 0.5 to 50 mm."),
     ],
 )
@@ -163,7 +163,7 @@ def test_messages_name_what_is_allowed(arguments: tuple[object, ...], message: s
 
 
 def test_the_model_itself_refuses_what_is_out_of_range() -> None:
-    with pytest.raises(OutOfRange, match="length of straight 1 10 mm"):
+    with pytest.raises(OutOfRange, match="length of straight 1, 10 mm"):
         PipeRoute(diameter=0.1, corners=(Corner(angle=1.2),), straights=(0.01, 1.0))
 
 

@@ -148,8 +148,8 @@ def test_names_of_sets_are_distinct() -> None:
         ("thesi", "unknown set of pipes or routes 'thesi': did you mean 'thesis'"),
         ("runs-level:0", "'runs-level:0' names no route of the set: write a number from 1 to 24 after the colon."),
         ("runs-level:x", "write a number from 1 to 24"),
-        ("no-such.toml", "cannot read no-such.toml: No such file or directory."),
-        ("d=90,angle=60,bend_radius=60", "bend radius of corner 1 (0 is a mitre) 60 mm is out of range: choose 67.5"),
+        ("no-such.toml", "cannot read no-such.toml: No such file or directory; check its name."),
+        ("d=90,angle=60,bend_radius=60", "bend radius of corner 1 (0 is a mitre), 60 mm, is out of range: choose 67.5"),
     ],
 )
 def test_what_is_no_route_is_named(text: str, message: str) -> None:
@@ -162,24 +162,28 @@ def test_what_is_no_route_is_named(text: str, message: str) -> None:
     ("text", "message"),
     [
         (ONE.replace("schema = 1", "schema = 4"), "schema: input should be 1, 2 or 3, given 4"),
-        (ONE.replace("schema = 1", ""), "schema: field required"),
-        (ONE.replace("diameter_mm", "diametre_mm"), "diameter_mm: field required"),
+        (ONE.replace("schema = 1", ""), "schema: this key is missing, add it"),
+        (ONE.replace("diameter_mm", "diametre_mm"), "unknown key 'diametre_mm': did you mean 'diameter_mm'?"),
         (ONE + "rol_deg = 90", "unknown key 'corners.1.rol_deg': did you mean 'corners.1.roll_deg'"),
         (ONE + 'straight_mm = "long"', "corners.1.straight_mm: input should be a valid number"),
         (ONE.replace('turn = "right"', 'turn = "up"'), "mine.toml: turn 'up' is unknown: choose 'left' or 'right'."),
-        (ONE.replace("angle_deg = 75", "angle_deg = 7"), "mine.toml: interior angle of corner 2 7 deg is out of range"),
+        (
+            ONE.replace("angle_deg = 75", "angle_deg = 7"),
+            "interior angle of corner 2, 7 deg, is out of range",
+        ),
         (
             ONE.replace("straight_mm = 500", "straight_mm = 5"),
-            "mine.toml: length of straight 2 5 mm is out of range: choose",
+            "mine.toml: length of straight 2, 5 mm, is out of range: choose",
         ),
         ("schema = 1\ndiameter_mm = 100\ncorners = []", "corners: list should have at least 1 item"),
         (ONE + "to_diameter_mm = 80", "a reducer goes straight on: leave out angle_deg"),
         (ONE + "length_mm = 50", "a length_mm needs to_diameter_mm, which makes a reducer"),
         (ONE.replace("= 90", "= ninety"), "is not valid TOML"),
-        (SET.replace("seed", "sed"), "seed: field required"),
+        (SET.replace("seed", "sed"), "unknown key 'sed': did you mean 'seed'?"),
+        (SET.replace("seed = 3\n", ""), "seed: this key is missing, add it"),
         (SET.replace("runs = 4", "runs = 0"), "runs: input should be greater than or equal to 1"),
         (SET + "roll_deg = [0]", "unknown key 'roll_deg': did you mean 'rolls_deg'"),
-        (SET.replace("[500]", "[50]"), "mine.toml: length of straight 2 50 mm is out of range"),
+        (SET.replace("[500]", "[50]"), "mine.toml: length of straight 2, 50 mm, is out of range"),
         (
             SET.replace("corners = 2", "corners = 5\nturns = ['left']").replace("120", "90"),
             "cross themselves: choose wider angles",
@@ -193,7 +197,7 @@ def test_a_wrong_file_is_explained(tmp_path: Path, text: str, message: str) -> N
 
 
 def test_a_set_is_no_route(tmp_path: Path) -> None:
-    with pytest.raises(PipenavError, match="is not one route: that is a file with a"):
+    with pytest.raises(PipenavError, match="is not one route: give a file with a"):
         read_route(Path(written(tmp_path, SET)))
 
 

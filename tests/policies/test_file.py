@@ -185,7 +185,7 @@ BROKEN: dict[str, tuple[Callable[[Members], Any], str]] = {
     "deep json": (lambda m: m.update({"pipenav.json": b"[" * 100_000}), "unusable pipenav.json"),
     "unknown key": (_edit_json(lambda h: h.update(surprise=1)), "unknown key 'surprise'"),
     "unknown key inside": (_edit_json(lambda h: h["task"].update(surprise=1)), "unknown key 'task.surprise'"),
-    "missing key": (_edit_json(lambda h: h.pop("rate_hz")), "rate_hz: field required"),
+    "missing key": (_edit_json(lambda h: h.pop("rate_hz")), "rate_hz: this key is missing, add it"),
     "newer version": (_edit_json(lambda h: h.update(version=2, extra=1)), "format 2.*update pipenav"),
     "other format": (_edit_json(lambda h: h.update(format="x")), "format"),
     "number as text": (_edit_json(lambda h: h.update(rate_hz="10")), "rate_hz"),

@@ -90,7 +90,7 @@ def test_wheels_and_the_roll_joint_have_types_too(tmp_path: Path) -> None:
         ('name = "upper"\n', 'name = "upper"\nwheel = { like = "z" }\n', "unknown wheel type 'z': there are none."),
         ("lower = -2.4", "lowr = -2.4", "unknown key 'joint_types.hinge.lowr': did you mean 'joint_types.hinge.lower'"),
         ('type = "hinge"', 'name = "a"', "unknown key 'joint_types.hinge.name'"),
-        ("upper = 2.4\n", "", "links.1.joint.upper: field required"),
+        ("upper = 2.4\n", "", "links.1.joint.upper: this key is missing, add it"),
         ("[link_types.segment]", "[link_types]", "link_types must hold one table per type, as in [link_types.NAME]."),
         ("schema_version = 2", "schema_version = 1", "[joint_types] needs schema_version = 2."),
         ("schema_version = 2", "schema_version = 3", "schema_version: input should be 1 or 2, given 3."),

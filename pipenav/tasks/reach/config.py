@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Field
+from pydantic import Field, WrapValidator
 
 from pipenav.arrays import Table, ordered
 from pipenav.backends.messages import Control
@@ -24,7 +24,7 @@ MOST_STEPS = 100_000
 Weight = Annotated[float, Field(ge=0, le=LARGEST_WEIGHT)]
 Penalty = Annotated[float, Field(ge=-LARGEST_WEIGHT, le=0)]
 Distance = Annotated[float, Field(ge=0, le=LONGEST)]
-Span = Annotated[tuple[Distance, Distance], AfterValidator(ordered), Field(strict=False)]
+Span = Annotated[tuple[Distance, Distance], WrapValidator(ordered), Field(strict=False)]
 
 
 class RewardConfig(Table):

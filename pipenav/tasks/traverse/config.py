@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Field
+from pydantic import Field, WrapValidator
 
 from pipenav.arrays import Table, ordered
 from pipenav.tasks.reach.config import LONGEST, MOST_STEPS, Penalty, Span, Weight
 
 Share = Annotated[float, Field(ge=0, le=1)]
-Shares = Annotated[tuple[Share, Share], AfterValidator(ordered), Field(strict=False)]
+Shares = Annotated[tuple[Share, Share], WrapValidator(ordered), Field(strict=False)]
 Angle = Annotated[float, Field(ge=-720, le=720)]
 
 
@@ -86,7 +86,7 @@ class TraverseConfig(Table):
         description="distance of set-points beyond the bends of their joints at the start, where set-points are held "
         "[rad]: the robot clamps from the first moment",
     )
-    inclination_deg: Annotated[tuple[Angle, Angle], AfterValidator(ordered)] | None = Field(
+    inclination_deg: Annotated[tuple[Angle, Angle], WrapValidator(ordered)] | None = Field(
         None,
         strict=False,
         description="range of gravity's direction in the pipe's plane, from the first leg's direction towards the "

@@ -123,7 +123,10 @@ def fault_script(entries: Sequence[Mapping[str, Any]]) -> tuple[Fault, ...]:
             fault = Fault.model_validate(entry)
         except ValidationError as error:
             raise ConfigError.from_validation(f"fault {number}", error, Fault.model_fields) from error
-        fault.require_known()
+        try:
+            fault.require_known()
+        except PipenavError as error:
+            raise ConfigError(f"fault {number}: {error}") from error
         script.append(fault)
     return tuple(script)
 
