@@ -43,7 +43,7 @@ class SecondLegVotes(NamedTuple):
 
 
 class OuterWall(NamedTuple):
-    """Where the second leg's outer wall may be.
+    """Places where the second leg's outer wall may be.
 
     Attributes:
         edges: inner edges that are tried, (k, r, edges) [m].
