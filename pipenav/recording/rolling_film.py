@@ -14,7 +14,7 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.drawing.dimensions import INK
-from pipenav.drawing.projection import View, wall_quads
+from pipenav.drawing.projection import View
 from pipenav.drawing.scene import FORCE
 from pipenav.recording.caption import Caption, caption_of, details_of, draw_caption, draw_scale
 from pipenav.recording.film import DPI, FAILED, SUCCEEDED
