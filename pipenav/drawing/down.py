@@ -8,11 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipenav.arrays import Floats
-from pipenav.drawing.style import INK
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
-    from matplotlib.offsetbox import AnchoredOffsetbox
 
 DOWN = "#8e1f6a"
 """Colour of the sign, which nothing else in a picture has."""
@@ -22,7 +20,7 @@ WORD, LEVEL = "down", "level: nothing weighs"
 SIGN_PT = 38.0
 """Side of the square that the sign takes [pt]."""
 
-SIGN_IN = 1.0
+SIGN_IN = 1.15
 """Room that the sign and its word take at the right end of a caption [in]."""
 
 ACROSS = math.sin(math.radians(10.0))
@@ -58,23 +56,8 @@ def down_sign(down: Floats, transform: Any, anchor: tuple[float, float], where: 
             area.add_artist(mark)
     style = {"color": DOWN, "fontsize": 10, "fontweight": "bold"}
     packed = HPacker(children=[TextArea(WORD, textprops=style), area], align="center", pad=0, sep=2)
-    return _hung(AnchoredOffsetbox, packed, transform, anchor, where)
-
-
-def level_sign(transform: Any, anchor: tuple[float, float], where: str = "upper right") -> Artist:
-    """The words in place of a sign where nothing weighs; the arguments are those of `down_sign`."""
-    from matplotlib.offsetbox import AnchoredOffsetbox, TextArea
-
-    words = TextArea(LEVEL, textprops={"color": INK, "fontsize": 9.5})
-    return _hung(AnchoredOffsetbox, words, transform, anchor, where)
-
-
-def _hung(
-    kind: type[AnchoredOffsetbox], child: Any, transform: Any, anchor: tuple[float, float], where: str
-) -> AnchoredOffsetbox:
-    hung = kind(
-        where, child=child, pad=0.15, borderpad=0.0, frameon=True, bbox_to_anchor=anchor, bbox_transform=transform
-    )
+    place: dict[str, Any] = {"bbox_to_anchor": anchor, "bbox_transform": transform}
+    hung = AnchoredOffsetbox(where, child=packed, pad=0.15, borderpad=0.0, frameon=True, **place)
     hung.patch.set(facecolor="white", edgecolor="none", alpha=0.8)
     hung.set_zorder(10)
     return hung

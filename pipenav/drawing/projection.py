@@ -29,7 +29,7 @@ SAMPLES = 20
 
 WALL_RGB, BORE_RGB, SHADOW = (0.50, 0.57, 0.64), (0.30, 0.34, 0.38), "#e6e9ed"
 
-OPEN_RGB, RIM_RGB, SEAM = (0.88, 0.91, 0.94), (0.29, 0.33, 0.38), "#5b6670"
+OPEN_RGB, RIM_RGB, SEAM_RGB = (0.88, 0.91, 0.94), (0.29, 0.33, 0.38), (0.36, 0.40, 0.44)
 """Colours of a tube that is cut open: its bore, the wall's cut, and lines where parts join."""
 
 LEVEL = 1e-6
@@ -128,31 +128,52 @@ def draw_tube(axes: Axes, system: PipeSystem, view: View) -> Floats:
     return np.concatenate([shadow, tube]).reshape(-1, 2)
 
 
-def draw_cut_open(axes: Axes, system: PipeSystem, view: View) -> Floats:
-    """Draw the tube without the half of each leg that faces the viewer; return all points, (k, 2) [mm]."""
-    from matplotlib.collections import PolyCollection
+class CutOpen(NamedTuple):
+    """A tube without the half of each leg that faces the viewer, as polygons, far ones first.
 
-    outer, bore = surface(system, system.wall), surface(system, 0.0)
-    far, _ = outer.facing(-view.to_viewer)
-    seen, seams = bore.facing(-view.to_viewer)
-    shade = 0.62 + 0.42 * np.clip(-bore.normals[seen] @ _light(view), 0, 1)
-    rim, open_bore = outer.quads[far], bore.quads[seen]
-    lines = bore.seams[seams][:, [0, 0, 1, 1]]  # polygons without an area
-    colours = np.concatenate(
-        [
-            np.tile(RIM_RGB, (len(rim), 1)),
-            np.minimum(shade[:, None] * OPEN_RGB, 1.0),
-            np.tile(np.array([int(SEAM[i : i + 2], 16) for i in (1, 3, 5)]) / 255, (len(lines), 1)),
-        ]
-    )
-    widths = np.repeat([0.4, 0.4, 0.9], [len(rim), len(open_bore), len(lines)])
-    nearer = np.repeat([-PIECE, 0.0, 0.6 * PIECE], [len(rim), len(open_bore), len(lines)])  # a bore hides its rim
-    polygons = np.concatenate([rim, open_bore, lines])
-    order = np.argsort(polygons.mean(axis=1) @ view.to_viewer + nearer)
-    drawn = m_to_mm(1.0) * view.flat(polygons[order])
-    style: dict[str, Any] = {"facecolors": colours[order], "edgecolors": colours[order], "linewidths": widths[order]}
-    axes.add_collection(PolyCollection(list(drawn), zorder=2, **style))
-    return np.asarray(drawn.reshape(-1, 2))
+    Attributes:
+        view: the view that it is cut open for.
+        polygons: corners of the polygons, (q, 4, 3) [m].
+        colours: colours, (q, 3).
+        widths: widths of their edges, (q,) [pt].
+    """
+
+    view: View
+    polygons: Floats
+    colours: Floats
+    widths: Floats
+
+    @classmethod
+    def of(cls, system: PipeSystem, view: View) -> CutOpen:
+        """Pipes cut open for a view: the wall's cut, the bore, and lines where parts join."""
+        outer, bore = surface(system, system.wall), surface(system, 0.0)
+        far, _ = outer.facing(-view.to_viewer)
+        seen, seams = bore.facing(-view.to_viewer)
+        shade = 0.62 + 0.42 * np.clip(-bore.normals[seen] @ _light(view), 0, 1)
+        lines = bore.seams[seams][:, [0, 0, 1, 1]]  # polygons without an area
+        parts = [outer.quads[far], bore.quads[seen], lines]
+        counts = [len(part) for part in parts]
+        polygons = np.concatenate(parts)
+        nearer = np.repeat([-PIECE, 0.0, 0.6 * PIECE], counts)  # a bore hides its rim
+        order = np.argsort(polygons.mean(axis=1) @ view.to_viewer + nearer)
+        colours = [np.tile(RIM_RGB, (counts[0], 1)), np.minimum(shade[:, None] * OPEN_RGB, 1.0)]
+        colours.append(np.tile(SEAM_RGB, (counts[2], 1)))
+        widths = np.repeat([0.4, 0.4, 0.9], counts)
+        return cls(view, polygons[order], np.concatenate(colours)[order], widths[order])
+
+    def near(self, point: Floats, distance: float) -> CutOpen:
+        """The polygons up to a distance [m] from a point, (3,)."""
+        chosen = np.linalg.norm(self.polygons.mean(axis=1) - point, axis=1) < distance
+        return CutOpen(self.view, self.polygons[chosen], self.colours[chosen], self.widths[chosen])
+
+    def draw(self, axes: Axes) -> Floats:
+        """Draw it in millimetres of the picture; return all points, (k, 2) [mm]."""
+        from matplotlib.collections import PolyCollection
+
+        drawn = m_to_mm(1.0) * self.view.flat(self.polygons)
+        style: dict[str, Any] = {"facecolors": self.colours, "edgecolors": self.colours, "linewidths": self.widths}
+        axes.add_collection(PolyCollection(list(drawn), zorder=2, **style))
+        return np.asarray(drawn.reshape(-1, 2))
 
 
 def _light(view: View) -> Floats:

@@ -25,7 +25,7 @@ from pipenav.drawing.dimensions import (
     write_title,
 )
 from pipenav.drawing.down import down_sign
-from pipenav.drawing.projection import View, draw_cut_open, draw_tube
+from pipenav.drawing.projection import CutOpen, View, draw_tube
 from pipenav.drawing.route_sketch import RouteSketch
 from pipenav.drawing.schedule import draw_schedule
 from pipenav.drawing.words import counts_of
@@ -146,8 +146,7 @@ def _in_space(route: PipeRoute, axes: Axes) -> float:
 def _cut_open(route: PipeRoute, axes: Axes) -> None:
     """Draw the route cut open towards the viewer."""
     system = system_of(route)
-    view = View.of(system)
-    points = draw_cut_open(axes, system, view)
+    points = CutOpen.of(system, View.of(system)).draw(axes)
     margin = 0.03 * np.ptp(points, axis=0).max()
     (left, bottom), (right, top) = points.min(axis=0) - margin, points.max(axis=0) + margin
     axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")

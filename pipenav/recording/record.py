@@ -29,6 +29,10 @@ from pipenav.tasks.outcome import Outcome, PassageStage
 from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.reach.episode import ReachEpisodes
 from pipenav.tasks.registry import task_of
+from pipenav.tasks.traverse.episode import TraverseEpisodes
+
+LEVEL = (0.0, 0.0)
+"""Gravity's part in a level plane [m/s^2]."""
 
 Onlooker = Callable[[HasWindow, Sight], None]
 """Called at the start and after every control step with the simulator and what to show beside its robot."""
@@ -140,10 +144,19 @@ def record_task(
         controller=name,
         options=dict(simulator.options),
         seed=seed,
+        gravity_mps2=_gravity_of(one),
     )
     backend = open_simulator(simulator.backend, robot, 1, simulator.options, len(pipe.segments))
     stage = TaskStage(task_of(task).batch(robot, backend, 1, lambda _: one), controller)
     return record(stage, backend, header, one.q[0], simulator.watch)
+
+
+def _gravity_of(episode: ReachEpisodes | TraverseEpisodes) -> tuple[float, float]:
+    """Gravity's part in the plane of an episode's pipe [m/s^2]."""
+    if isinstance(episode, ReachEpisodes):
+        return LEVEL
+    x, y = episode.gravity[0].tolist()
+    return x, y
 
 
 def record_locate(
@@ -173,6 +186,7 @@ def record_locate(
         controller=f"locate:{variant}",
         options=dict(simulator.options),
         seed=seed,
+        gravity_mps2=LEVEL,
     )
     backend = open_simulator(simulator.backend, seeing, 1, simulator.options, len(pipe.segments))
     stage = LocateStage(seeing, LOCATORS[variant](seeing, LocateConfig(), 1), task, backend, lambda _: one)
@@ -198,7 +212,7 @@ def record_locate(
 
 def record_rear(plan: Trajectory, simulator: RecordingSettings) -> Trajectory:
     """Record a rear passage: the plan's motion under the position controllers of a simulator."""
-    changes = {"backend": simulator.backend, "options": dict(simulator.options)}
+    changes = {"backend": simulator.backend, "options": dict(simulator.options), "gravity_mps2": LEVEL}
     backend = open_simulator(simulator.backend, plan.robot, 1, simulator.options, len(plan.header.pipe.segments))
     stage = RearStage(plan.robot, backend, 1, lambda _: [plan.motion])
     return record(stage, backend, plan.header.model_copy(update=changes), plan.q[0], simulator.watch)

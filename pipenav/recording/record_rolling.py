@@ -41,6 +41,7 @@ class SpaceRecording:
         doing: what drives the robot in each row, a `Mode` in words.
         options: settings of the backend.
         seed: seed of the episode; None where it is not known.
+        gravity: gravity along -z [m/s^2]; None where it is not known.
     """
 
     route: PipeRoute
@@ -54,6 +55,7 @@ class SpaceRecording:
     doing: tuple[str, ...]
     options: Mapping[str, Any] = field(default_factory=dict)
     seed: int | None = None
+    gravity: float | None = None
 
     @property
     def time(self) -> Floats:
@@ -79,7 +81,8 @@ def record_in_space(
     check_in_space(robot, simulator.backend)
     assert isinstance(task, TraverseConfig)  # no other task takes such routes
     one = random_start(robot, task, [route], episode + 1, seed)(episode)
-    world = open_space(simulator.backend, robot, 1, simulator.options, gravity_of(task))
+    weight = gravity_of(task)
+    world = open_space(simulator.backend, robot, 1, simulator.options, weight)
     batch = RollingBatch(robot, task, world, 1, lambda _: one)
     look, outcome = simulator.watch or (lambda _, __: None), Outcome.RUNNING
     with closing(TaskStage(batch, controller)) as stage:
@@ -98,5 +101,6 @@ def record_in_space(
             look(world, Sight(f"{line}, {doing[-1]}"))
     long = batch.pipes[0]
     arrays = np.array(points), np.array(normals), np.array(force)
-    settings = simulator.options, seed
+    given = simulator.options.get("gravity")  # a backend's own setting may override the task's
+    settings = simulator.options, seed, weight if given is None else float(given)
     return SpaceRecording(long, robot, name, simulator.backend, outcome.label, *arrays, tuple(doing), *settings)
