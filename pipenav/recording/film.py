@@ -15,7 +15,7 @@ from pipenav.errors import PipenavError
 from pipenav.motions.trajectory import Trajectory
 from pipenav.recording.caption import Caption, caption_of, details_of, draw_caption, draw_scale
 from pipenav.recording.film_files import Frames, check_suffix, write_frames
-from pipenav.recording.overview import badge, close_box, draw_overview, has_overview, overview_box
+from pipenav.recording.overview import close_box, draw_overview, has_overview, number_panel, overview_box
 from pipenav.recording.view_box import MARGIN, ViewBox
 from pipenav.robots import kinematics, laser
 from pipenav.robots.outline import link_outlines
@@ -161,9 +161,7 @@ def _strip(trajectories: Sequence[Trajectory], report_progress: Progress) -> byt
             box = layout.box if whole is None else close_box(motion, int(row))
             _frame(axes, motion, int(row), box, size=8.5)
             if whole is not None:
-                axes.text(
-                    0.03, 0.97, f"{number}", transform=axes.transAxes, fontsize=8, va="top", bbox=badge(), zorder=10
-                )
+                number_panel(axes, number)
             report_progress(drawn := drawn + 1, total)
     _legend(grids[-1], trajectories)
     picture = io.BytesIO()

@@ -21,7 +21,7 @@ from pipenav.pipes.pipe_system import system_of
 from pipenav.recording.caption import Caption, caption_of, details_of, draw_caption, draw_scale
 from pipenav.recording.film import DPI, FAILED, SUCCEEDED
 from pipenav.recording.film_files import Frames, write_frames
-from pipenav.recording.overview import badge, labels_around
+from pipenav.recording.overview import badge, labels_around, number_panel
 from pipenav.recording.record_rolling import SpaceRecording
 from pipenav.robots.robot import RobotSpec
 from pipenav.storage.atomic_files import atomic_write
@@ -139,7 +139,7 @@ def _strip(recording: SpaceRecording, pipe: CutOpen, report_progress: Progress) 
     for number, row in enumerate(rows):
         axes = figure.add_subplot(grid[1 + number // COLUMNS, number % COLUMNS])
         _close_up(axes, recording, pipe, int(row))
-        axes.text(0.03, 0.97, f"{number + 1}", transform=axes.transAxes, fontsize=8, va="top", bbox=badge(), zorder=10)
+        number_panel(axes, number + 1)
         report_progress(number + 1, len(rows))
     return figure
 
@@ -176,8 +176,9 @@ def _overview(axes: Axes, recording: SpaceRecording, pipe: CutOpen, row: int, ma
     for number, at in enumerate(marked, 1):
         _robot(axes, recording, view, int(at))
         beside = labels.best("00", around(middle[at], off, np.array([0.0, 1.0]), 16)).at
+        x, y = beside
         axes.plot(*np.stack([middle[at], beside]).T, color=INK, linewidth=0.5, zorder=6)
-        axes.text(*beside, f"{number}", fontsize=8, ha="center", va="center", zorder=8, bbox=badge())
+        axes.text(x, y, f"{number}", fontsize=8, ha="center", va="center", zorder=8, bbox=badge())
         drawn = np.concatenate([drawn, beside[None]])
     if not len(marked):
         _robot(axes, recording, view, row)
