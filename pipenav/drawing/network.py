@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -110,9 +110,8 @@ class _NetworkSketch(DimensionedDrawing):
             ]
             nodes = (self.network.nodes[name].position for name in (pipe.start, pipe.end))
             length = m_to_mm(math.dist(*nodes))
-            left_out += not self._write(
-                f"⌀ {number(m_to_mm(pipe.diameter))}, {number(round(length))}", places, DIMENSION
-            )
+            text = f"⌀ {number(m_to_mm(pipe.diameter))}, {number(round(length))}"
+            left_out += not self._write(text, places, DIMENSION)
         return left_out
 
     def _write(self, text: str, places: list[Place], colour: str) -> bool:
@@ -123,7 +122,7 @@ class _NetworkSketch(DimensionedDrawing):
             return False
         self.labels.take(text, place)
         self.drawn.append(points)
-        style = {"ha": place.ha, "va": place.va, "rotation": place.tilt, "fontsize": 9.5}
+        style: dict[str, Any] = {"ha": place.ha, "va": place.va, "rotation": place.tilt, "fontsize": 9.5}
         x, y = place.at
         self.axes.text(x, y, text, color=colour, rotation_mode="anchor", zorder=7, **style)
         return True

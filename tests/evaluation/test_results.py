@@ -22,7 +22,7 @@ PIPE_KEYS = {
     "diameter_mm",
     "angle_deg",
     "turn",
-    "bend_radius_mm",
+    "bend_radius_mm", "fitting",
     "route",
     "episodes",
     "located",
