@@ -59,7 +59,9 @@ def map_figure(evaluation: Evaluation) -> Figure:
             axes.set_xlabel(ROUTE_AXIS if panel.numbers else _corner_axis(panel.columns), color=INK)
     bar = figure.colorbar(image, ax=list(grid), label="success [%]", fraction=0.05, pad=0.015, aspect=12 * len(panels))
     bar.outline.set_visible(False)
-    title = "Success by diameter and corner angle" if corners else "Success by diameter and route"
+    tees = any(record.fitting for record in evaluation.pipes)
+    kinds = "angle of corner or branch" if tees else "corner angle"
+    title = f"Success by diameter and {kinds}" if corners else "Success by diameter and route"
     note = "percent of the episodes; empty: not run"
     heading(grid[0], title, f"{headline(evaluation)}\n{circumstances(evaluation)}\n{note}")
     return figure

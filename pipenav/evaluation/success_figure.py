@@ -27,8 +27,11 @@ TEE_AXIS = "interior angle of corner or branch [deg] (smaller is sharper)"
 KIND_MARKS = dict(zip(KINDS, ("o", "s", "^", "v", "P", "<", ">"), strict=True))
 """Mark of each kind of fitting."""
 
-APART_DEG = 1.2
-"""Distance between the marks of two kinds at one angle [deg]."""
+APART = 0.025
+"""Distance between the marks of two kinds at one angle, as a share of all angles, so that none hides another."""
+
+LEGEND_IN = 0.34
+"""Height of the legend of marks [in]."""
 
 COLUMNS = 3
 PANEL_IN = (3.5, 2.5)
@@ -75,13 +78,14 @@ def _corners_figure(evaluation: Evaluation, lines: dict[float, dict[str, dict[fl
     panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).flat
     cells = [cell for kinds in lines.values() for line in kinds.values() for cell in line.values()]
     lowest = min(100 * wilson(*cell).low for cell in cells)
+    angles = sorted({angle for kinds in lines.values() for line in kinds.values() for angle in line})
+    apart = APART * (angles[-1] - angles[0])
     for axes, (diameter, kinds) in zip(panels, lines.items(), strict=False):
         plain(axes)
         _panel_title(axes, f"{diameter:g} mm", total(cell for line in kinds.values() for cell in line.values()))
-        shifts = _shifts(kinds)
+        shifts = _shifts(kinds, apart)
         for kind, line in kinds.items():
             _draw_cells(axes, [angle + shifts[kind] for angle in line], list(line.values()), kind)
-    angles = sorted({angle for kinds in lines.values() for line in kinds.values() for angle in line})
     first = figure.axes[0]
     margin = 0.04 * (angles[-1] - angles[0]) or 5.0
     for axes in figure.axes:
@@ -95,16 +99,17 @@ def _corners_figure(evaluation: Evaluation, lines: dict[float, dict[str, dict[fl
         axes.set_ylabel("" if number % columns else SUCCESS_LABEL, color=INK)
     used = [kind for kind in KINDS if any(kind in kinds for kinds in lines.values())]
     figure.supxlabel(CORNER_AXIS if used == [""] else TEE_AXIS, fontsize=10, color=INK)
+    title = "Success over the corner angle" if used == [""] else "Success over the angle of corner or branch"
+    _heading(figure, title, evaluation, note)
     if used != [""]:
         _kinds_legend(figure, used)
-    _heading(figure, "Success over the corner angle", evaluation, note)
     return figure
 
 
-def _shifts(kinds: Iterable[str]) -> dict[str, float]:
-    """Distances of the kinds' marks from their angle, so that none hides another, by kind [deg]."""
+def _shifts(kinds: Iterable[str], apart: float) -> dict[str, float]:
+    """Distances of the kinds' marks from their angle, `apart` from each other, by kind [deg]."""
     known = list(kinds)
-    return {kind: APART_DEG * (i - (len(known) - 1) / 2) for i, kind in enumerate(known)}
+    return {kind: apart * (i - (len(known) - 1) / 2) for i, kind in enumerate(known)}
 
 
 def _kinds_legend(figure: Figure, kinds: Sequence[str]) -> None:
@@ -114,7 +119,13 @@ def _kinds_legend(figure: Figure, kinds: Sequence[str]) -> None:
     handles = [
         Line2D([], [], color=MAIN, marker=KIND_MARKS[kind], label=_kind_words(kind), linestyle="") for kind in kinds
     ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=9, frameon=False, labelcolor=INK)
+    height = figure.get_figheight()
+    figure.set_figheight(height + LEGEND_IN)
+    share = LEGEND_IN / (height + LEGEND_IN)
+    engine: Any = figure.get_layout_engine()
+    left, bottom, width, tall = engine.get()["rect"]
+    engine.set(rect=(left, bottom + share, width, tall * (1 - share)))
+    figure.legend(handles=handles, loc="lower center", ncols=4, fontsize=9, frameon=False, labelcolor=INK)
 
 
 def _kind_words(kind: str) -> str:
