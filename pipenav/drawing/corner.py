@@ -73,7 +73,10 @@ def draw_walls(axes: Axes, pipe: Pipe) -> None:
 
 def free_outline(pipe: Pipe) -> Floats:
     """Outline of a planar pipe's free space, open ends closed by straight lines, (k, 2) [m]."""
-    return pipe.segments.reshape(-1, 2)
+    segments = pipe.segments
+    if not np.array_equal(segments[0, 1], segments[1, 0]):  # those of a right turn are told from the last one on
+        segments = segments[::-1]
+    return segments.reshape(-1, 2)
 
 
 class _Sketch(DimensionedDrawing):

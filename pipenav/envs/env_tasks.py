@@ -72,7 +72,7 @@ def _corner_scene(batch: ReachBatch, episodes: ReachEpisodes, i: int) -> Scene:
     turn_sign, base = float(episodes.turn_sign[0]), float(episodes.base[0])
     ranges = batch.snapshot.ranges[i, :: int(turn_sign)]  # the canonical frame mirrors right turns
     target = frames.canonical_to_pipe(episodes.target[0], turn_sign, base)
-    return Scene(episodes.pipes[0], batch.robot, base, batch.q[i], ranges, target, gravity=np.zeros(2))
+    return Scene(episodes.pipes[0], batch.robot, base, batch.q[i], ranges, target)
 
 
 def _traverse_scene(batch: TraverseBatch, episodes: TraverseEpisodes, i: int) -> Scene:

@@ -30,8 +30,8 @@ KIND_MARKS = dict(zip(KINDS, ("o", "s", "^", "v", "P", "<", ">"), strict=True))
 APART = 0.025
 """Distance between the marks of two kinds at one angle, as a share of all angles, so that none hides another."""
 
-LEGEND_IN = 0.34
-"""Height of the legend of marks [in]."""
+LEGEND_IN = 0.62
+"""Height of the axis's name with the legend of marks below it [in]."""
 
 COLUMNS = 3
 PANEL_IN = (3.5, 2.5)
@@ -87,7 +87,8 @@ def _corners_figure(evaluation: Evaluation, lines: dict[float, dict[str, dict[fl
         for kind, line in kinds.items():
             _draw_cells(axes, [angle + shifts[kind] for angle in line], list(line.values()), kind)
     first = figure.axes[0]
-    margin = 0.04 * (angles[-1] - angles[0]) or 5.0
+    most = max(len(kinds) for kinds in lines.values())
+    margin = 0.04 * (angles[-1] - angles[0]) + apart * (most - 1) / 2 or 5.0
     for axes in figure.axes:
         widen(axes, lowest)
     first.set(ylim=limits(lowest), xlim=(angles[0] - margin, angles[-1] + margin))
@@ -98,7 +99,7 @@ def _corners_figure(evaluation: Evaluation, lines: dict[float, dict[str, dict[fl
         axes.tick_params(labelbottom=number + columns >= len(lines))
         axes.set_ylabel("" if number % columns else SUCCESS_LABEL, color=INK)
     used = [kind for kind in KINDS if any(kind in kinds for kinds in lines.values())]
-    figure.supxlabel(CORNER_AXIS if used == [""] else TEE_AXIS, fontsize=10, color=INK)
+    figure.supxlabel(CORNER_AXIS, fontsize=10, color=INK)
     title = "Success over the corner angle" if used == [""] else "Success over the angle of corner or branch"
     _heading(figure, title, evaluation, note)
     if used != [""]:
@@ -125,6 +126,7 @@ def _kinds_legend(figure: Figure, kinds: Sequence[str]) -> None:
     engine: Any = figure.get_layout_engine()
     left, bottom, width, tall = engine.get()["rect"]
     engine.set(rect=(left, bottom + share, width, tall * (1 - share)))
+    figure.supxlabel(TEE_AXIS, y=share / 2, fontsize=10, color=INK)
     figure.legend(handles=handles, loc="lower center", ncols=4, fontsize=9, frameon=False, labelcolor=INK)
 
 

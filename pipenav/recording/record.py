@@ -76,6 +76,21 @@ class Tracking(NamedTuple):
     slide: float
 
 
+class Weight(NamedTuple):
+    """What a window says about weight: words, and the unit vector downwards in the pipe's frame, (x, y, z), if any."""
+
+    words: str
+    down: tuple[float, float, float] | None
+
+    @classmethod
+    def of(cls, gravity: tuple[float, float, float] | None) -> Weight:
+        """What is said of gravity in the pipe's frame (x, y, z) [m/s^2]; None is not known."""
+        if gravity is None or not any(gravity):
+            return cls("" if gravity is None else "level: nothing weighs", None)
+        x, y, z = (np.array(gravity) / np.linalg.norm(gravity)).tolist()
+        return cls("violet arrow: down", (x, y, z))
+
+
 def record(
     stage: Stage, backend: Simulator, header: TrajectoryHeader, start: Floats, watch: Onlooker | None
 ) -> Trajectory:
@@ -89,17 +104,19 @@ def record(
         watch: see `Onlooker`.
     """
     look = watch or (lambda _, __: None)
-    label, target = header.pipe.label, header.goal_m
+    weight = Weight.of(header.gravity_mps2 and (*header.gravity_mps2, 0.0))
+    label, target = ", ".join(part for part in (header.pipe.label, weight.words) if part), header.goal_m
     q, force, links = [start], [0.0], [np.zeros((len(stage.robot.links), 2))]
     outcome = Outcome.RUNNING
     with closing(stage):
         stage.start(np.arange(1))
-        look(backend, Sight(live_text(label, 0.0), target))
+        look(backend, Sight(live_text(label, 0.0), target, weight.down))
         while outcome is Outcome.RUNNING:
             step = stage.step()
             outcome = Outcome(step.outcome[0])
             seconds = CONTROL_PERIOD * len(q)
-            look(backend, Sight(live_text(label, seconds, float(step.truth.contact_force[0]), outcome), target))
+            text = live_text(label, seconds, float(step.truth.contact_force[0]), outcome)
+            look(backend, Sight(text, target, weight.down))
             q.append(step.q[0])
             force.append(float(step.truth.contact_force[0]))
             links.append(step.truth.link_forces[0])

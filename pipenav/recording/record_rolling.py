@@ -18,7 +18,7 @@ from pipenav.evaluation.rolling_stage import check_in_space, gravity_of
 from pipenav.evaluation.stage import TaskStage
 from pipenav.pipes.route import PipeRoute
 from pipenav.policies.controller import AnyController
-from pipenav.recording.record import RecordingSettings, live_text
+from pipenav.recording.record import RecordingSettings, Weight, live_text
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.rolling.batch import RollingBatch
@@ -81,15 +81,18 @@ def record_in_space(
     check_in_space(robot, simulator.backend)
     assert isinstance(task, TraverseConfig)  # no other task takes such routes
     one = random_start(robot, task, [route], episode + 1, seed)(episode)
-    weight = gravity_of(task)
+    given = simulator.options.get("gravity")  # a backend's own setting may override the task's
+    weight = gravity_of(task) if given is None else float(given)
     world = open_space(simulator.backend, robot, 1, simulator.options, weight)
+    said = Weight.of((0.0, 0.0, -weight))
+    label = f"{route.label}, {said.words}"
     batch = RollingBatch(robot, task, world, 1, lambda _: one)
     look, outcome = simulator.watch or (lambda _, __: None), Outcome.RUNNING
     with closing(TaskStage(batch, controller)) as stage:
         stage.start(np.arange(1))
         truth = batch.truth()
         points, normals, force, doing = [truth.points[0]], [truth.normals[0]], [0.0], [batch.doing[0]]
-        look(world, Sight(f"{live_text(route.label, 0.0)}, {doing[0]}"))
+        look(world, Sight(f"{live_text(label, 0.0)}, {doing[0]}", down=said.down))
         while outcome is Outcome.RUNNING:
             outcome = Outcome(stage.step().outcome[0])
             truth = batch.truth()
@@ -97,10 +100,9 @@ def record_in_space(
             normals.append(truth.normals[0])
             force.append(float(truth.contact_force[0]))
             doing.append(batch.doing[0])
-            line = live_text(route.label, CONTROL_PERIOD * (len(points) - 1), force[-1], outcome)
-            look(world, Sight(f"{line}, {doing[-1]}"))
+            line = live_text(label, CONTROL_PERIOD * (len(points) - 1), force[-1], outcome)
+            look(world, Sight(f"{line}, {doing[-1]}", down=said.down))
     long = batch.pipes[0]
     arrays = np.array(points), np.array(normals), np.array(force)
-    given = simulator.options.get("gravity")  # a backend's own setting may override the task's
-    settings = simulator.options, seed, weight if given is None else float(given)
+    settings = simulator.options, seed, weight
     return SpaceRecording(long, robot, name, simulator.backend, outcome.label, *arrays, tuple(doing), *settings)
