@@ -74,7 +74,8 @@ def draw_walls(axes: Axes, pipe: Pipe) -> None:
 def free_outline(pipe: Pipe) -> Floats:
     """Outline of a planar pipe's free space, open ends closed by straight lines, (k, 2) [m]."""
     segments = pipe.segments
-    if not np.array_equal(segments[0, 1], segments[1, 0]):  # those of a right turn are told from the last one on
+    joined = (segments[:-1, 1] == segments[1:, 0]).all(axis=1)
+    if not joined.any():  # those of a corner to the right are told from the last one on
         segments = segments[::-1]
     return segments.reshape(-1, 2)
 
