@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from helpers.evaluations import GRID, MIXED, RUNS, evaluation, record, shown
+from helpers.evaluations import GRID, MIXED, RUNS, TEES, evaluation, record, shown
 
 from pipenav.evaluation.cells import by_angle, by_fitting
 from pipenav.evaluation.map_figure import MOST_COLUMNS, map_figure
@@ -41,3 +41,12 @@ def test_bends_of_different_radii_have_columns_of_their_own() -> None:
     panel = map_figure(evaluation(bends)).axes[0]
     assert [label.get_text() for label in panel.get_xticklabels()] == ["90", "90\n1 D", "90\n1.5 D"]
     assert panel.get_xlabel().endswith("bend radius")
+
+
+def test_ways_through_tees_have_columns_of_their_own() -> None:
+    panel = map_figure(TEES).axes[0]
+    ways = [f"{angle}\ntee\n{way}" for way in ("straight", "into", "out") for angle in (45, 90)]
+    assert [label.get_text() for label in panel.get_xticklabels()] == ["90", *ways]
+    assert panel.get_xlabel().endswith("of a tee its branch's angle and the robot's way")
+    assert panel.images[0].get_array().count() == 7
+    assert "tee 90" in shown(TEES) and "into left" in shown(TEES)

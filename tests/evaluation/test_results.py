@@ -194,3 +194,16 @@ def test_the_thesis_is_quoted_for_its_own_angles_only() -> None:
 def test_a_diameter_without_attempts_has_no_rate() -> None:
     row = DiameterRecord.of([pipe(located=0, reach_attempts=0, reach_successes=0)])
     assert (row.reach_success, row.located_share) == (None, 0.0)
+
+
+@pytest.mark.parametrize("text", ["tee 90", "tee ninety into", "elbow 90 into", "tee 90 sideways"])
+def test_a_fitting_that_is_none_is_refused(text: str) -> None:
+    with pytest.raises(ValidationError):
+        pipe(fitting=text)
+
+
+def test_tees_are_not_compared_with_the_thesis() -> None:
+    tees = [pipe(90, angle, fitting=f"tee {angle} into") for angle in ANGLES_DEG]
+    plain = [pipe(90, angle) for angle in ANGLES_DEG]
+    assert DiameterRecord.of(plain, 80.0).thesis_percent == 80.0
+    assert DiameterRecord.of(tees, 80.0).thesis_percent is None

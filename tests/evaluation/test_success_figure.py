@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from helpers.evaluations import GRID, MIXED, RUNS, evaluation, record
+from helpers.evaluations import GRID, MIXED, RUNS, TEES, evaluation, record
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from pipenav.evaluation.success_figure import MOST_ROUTES, success_figure
@@ -46,3 +46,16 @@ def test_of_many_routes_the_worst_are_shown() -> None:
     rows = [text.get_text().split()[-1] for axes in figure.axes for text in axes.get_yticklabels()]
     assert len(rows) == MOST_ROUTES
     assert str(MOST_ROUTES + 1) in rows
+
+
+def test_ways_through_tees_have_marks_of_their_own() -> None:
+    figure = success_figure(TEES)
+    FigureCanvasAgg(figure).draw()
+    words = [text.get_text() for text in figure.legends[0].texts]
+    assert words == ["corner", "tee, straight on past the branch", "tee, into the branch", "tee, out of the branch"]
+    lines = [line for line in figure.axes[0].lines if len(line.get_xdata()) == 2 and line.get_alpha()]
+    assert sorted(list(line.get_ydata()) for line in lines) == [[10.0, 10.0], [30.0, 30.0], [50.0, 50.0]]
+    legend, axis = figure.legends[0].get_window_extent(), figure._supxlabel.get_window_extent()
+    assert legend.y1 <= axis.y0 + 2 and axis.y1 <= figure.axes[0].get_tightbbox().y0
+    places = [x for line in figure.axes[0].lines for x in line.get_xdata() if 85 < x < 95]
+    assert len({round(x, 3) for x in places}) == 4  # four kinds at 90 deg

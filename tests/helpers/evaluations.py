@@ -75,7 +75,18 @@ RUNS = evaluation(
 MIXED = evaluation([record(90, 60), *RUNS.pipes])
 
 
+TEES = evaluation(
+    [
+        record(100, 180 if way == "straight" else angle, successes=2 * i + 1, fitting=f"tee {angle} {way}")
+        for angle in (45, 90)
+        for i, way in enumerate(("straight", "into", "out"))
+    ]
+    + [record(100, 90, successes=10)]
+)
+
+
 CASES = {
+    "tees": TEES,
     "grid": GRID,
     "bare": BARE,
     "whole": WHOLE,

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.offsetbox import AnchoredOffsetbox
 
+from pipenav.drawing.down import LEVEL
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_sets import parse_routes
 from pipenav.recording.caption import caption_of, details_of, draw_caption, draw_scale
@@ -50,3 +53,24 @@ def test_a_scale_is_as_long_as_it_says(width: float, said: str) -> None:
     draw_scale(axes, 10.0, 0.0, width, 8)
     left, right = axes.lines[0].get_xdata()
     assert f"{right - left:g} mm" == axes.texts[0].get_text().strip() == said
+
+
+@pytest.mark.parametrize("width", [8.0, 13.6])
+def test_a_caption_with_a_sign_keeps_its_lines_beside_it(width: float, route: PipeRoute) -> None:
+    caption = caption_of(
+        f"{route.label}: whole robot", "some policy · pirate robot", width, np.array([0.0, -9.81, 0.0])
+    )
+    figure = Figure((width, caption.height))
+    canvas = FigureCanvasAgg(figure)
+    draw_caption(figure, caption, width, caption.height)
+    canvas.draw()
+    (sign,) = figure.findobj(AnchoredOffsetbox)
+    box = sign.get_window_extent()
+    assert not any(text.get_window_extent().overlaps(box) for text in figure.texts)
+    assert box.y0 > 0 and box.x1 <= figure.bbox.x1
+
+
+def test_a_caption_says_where_nothing_weighs() -> None:
+    level = caption_of("a pipe", "a policy", 8.0, np.zeros(3))
+    assert level.down is None and level.details == [f"a policy · {LEVEL}"]
+    assert caption_of("a pipe", "a policy", 8.0) == (["a pipe"], ["a policy"], None)
