@@ -28,6 +28,8 @@ WIDTH_IN = 8.6
 TALLEST_IN = 10.0
 DPI = 160
 
+UNBROKEN = "\N{NO-BREAK SPACE}"
+
 TITLE_LETTERS = 62
 """Most letters in a line of a title."""
 
@@ -111,7 +113,10 @@ def frame_axes(axes: Axes, low: Floats, high: Floats) -> float:
 
 def write_title(axes: Axes, title: str, facts: str) -> None:
     """Write a title above the axes, in lines that fit above a narrow drawing, and a line of facts between the two."""
-    title = "\n".join(textwrap.wrap(title, TITLE_LETTERS, break_on_hyphens=False))
+    name, colon, kinds = title.partition(": ")
+    unbroken = ", ".join(part.replace(" ", UNBROKEN) for part in kinds.split(", "))
+    lines = textwrap.wrap(name + colon + unbroken, TITLE_LETTERS, break_on_hyphens=False)
+    title = "\n".join(lines).replace(UNBROKEN, " ")
     axes.set_title(title, loc="left", fontsize=14, fontweight="bold", color=INK, pad=26)
     axes.annotate(facts, (0, 1), (0, 9), xycoords="axes fraction", textcoords="offset points", fontsize=9.5, color=INK)
 

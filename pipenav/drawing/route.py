@@ -13,6 +13,7 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.drawing.corner import draw_walls
+from pipenav.drawing.cut_open import cut_open_height, draw_route_open
 from pipenav.drawing.dimensions import (
     CENTRE,
     EDGE,
@@ -25,7 +26,7 @@ from pipenav.drawing.dimensions import (
     write_title,
 )
 from pipenav.drawing.down import down_sign
-from pipenav.drawing.projection import CutOpen, View, draw_tube
+from pipenav.drawing.projection import View, draw_tube
 from pipenav.drawing.route_sketch import RouteSketch
 from pipenav.drawing.schedule import draw_schedule
 from pipenav.drawing.words import counts_of
@@ -47,8 +48,6 @@ STRAIGHT = 1e-6
 OPEN_SHARE = 0.7
 """Size of the picture that is cut open, as a share of the one with dimensions."""
 
-CUT_OPEN = "The same, cut open towards the viewer"
-
 
 def draw_route(route: PipeRoute, name: str, path: Path) -> None:
     """Draw a route into a PNG file, under a name."""
@@ -66,11 +65,12 @@ def route_figure(route: PipeRoute, name: str) -> Figure:
     shrink = min(1.0, TALLEST_IN / tall)
     heights = [tall * shrink]
     if not route.planar:
-        _cut_open(route, others[0])
-        heights.append(OPEN_SHARE * tall * shrink + 0.3)
+        heights.append(cut_open_height(route, OPEN_SHARE * tall * shrink))
     if others:
         heights.append(draw_schedule(route, others[-1]))
         first.get_gridspec().set_height_ratios(heights)
+    if not route.planar:
+        draw_route_open(route, others[0])
     width = WIDTH_IN if others else max(WIDTH_IN * shrink, 6.5)
     figure.set_size_inches(width + 0.6, sum(heights) + (1.0 if others else 1.4))
     bores = "-".join(number(m_to_mm(2 * radius)) for radius in dict.fromkeys(route.legs.radius.tolist()))
@@ -141,14 +141,3 @@ def _in_space(route: PipeRoute, axes: Axes) -> float:
     axes.set_axis_off()
     axes.add_artist(down_sign(view.down, axes.transAxes, (1.0, 1.0)))
     return tall
-
-
-def _cut_open(route: PipeRoute, axes: Axes) -> None:
-    """Draw the route cut open towards the viewer."""
-    system = system_of(route)
-    points = CutOpen.of(system, View.of(system)).draw(axes)
-    margin = 0.03 * np.ptp(points, axis=0).max()
-    (left, bottom), (right, top) = points.min(axis=0) - margin, points.max(axis=0) + margin
-    axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
-    axes.set_axis_off()
-    axes.set_title(CUT_OPEN, loc="left", fontsize=10, color=INK)

@@ -13,8 +13,9 @@ from matplotlib.path import Path as Outline
 from matplotlib.text import Annotation
 
 from pipenav.drawing.corner import draw_walls, free_outline
+from pipenav.drawing.cut_open import TITLE as CUT_OPEN
 from pipenav.drawing.down import WORD
-from pipenav.drawing.route import CUT_OPEN, route_figure
+from pipenav.drawing.route import route_figure
 from pipenav.drawing.words import counts_of, words_of
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.pipe import Pipe
@@ -104,6 +105,15 @@ def test_a_picture_in_space_shows_the_pipe_cut_open_and_which_way_is_down() -> N
     assert WORD in texts(figure)
     planar = route_figure(PLANE, "mine")
     assert CUT_OPEN not in texts(planar) and WORD not in texts(planar)
+
+
+def test_a_long_route_in_space_is_cut_open_corner_by_corner() -> None:
+    corners = [(90, "left", 0, 150), (75, "right", 90), (110, "left", 180)]
+    figure = route_figure(PipeRoute.of(100, corners, [2500, 2200, 2300, 2400]), "mine")
+    numbered = [axes for axes in figure.axes if [text.get_text() for text in axes.texts] in (["1"], ["2"], ["3"])]
+    assert len(numbered) == 3
+    assert all(axes.collections[0].get_paths() for axes in numbered)
+    assert f"{CUT_OPEN}, corner by corner" in texts(figure)
 
 
 def test_dials_mark_the_sides_of_branches() -> None:
