@@ -82,6 +82,11 @@ class PipeNetwork(Table):
         check_apart(self)
         return self
 
+    @property
+    def length(self) -> float:
+        """Length of all pipes, from node to node [m]."""
+        return sum(self._length(pipe.start, pipe.end) for pipe in self.pipes)
+
     def pipes_at(self, node: str) -> list[NetworkPipe]:
         """The pipes that meet in a node."""
         return [pipe for pipe in self.pipes if node in (pipe.start, pipe.end)]

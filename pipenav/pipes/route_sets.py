@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from pipenav.errors import ConfigError, PipenavError, UnknownName, shown
 from pipenav.pipes.corner_sets import corner_set_names, parse_corners
+from pipenav.pipes.network_file import read_network_routes
 from pipenav.pipes.pipe import Pipe
 from pipenav.pipes.reducer import ReducerSetFile
 from pipenav.pipes.route import PipeRoute, as_route
@@ -154,6 +155,8 @@ def _parse_one(text: str) -> Sequence[Pipe]:
         table = read_toml(Path(text))
         if "s_bend" in table or "reducers_mm" in table:
             return _read_set(Path(text))
+        if "nodes" in table:
+            return list(read_network_routes(Path(text)).values())
         if "corners" in table:
             return _read_set(Path(text)) if "runs" in table else [read_route(Path(text))]
     elif "=" not in text and text not in corner_set_names():
