@@ -38,11 +38,6 @@ class SpaceReading(NamedTuple):
     down: Floats
     turned: Floats
 
-    def row(self, i: int) -> SpaceReading:
-        """Reading of one robot: its arrays without their first axis."""
-        body = Reading(**{name: column[i] for name, column in self.body.measured().items()})
-        return SpaceReading(body, self.roll[i], self.down[i], self.turned[i])
-
 
 class SpaceTruth(NamedTuple):
     """State that only a simulator knows, as `Truth` in the plane; rewards and outcomes may use it, policies never.

@@ -97,6 +97,7 @@ def record_in_space(
             line = live_text(route.label, CONTROL_PERIOD * (len(points) - 1), force[-1], outcome)
             look(world, Sight(f"{line}, {doing[-1]}"))
     long = batch.pipes[0]
+    assert long is not None
     arrays = np.array(points), np.array(normals), np.array(force)
     settings = simulator.options, seed
     return SpaceRecording(long, robot, name, simulator.backend, outcome.label, *arrays, tuple(doing), *settings)

@@ -17,7 +17,7 @@ from pipenav.tasks.batch import StepResult, TaskBatch
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.rolling.clamp import check_robot
 from pipenav.tasks.rolling.manoeuvre import FRONT
-from pipenav.tasks.rolling.pilot import Mode, Pilot
+from pipenav.tasks.rolling.pilot import Pilot
 from pipenav.tasks.task import EpisodeSource
 from pipenav.tasks.traverse import observation
 from pipenav.tasks.traverse.batch import ANYWHERE
@@ -48,17 +48,16 @@ class RollingBatch(TaskBatch):
         self.robot, self.config, self.n = robot, config, n
         self._backend, self._source = backend, source
         self._scale = np.concatenate([part.scale for part in observation.layout(robot, config)])
-        self._pilots: dict[int, Pilot] = {}
-        self._routes: dict[int, PipeRoute] = {}
+        self._pilot = Pilot(robot, n)
+        self._routes: list[PipeRoute | None] = [None] * n
         self._lines = CentreLines.of([ANYWHERE] * n, 3)
         self.steps = np.zeros(n, int)
         self._tracker = OutcomeTracker(robot, config, n)
         self._action, self._end, self._limit = np.zeros((n, len(robot.driven_actuators))), np.zeros(n), np.zeros(n, int)
 
     @property
-    def pipes(self) -> list[PipeRoute]:
-        """Route of each robot, once all have one."""
-        return [self._routes[i] for i in range(self.n)]
+    def pipes(self) -> list[PipeRoute | None]:
+        return self._routes
 
     @property
     def q(self) -> Floats:
@@ -68,7 +67,7 @@ class RollingBatch(TaskBatch):
     @property
     def doing(self) -> list[str]:
         """Description of who drives each robot, in words."""
-        return [self._pilots[i].doing for i in range(self.n)]
+        return self._pilot.doing
 
     def truth(self) -> SpaceTruth:
         """Quantities that only the simulator knows, such as where the robots are."""
@@ -81,30 +80,28 @@ class RollingBatch(TaskBatch):
         planes = np.array([route.corners[0].roll for route in routes])
         reading = self._backend.reset(indices, routes, episodes.q, episodes.base, planes)
         self._lines = self._lines.put(indices, CentreLines.of(routes, 3))
-        for i, route, q in zip(indices, routes, reading.body.q, strict=True):
+        q = reading.body.q
+        self._pilot.start(indices, routes, q + self.config.start_press * np.sign(q))
+        for i, route in zip(indices, routes, strict=True):
             self._routes[i] = route
-            self._pilots[i] = Pilot(self.robot, route, q + self.config.start_press * np.sign(q))
             self._end[i] = route.distances[-2] + route.inner_edges[-1]
             self._limit[i] = LIMIT_FACTOR * self.config.max_steps * len(route.corners)
         self.steps[indices], self._action[indices] = 0, 0.0
-        self._tracker.start(indices, self._distances()[indices])
+        self._tracker.start(indices, self._distances(self._backend.truth())[indices])
         return self._observe(self._backend.read())
 
     def step(self, action: Floats) -> StepResult:
-        reading, pilots = self._backend.read(), [self._pilots[i] for i in range(self.n)]
-        held = np.array([pilot.set_points for pilot in pilots])
-        wanted = observation.to_command(self.robot, self.config, action, reading.body.q, held, self._turn_sign).values
-        commands = [pilot.command(reading.row(i), wanted[i]) for i, pilot in enumerate(pilots)]
-        policy_drives = np.array([pilot.mode is Mode.CORNER for pilot in pilots])
-        self._action = np.where(policy_drives[:, None], np.clip(action, -1.0, 1.0), 0.0)
-        set_points, rolls = (np.array(column) for column in zip(*commands, strict=True))
-        self._backend.step(set_points, rolls)
+        reading, pilot = self._backend.read(), self._pilot
+        joints, turn_sign = reading.body.q, pilot.turn_sign
+        wanted = observation.to_command(self.robot, self.config, action, joints, pilot.set_points, turn_sign)
+        self._action = np.where(pilot.policy_drives[:, None], np.clip(action, -1.0, 1.0), 0.0)
+        self._backend.step(*pilot.command(reading, wanted.values))
         self.steps += 1
         reading, truth = self._backend.read(), self._backend.truth()
-        for i, pilot in enumerate(pilots):
-            pilot.sense(reading.row(i))
-        self._tracker.reset_patience(np.array([pilot.mode in (Mode.ROLL, Mode.BACK_OUT) for pilot in pilots]))
-        facts, outcome = self._tracker.step(self.steps, self._limit, self._distances(), self._end, reading.body, truth)
+        pilot.sense(reading)
+        self._tracker.reset_patience(pilot.busy)
+        distances = self._distances(truth)
+        facts, outcome = self._tracker.step(self.steps, self._limit, distances, self._end, reading.body, truth)
         gained, min_range = reward(self.config.reward, facts), reading.body.ranges.min(axis=1)
         cut_off = (outcome != Outcome.RUNNING) & ~facts.passed & ~facts.failed
         return StepResult(self._observe(reading), gained, outcome, min_range, truth, cut_off)
@@ -112,16 +109,12 @@ class RollingBatch(TaskBatch):
     def close(self) -> None:
         self._backend.close()
 
-    @property
-    def _turn_sign(self) -> Floats:
-        return np.array([self._pilots[i].turn_sign for i in range(self.n)])
-
     def _observe(self, reading: SpaceReading) -> Floats:
         alone = np.zeros((self.n, 2))  # the policy takes every corner as if it had no neighbours
         down = None if self.config.inclination_deg is None else reading.down[:, FRONT, :2]
-        seen = observation.observe(self.robot, reading.body, self._action, self._turn_sign, alone, down)
+        seen = observation.observe(self.robot, reading.body, self._action, self._pilot.turn_sign, alone, down)
         return np.asarray(seen / self._scale)
 
-    def _distances(self) -> Floats:
+    def _distances(self, truth: SpaceTruth) -> Floats:
         """Distances of rear ends, joints and tips along the pipe, (n, links + 1) [m]."""
-        return self._lines.distance(self._backend.truth().points)
+        return self._lines.distance(truth.points)
