@@ -14,14 +14,13 @@ from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.simulators import open_space
 from pipenav.backends.viewer import Sight
 from pipenav.evaluation.episode_runner import random_start
-from pipenav.evaluation.rolling_stage import check_in_space, gravity_of
 from pipenav.evaluation.stage import TaskStage
 from pipenav.pipes.route import PipeRoute
 from pipenav.policies.controller import AnyController
 from pipenav.recording.record import RecordingSettings, live_text
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.outcome import Outcome
-from pipenav.tasks.rolling.batch import RollingBatch
+from pipenav.tasks.rolling.batch import RollingBatch, check_in_space, gravity_of
 from pipenav.tasks.traverse.config import TraverseConfig
 
 

@@ -1,19 +1,20 @@
 """The traverse task in space: n robots, each in a route of its own, that roll before corners in other planes.
 
-A policy of the plane takes a robot through each corner. Between corners its `Pilot` drives, and the policy's actions
-are ignored.
+The policy takes a robot through each corner. Between corners its `Pilot` drives, and the policy's actions are ignored.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from pipenav.arrays import Floats, Ints
+from pipenav.arrays import Flags, Floats, Ints
+from pipenav.backends.simulators import load_spatial
 from pipenav.backends.spatial import SpaceBackend, SpaceReading, SpaceTruth
+from pipenav.errors import PipenavError
 from pipenav.pipes.centre_lines import CentreLines
 from pipenav.pipes.route import PipeRoute, as_route
 from pipenav.robots.robot import BASE, RobotSpec
-from pipenav.tasks.batch import StepResult, TaskBatch
+from pipenav.tasks.batch import StepResult, TrainingBatch
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.rolling.clamp import check_robot
 from pipenav.tasks.rolling.manoeuvre import FRONT
@@ -22,14 +23,36 @@ from pipenav.tasks.task import EpisodeSource
 from pipenav.tasks.traverse import observation
 from pipenav.tasks.traverse.batch import ANYWHERE
 from pipenav.tasks.traverse.config import TraverseConfig
-from pipenav.tasks.traverse.episode import TraverseEpisodes
+from pipenav.tasks.traverse.episode import GRAVITY, TraverseEpisodes
 from pipenav.tasks.traverse.outcome import OutcomeTracker, reward
 
 LIMIT_FACTOR = 2
 """Factor on the time limit of the plane: straights are longer, and rolling takes 10 to 20 s."""
 
 
-class RollingBatch(TaskBatch):
+def check_in_space(robot: RobotSpec, backend: str, disturbed_by: str | None = None) -> None:
+    """Refuse what cannot be done in routes that leave the plane.
+
+    Args:
+        robot: the robot.
+        backend: name of a simulator.
+        disturbed_by: option or setting that disturbs the robots, None where none does.
+
+    Raises:
+        PipenavError: a robot that cannot roll, a backend of the plane alone, or a disturbance.
+    """
+    check_robot(robot)
+    load_spatial(backend)
+    if disturbed_by is not None:
+        raise PipenavError(f"{disturbed_by} disturbs robots in a plane: choose routes without rolls, or leave it out.")
+
+
+def gravity_of(task: TraverseConfig) -> float:
+    """Gravity in routes that leave the plane [m/s^2]: none for a policy of a level plane, in which nothing weighs."""
+    return 0.0 if task.inclination_deg is None else GRAVITY
+
+
+class RollingBatch(TrainingBatch):
     """n episodes of the traverse task in space; the first reset must start all of them.
 
     Raises:
@@ -51,7 +74,8 @@ class RollingBatch(TaskBatch):
         self._pilot = Pilot(robot, n)
         self._routes: list[PipeRoute | None] = [None] * n
         self._lines = CentreLines.of([ANYWHERE] * n, 3)
-        self.steps = np.zeros(n, int)
+        self.steps, self._ages = np.zeros(n, int), np.zeros(n, int)
+        self._driven = np.ones(n, bool)
         self._tracker = OutcomeTracker(robot, config, n)
         self._action, self._end, self._limit = np.zeros((n, len(robot.driven_actuators))), np.zeros(n), np.zeros(n, int)
 
@@ -68,6 +92,10 @@ class RollingBatch(TaskBatch):
     def doing(self) -> list[str]:
         """Description of who drives each robot, in words."""
         return self._pilot.doing
+
+    @property
+    def driven(self) -> Flags:
+        return self._driven
 
     def truth(self) -> SpaceTruth:
         """Quantities that only the simulator knows, such as where the robots are."""
@@ -86,15 +114,20 @@ class RollingBatch(TaskBatch):
             self._routes[i] = route
             self._end[i] = route.distances[-2] + route.inner_edges[-1]
             self._limit[i] = LIMIT_FACTOR * self.config.max_steps * len(route.corners)
-        self.steps[indices], self._action[indices] = 0, 0.0
+        self.steps[indices], self._ages[indices] = self._ages[indices], 0
+        self._action[indices] = 0.0
         self._tracker.start(indices, self._distances(self._backend.truth())[indices])
         return self._observe(self._backend.read())
+
+    def stagger(self, rng: np.random.Generator) -> None:
+        self._ages = rng.integers(0, self.config.max_steps // 2, self.n)
 
     def step(self, action: Floats) -> StepResult:
         reading, pilot = self._backend.read(), self._pilot
         joints, turn_sign = reading.body.q, pilot.turn_sign
         wanted = observation.to_command(self.robot, self.config, action, joints, pilot.set_points, turn_sign)
-        self._action = np.where(pilot.policy_drives[:, None], np.clip(action, -1.0, 1.0), 0.0)
+        self._driven = pilot.policy_drives
+        self._action = np.where(self._driven[:, None], np.clip(action, -1.0, 1.0), 0.0)
         self._backend.step(*pilot.command(reading, wanted.values))
         self.steps += 1
         reading, truth = self._backend.read(), self._backend.truth()
