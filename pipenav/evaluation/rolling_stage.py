@@ -11,7 +11,7 @@ from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.rolling.batch import RollingBatch
 from pipenav.tasks.rolling.clamp import check_robot
 from pipenav.tasks.traverse.config import TraverseConfig
-from pipenav.tasks.traverse.episode import GRAVITY, TraverseEpisodes
+from pipenav.tasks.traverse.episode import TraverseEpisodes
 
 
 def check_in_space(robot: RobotSpec, backend: str, disturb: str | None = None) -> None:
@@ -26,16 +26,11 @@ def check_in_space(robot: RobotSpec, backend: str, disturb: str | None = None) -
         raise PipenavError("--disturb disturbs robots in a plane: choose routes without rolls, or leave it out.")
 
 
-def gravity_of(task: TraverseConfig) -> float:
-    """Gravity in routes that leave the plane [m/s^2]: none for a policy of a level plane, in which nothing weighs."""
-    return 0.0 if task.inclination_deg is None else GRAVITY
-
-
 def rolling_stage(
     controller: AnyController, settings: SimulatorSettings, queue: EpisodeQueue[TraverseEpisodes]
 ) -> TaskStage:
     """The controller's task in space, with as many robots as the queue, which is its source."""
     robot, task, n = controller.robot, controller.task, len(queue.running)
     assert isinstance(task, TraverseConfig)  # no other task takes such routes
-    simulator = open_space(settings.backend, robot, n, settings.options, gravity_of(task))
+    simulator = open_space(settings.backend, robot, n, settings.options)
     return TaskStage(RollingBatch(robot, task, simulator, n, lambda indices: joined(queue.take(indices))), controller)

@@ -14,7 +14,7 @@ from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.simulators import open_space
 from pipenav.backends.viewer import Sight
 from pipenav.evaluation.episode_runner import random_start
-from pipenav.evaluation.rolling_stage import check_in_space, gravity_of
+from pipenav.evaluation.rolling_stage import check_in_space
 from pipenav.evaluation.stage import TaskStage
 from pipenav.pipes.route import PipeRoute
 from pipenav.policies.controller import AnyController
@@ -79,7 +79,7 @@ def record_in_space(
     check_in_space(robot, simulator.backend)
     assert isinstance(task, TraverseConfig)  # no other task takes such routes
     one = random_start(robot, task, [route], episode + 1, seed)(episode)
-    world = open_space(simulator.backend, robot, 1, simulator.options, gravity_of(task))
+    world = open_space(simulator.backend, robot, 1, simulator.options)
     batch = RollingBatch(robot, task, world, 1, lambda _: one)
     look, outcome = simulator.watch or (lambda _, __: None), Outcome.RUNNING
     with closing(TaskStage(batch, controller)) as stage:

@@ -22,7 +22,7 @@ from pipenav.tasks.task import EpisodeSource
 from pipenav.tasks.traverse import observation
 from pipenav.tasks.traverse.batch import ANYWHERE
 from pipenav.tasks.traverse.config import TraverseConfig
-from pipenav.tasks.traverse.episode import TraverseEpisodes
+from pipenav.tasks.traverse.episode import GRAVITY, TraverseEpisodes
 from pipenav.tasks.traverse.outcome import OutcomeTracker, reward
 
 LIMIT_FACTOR = 2
@@ -79,6 +79,8 @@ class RollingBatch(TaskBatch):
         episodes = self._source(indices)
         routes = [as_route(pipe) for pipe in episodes.pipes]
         planes = np.array([route.corners[0].roll for route in routes])
+        weight = 0.0 if self.config.inclination_deg is None else GRAVITY  # a policy of a level plane feels none
+        self._backend.incline(indices, np.tile([0.0, 0.0, -weight], (len(indices), 1)))
         reading = self._backend.reset(indices, routes, episodes.q, episodes.base, planes)
         self._lines = self._lines.put(indices, CentreLines.of(routes, 3))
         for i, route, q in zip(indices, routes, reading.body.q, strict=True):

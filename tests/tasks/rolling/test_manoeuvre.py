@@ -28,7 +28,8 @@ def test_a_roll_turns_the_plane_by_what_was_asked_and_the_robot_stays_where_it_i
     q = np.concatenate(
         [[0.0, third * axle_offset(ROBOT, route.radius - 1e-4), 0.0], clamped(route.radius - 1e-4, third)]
     )
-    with closing(open_space("mujoco", ROBOT, 1, {}, gravity)) as backend:
+    with closing(open_space("mujoco", ROBOT, 1, {})) as backend:
+        backend.incline(np.arange(1), np.array([[0.0, 0.0, -gravity]]))
         backend.reset(np.arange(1), [route], q[None], np.array([-1.0]), np.array([start]))
         first, before = backend.read().row(0), backend.truth().points[0, :, 0].mean()
         roll, deepest = Roll(ROBOT, route.radius, turn, first.body.q, first.down), 0.0
