@@ -63,6 +63,17 @@ class SpaceBackend(ABC):
     """n robots of one kind in space, each in a route of its own, stepped together."""
 
     @abstractmethod
+    def incline(self, indices: Ints, gravity: Floats) -> None:
+        """Let gravity act on some robots until they are inclined again; at first nothing weighs.
+
+        It is called right before a reset of the same robots.
+
+        Args:
+            indices: robots whose routes are inclined, sorted and unique, (k,).
+            gravity: gravity in the route's frame, (k, 3) [m/s^2].
+        """
+
+    @abstractmethod
     def reset(self, indices: Ints, routes: Sequence[PipeRoute], q: Floats, base: Floats, plane: Floats) -> SpaceReading:
         """Put some robots at rest into routes, leave the others untouched, and return the k robots' readings.
 

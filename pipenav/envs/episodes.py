@@ -17,7 +17,7 @@ from pipenav.tasks.batch import TrainingBatch
 from pipenav.tasks.layout import ObservationField
 from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.registry import task_of
-from pipenav.tasks.rolling.batch import check_in_space, gravity_of
+from pipenav.tasks.rolling.batch import check_in_space
 from pipenav.tasks.sampling import random_episodes
 from pipenav.tasks.traverse.config import TraverseConfig
 
@@ -76,9 +76,7 @@ class SeededEpisodes:
             slots = max(len(pipe.segments) for pipes in self._sets for pipe in pipes)
             return task.batch(robot, open_simulator(backend, robot, n, options, slots), n, self._draw)
         check_in_space(robot, backend)
-        return task.batch_in_space(
-            robot, open_space(backend, robot, n, options, gravity_of(task.config)), n, self._draw
-        )
+        return task.batch_in_space(robot, open_space(backend, robot, n, options), n, self._draw)
 
     @property
     def layout(self) -> list[ObservationField]:

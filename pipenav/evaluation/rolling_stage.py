@@ -7,7 +7,6 @@ from pipenav.evaluation.episode_runner import EpisodeQueue, joined
 from pipenav.evaluation.stage import TaskStage
 from pipenav.policies.controller import AnyController
 from pipenav.tasks.registry import task_of
-from pipenav.tasks.rolling.batch import gravity_of
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import TraverseEpisodes
 
@@ -18,6 +17,6 @@ def rolling_stage(
     """The controller's task in space, with as many robots as the queue, which is its source."""
     robot, task, n = controller.robot, controller.task, len(queue.running)
     assert isinstance(task, TraverseConfig)  # no other task takes such routes
-    backend = open_space(settings.backend, robot, n, settings.options, gravity_of(task))
+    backend = open_space(settings.backend, robot, n, settings.options)
     batch = task_of(task).batch_in_space(robot, backend, n, lambda indices: joined(queue.take(indices)))
     return TaskStage(batch, controller)

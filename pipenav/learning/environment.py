@@ -10,9 +10,8 @@ from pipenav.learning.config import TrainConfig
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.batch import TrainingBatch
 from pipenav.tasks.registry import task_of
-from pipenav.tasks.rolling.batch import check_in_space, gravity_of
+from pipenav.tasks.rolling.batch import check_in_space
 from pipenav.tasks.task import EpisodeSource
-from pipenav.tasks.traverse.config import TraverseConfig
 
 
 def open_training_batch(config: TrainConfig, n: int, source: EpisodeSource[Any]) -> TrainingBatch:
@@ -32,8 +31,7 @@ def open_training_batch(config: TrainConfig, n: int, source: EpisodeSource[Any])
     pipes = task.parse_training_pipes(config.pipes)
     if not all(pipe.planar for pipe in pipes):
         check_in_space(robot, config.backend, "randomise" if config.randomise.acts else None)
-        assert isinstance(config.task, TraverseConfig)  # no other task takes such routes
-        backend = open_space(config.backend, robot, n, config.options, gravity_of(config.task))
+        backend = open_space(config.backend, robot, n, config.options)
         return task.batch_in_space(robot, backend, n, source)
     segments = max(len(pipe.segments) for pipe in pipes)
     simulator = open_simulator(config.backend, robot, n, config.options, segments)

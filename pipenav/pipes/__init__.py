@@ -12,6 +12,7 @@ from pipenav.pipes.route_corner import Corner
 from pipenav.pipes.route_legs import about_x
 from pipenav.pipes.route_sets import NamedRoute, parse_pipes, parse_routes, route_set_names
 from pipenav.pipes.route_solids import route_boards_mesh, route_tube_mesh, wall_prisms
+from pipenav.pipes.wall_solids import WallSolids, wall_solids
 
 __all__ = [
     "Box",
@@ -28,6 +29,7 @@ __all__ = [
     "PipeRoute",
     "Turn",
     "WallSide",
+    "WallSolids",
     "about_x",
     "as_route",
     "boards_mesh",
@@ -41,4 +43,5 @@ __all__ = [
     "route_tube_mesh",
     "tube_mesh",
     "wall_prisms",
+    "wall_solids",
 ]

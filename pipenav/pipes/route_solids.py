@@ -32,7 +32,7 @@ PRISM_FACES: Faces = np.array(
 """Triangles of a prism of `wall_prisms`, counter-clockwise seen from outside, (12, 3)."""
 
 
-def wall_prisms(route: PipeRoute, facets: int = FACETS, thickness: float | None = None) -> Floats:
+def wall_prisms(route: PipeRoute, facets: int = FACETS, thickness: float | None = None, inside: float = 0.0) -> Floats:
     """The wall as convex prisms, (pieces, facets, 8, 3) [m] in the route's frame.
 
     A piece is a leg, or the part of a bend along one chord. Each prism lies behind one side of the polygon, from one
@@ -45,13 +45,14 @@ def wall_prisms(route: PipeRoute, facets: int = FACETS, thickness: float | None 
         route: the route.
         facets: sides of the polygon.
         thickness: thickness of the wall [m], by default the route's own.
+        inside: distance by which the sides lie inside the round bore, as a share of its radius.
 
     Raises:
         PipenavError: a wall so thick that those of the legs before and after a short one would meet.
     """
     thickness = route.wall if thickness is None else thickness
     edges = (np.arange(facets) - 0.5) * 2 * math.pi / facets
-    to_corner = 1 / math.cos(math.pi / facets)
+    to_corner = (1 - inside) / math.cos(math.pi / facets)
     radius = route.legs.radius
     chords = route.legs.chords(float(radius.max()), BEND_DEVIATION * float(radius.min()))
     bent = route.legs.bend > 0

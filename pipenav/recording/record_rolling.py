@@ -20,7 +20,7 @@ from pipenav.policies.controller import AnyController
 from pipenav.recording.record import RecordingSettings, live_text
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.outcome import Outcome
-from pipenav.tasks.rolling.batch import RollingBatch, check_in_space, gravity_of
+from pipenav.tasks.rolling.batch import RollingBatch, check_in_space
 from pipenav.tasks.traverse.config import TraverseConfig
 
 
@@ -78,7 +78,7 @@ def record_in_space(
     check_in_space(robot, simulator.backend)
     assert isinstance(task, TraverseConfig)  # no other task takes such routes
     one = random_start(robot, task, [route], episode + 1, seed)(episode)
-    world = open_space(simulator.backend, robot, 1, simulator.options, gravity_of(task))
+    world = open_space(simulator.backend, robot, 1, simulator.options)
     batch = RollingBatch(robot, task, world, 1, lambda _: one)
     look, outcome = simulator.watch or (lambda _, __: None), Outcome.RUNNING
     with closing(TaskStage(batch, controller)) as stage:

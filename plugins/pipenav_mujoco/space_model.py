@@ -1,4 +1,4 @@
-"""MuJoCo model of a robot in space, in one route of pipe: walls of prisms, a free base, the roll joint."""
+"""MuJoCo model of a robot in space, in one route of pipe: walls of boxes, a free base, the roll joint."""
 
 from __future__ import annotations
 
@@ -6,15 +6,12 @@ import math
 from typing import Any, NamedTuple
 
 import mujoco
-import numpy as np
 
-from pipenav.backends import OUTER_THICKNESS
-from pipenav.pipes import PipeRoute, wall_prisms
+from pipenav.pipes import PipeRoute
 from pipenav.robots import Actuator, BoxPart, Link, RobotSpec, Roll, Wheel
 from pipenav_mujoco.model import (
     HIDDEN_GROUP,
     ROBOT_TOUCHES,
-    WALL_TOUCHES,
     Contact,
     add_driven_joint,
     add_sensors,
@@ -22,9 +19,7 @@ from pipenav_mujoco.model import (
     new_spec,
     surface,
 )
-
-WALL_GROUP = 2
-"""Geom group of the walls, which beams see."""
+from pipenav_mujoco.space_walls import Layout, add_walls
 
 FRONT = "_front"
 """Suffix of the divided link's name for its front half."""
@@ -38,14 +33,12 @@ class Stretch(NamedTuple):
     origin: float = 0.0
 
 
-def space_spec(robot: RobotSpec, route: PipeRoute, timestep: float, contact: Contact, gravity: float) -> Any:
-    """MjSpec of the robot in the route; gravity [m/s^2] pulls along -z."""
+def space_spec(robot: RobotSpec, route: PipeRoute, layout: Layout, timestep: float, contact: Contact) -> Any:
+    """MjSpec of the robot in the route, with room for the walls of a layout; nothing weighs."""
     assert robot.roll is not None
     spec = new_spec(robot, timestep)
     midphase = mujoco.mjtDisableBit.mjDSBL_MIDPHASE
-    spec.option.disableflags &= ~int(midphase)  # a single body, the world, has the geoms of all walls
-    spec.option.gravity = [0.0, 0.0, -gravity]
-    _add_walls(spec, robot, route, contact)
+    spec.option.disableflags &= ~int(midphase)  # the body of a leg has many geoms
     parent, offset = spec.worldbody, 0.0
     for link in robot.links:
         body = parent.add_body(name=link.name, pos=[offset, 0, 0])
@@ -65,6 +58,7 @@ def space_spec(robot: RobotSpec, route: PipeRoute, timestep: float, contact: Con
     add_servo(spec, robot.roll.joint, roll_actuator(robot))
     parent.add_site(name="tip", pos=[offset, 0, 0])
     _add_gyroscopes(spec, [robot.roll.link, robot.roll.link + FRONT])
+    add_walls(spec, robot, route, contact, layout)
     add_sensors(spec, [*(link.name for link in robot.links), robot.roll.link + FRONT, *(w.name for w in robot.wheels)])
     return spec
 
@@ -80,22 +74,6 @@ def roll_actuator(robot: RobotSpec) -> Actuator:
     """Motor of the roll joint."""
     assert robot.roll is not None
     return robot.actuators[robot.roll.joint.actuator]
-
-
-def _add_walls(spec: Any, robot: RobotSpec, route: PipeRoute, contact: Contact) -> None:
-    prisms = wall_prisms(route, thickness=OUTER_THICKNESS)
-    for leg, side in np.ndindex(prisms.shape[:2]):
-        name = f"wall{leg}_{side}"
-        spec.add_mesh(name=name, uservert=prisms[leg, side].ravel())
-        spec.worldbody.add_geom(
-            name=name,
-            type=mujoco.mjtGeom.mjGEOM_MESH,
-            meshname=name,
-            material="wall",
-            group=WALL_GROUP,
-            **WALL_TOUCHES,
-            **surface(robot.friction, contact),
-        )
 
 
 def _add_halves(body: Any, link: Link, roll: Roll, robot: RobotSpec, contact: Contact) -> Any:

@@ -23,7 +23,7 @@ from pipenav.tasks.task import EpisodeSource
 from pipenav.tasks.traverse import observation
 from pipenav.tasks.traverse.batch import ANYWHERE
 from pipenav.tasks.traverse.config import TraverseConfig
-from pipenav.tasks.traverse.episode import GRAVITY, TraverseEpisodes
+from pipenav.tasks.traverse.episode import TraverseEpisodes
 from pipenav.tasks.traverse.outcome import OutcomeTracker, reward
 
 LIMIT_FACTOR = 2
@@ -45,11 +45,6 @@ def check_in_space(robot: RobotSpec, backend: str, disturbed_by: str | None = No
     load_spatial(backend)
     if disturbed_by is not None:
         raise PipenavError(f"{disturbed_by} disturbs robots in a plane: choose routes without rolls, or leave it out.")
-
-
-def gravity_of(task: TraverseConfig) -> float:
-    """Gravity in routes that leave the plane [m/s^2]: none for a policy of a level plane, in which nothing weighs."""
-    return 0.0 if task.inclination_deg is None else GRAVITY
 
 
 class RollingBatch(TrainingBatch):
@@ -106,6 +101,7 @@ class RollingBatch(TrainingBatch):
         episodes = self._source(indices)
         routes = [as_route(pipe) for pipe in episodes.pipes]
         planes = np.array([route.corners[0].roll for route in routes])
+        self._backend.incline(indices, episodes.gravity_in_space)
         reading = self._backend.reset(indices, routes, episodes.q, episodes.base, planes)
         self._lines = self._lines.put(indices, CentreLines.of(routes, 3))
         q = reading.body.q

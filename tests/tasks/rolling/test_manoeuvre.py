@@ -28,8 +28,9 @@ def test_a_roll_turns_the_plane_by_what_was_asked_and_the_robot_stays_where_it_i
     q = np.concatenate(
         [[0.0, third * axle_offset(ROBOT, route.radius - 1e-4), 0.0], clamped(route.radius - 1e-4, third)]
     )
-    with closing(open_space("mujoco", ROBOT, 1, {}, gravity)) as backend:
-        one = np.arange(1)
+    one = np.arange(1)
+    with closing(open_space("mujoco", ROBOT, 1, {})) as backend:
+        backend.incline(one, np.array([[0.0, 0.0, -gravity]]))
         backend.reset(one, [route], q[None], np.array([-1.0]), np.array([start]))
         now, before = backend.read(), backend.truth().points[0, :, 0].mean()
         roll, deepest = Roll(ROBOT, 1), 0.0
