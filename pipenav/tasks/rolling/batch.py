@@ -128,6 +128,7 @@ class RollingBatch(TrainingBatch):
         self.steps += 1
         reading, truth = self._backend.read(), self._backend.truth()
         pilot.sense(reading)
+        self._action = observation.mirror_action(self.robot, self._action, pilot.turn_sign * turn_sign)
         self._tracker.reset_patience(pilot.busy)
         distances = self._distances(truth)
         facts, outcome = self._tracker.step(self.steps, self._limit, distances, self._end, reading.body, truth)
@@ -139,9 +140,9 @@ class RollingBatch(TrainingBatch):
         self._backend.close()
 
     def _observe(self, reading: SpaceReading) -> Floats:
-        alone = np.zeros((self.n, 2))  # the policy takes every corner as if it had no neighbours
         down = None if self.config.inclination_deg is None else reading.down[:, FRONT, :2]
-        seen = observation.observe(self.robot, reading.body, self._action, self._pilot.turn_sign, alone, down)
+        turns = self._pilot.turn_sign, self._pilot.neighbours
+        seen = observation.observe(self.robot, reading.body, self._action, *turns, down)
         return np.asarray(seen / self._scale)
 
     def _distances(self, truth: SpaceTruth) -> Floats:

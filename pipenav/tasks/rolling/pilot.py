@@ -17,14 +17,13 @@ import numpy as np
 from pipenav.arrays import Flags, Floats, Ints
 from pipenav.backends.spatial import SpaceReading
 from pipenav.pipes.route import PipeRoute
+from pipenav.pipes.route_checks import MAX_CORNERS
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.rolling import senses
 from pipenav.tasks.rolling.clamp import HALF, RollForward
 from pipenav.tasks.rolling.drawings import Drawings
 from pipenav.tasks.rolling.manoeuvre import Roll, RollCommand, RollPhase
-
-BEHIND = 0.85
-"""Share of a corner's turn angle by which the rear half must have turned for the corner to count as behind."""
+from pipenav.tasks.rolling.place import Place
 
 STEADY = 3
 """Control steps in a row for which the robot has to see something before it acts on it."""
@@ -81,8 +80,7 @@ class Pilot:
         self._forward, self._roll = RollForward(robot, n), Roll(robot, n)
         self._rolls, self._retries = np.zeros((2, n), int)
         self._steps_seen = np.zeros(n, int)  # control steps for which a robot has seen what it waits for
-        self._heading = np.zeros(n)  # headings of the divided links, by their gyroscopes
-        self._rear_before = np.zeros(n)  # headings of the rear halves before the corner; NaN until the policy drives
+        self._place = Place(robot, self._drawings, n)
         # Joints and rolled distance in the last control steps, a ring of rows, and how many steps a mode has lasted.
         self._history, self._ring_row, self._lasted = np.zeros((STALL + 1, n, 2 * HALF + 1)), 0, np.zeros(n, int)
 
@@ -98,7 +96,7 @@ class Pilot:
         self._begin(rows, Mode.CORNER)
         self.corner[rows], self._rolls[rows], self._retries[rows] = 0, 0, 0
         self.plane[rows], self.set_points[rows] = [route.corners[0].roll for route in routes], set_points
-        self._heading[rows], self._rear_before[rows] = 0.0, np.nan
+        self._place.start(rows)
 
     @property
     def doing(self) -> list[str]:
@@ -119,12 +117,24 @@ class Pilot:
     @property
     def turn_sign(self) -> Floats:
         """+1 where a robot's corner turns to its left, -1 where it turns to its right, (n,)."""
-        return np.where(np.cos(self._drawings.inside[self._every, self.corner] - self.plane) > 0, 1.0, -1.0)
+        return self._turn_sign(self.corner)
+
+    @property
+    def neighbours(self) -> Floats:
+        """Turn signs of the corners before and after in the same passage, 0 where there is none, (n, 2)."""
+        at = self._every, self.corner
+        before = np.where(self.corner > self._drawings.first[at], self._turn_sign(self.corner - 1), 0.0)
+        after = np.where(self.corner < self._drawings.last[at], self._turn_sign(self.corner + 1), 0.0)
+        return np.stack([before, after], axis=1)
 
     @property
     def busy(self) -> Flags:
         """Whether each robot is busy with something other than to advance, (n,)."""
         return np.asarray((self.mode == Mode.ROLL) | (self.mode == Mode.BACK_OUT))
+
+    def _turn_sign(self, corner: Ints) -> Floats:
+        inside = self._drawings.inside[self._every, np.minimum(corner, MAX_CORNERS - 1)]
+        return np.where(np.cos(inside - self.plane) > 0, 1.0, -1.0)
 
     @property
     def _every(self) -> Ints:
@@ -156,41 +166,40 @@ class Pilot:
         """Take in the readings of the robots after a control period, and decide who drives each of them next."""
         stalled, mode, forward = self._stalled(reading), self.mode.copy(), self._forward
         self.plane += reading.turned[:, :, 0].mean(axis=1)
-        self._heading += reading.turned[:, 0, 2]
+        self._place.move(reading, self.policy_drives, mode == Mode.ROLL)
+        self.corner = np.where(self.policy_drives, self._place.corner_in_passage(self.corner), self.corner)
+        behind, at = self._place.behind(self.corner, self.plane), (self._every, self.corner)
+        seen = self._seen_steadily(np.where(self.policy_drives, behind, self._ends(reading)))
         clamped = self._rolls_forward & forward.clamped
-        radius = self._drawings.radius[self._every, self.corner]
-        ends = clamped & senses.sees_end(self._robot, reading.body.q, reading.body.ranges, radius, forward.zigzag_sign)
-        seen = self._seen_steadily(np.where(self.policy_drives, self._behind(reading), ends))
         retry = stalled & (self._retries < MAX_RETRIES)
-        leaves = self.policy_drives & seen & (self.corner + 1 < self._drawings.corners)
+        leaves = self.policy_drives & seen & (self._drawings.last[at] + 1 < self._drawings.corners)
         approaches, makes_room = mode == Mode.APPROACH, mode == Mode.LEAVE
         # A robot that makes room and stalls when it is clamped has slid into the next corner.
         backs_out = retry & ((self.policy_drives & ~leaves) | approaches | (makes_room & clamped))
         enters = approaches & ~backs_out & (seen | stalled)
-        has_room = (
-            makes_room
-            & clamped
-            & ~backs_out
-            & (seen | stalled | (forward.distance >= self._drawings.room[self._every]))
-        )
+        has_room = makes_room & clamped & ~backs_out & (seen | stalled | (forward.distance >= self._drawings.room[at]))
         returns = makes_room & ~clamped & retry  # the corner was not behind
         is_back = (mode == Mode.BACK_OUT) & (stalled | (forward.distance <= -BACK))
         rolled = (mode == Mode.ROLL) & (self._roll.phase == RollPhase.DONE)
         self._go(np.flatnonzero(leaves), np.flatnonzero(backs_out), reading)
-        self._enter(np.flatnonzero(enters), np.flatnonzero(returns))
+        self._place.enter(arriving := np.flatnonzero(enters), self.corner[arriving], seen[arriving])
+        self._enter(arriving, np.flatnonzero(returns))
         self._retries[has_room] = 0
         self._roll_or_approach(np.flatnonzero(has_room | is_back | rolled), reading)
 
-    def _behind(self, reading: SpaceReading) -> Flags:
-        """Whether each robot's corner is behind, where the policy drives, (n,)."""
-        rear = self._heading - senses.heading_from_rear_half(self._robot, reading.body.q)
-        self._rear_before = np.where(self.policy_drives & np.isnan(self._rear_before), rear, self._rear_before)
-        turn_angle = self._drawings.turn_angle[self._every, self.corner]
-        return np.asarray((rear - self._rear_before) * self.turn_sign >= BEHIND * turn_angle)
+    def _ends(self, reading: SpaceReading) -> Flags:
+        """Whether the straight of each robot that rolls forward ends ahead, (n,); no laser sees a narrower bore."""
+        at, forward = (self._every, self.corner), self._forward
+        body, radius = reading.body, self._drawings.radius[at]
+        seen = senses.sees_end(self._robot, body.q, body.ranges, radius, forward.zigzag_sign)
+        reached = self._drawings.reducer[at] & self._place.reaches(self.corner)
+        return np.asarray(self._rolls_forward & forward.clamped & (seen | reached))
 
     def _go(self, leaving: Ints, backing: Ints, reading: SpaceReading) -> None:
         """Let some robots roll on from a corner that is behind, and some back from where they stalled."""
-        self.corner[leaving] += 1
+        last = self._drawings.last[leaving, self.corner[leaving]]
+        self._place.leave(leaving, last)
+        self.corner[leaving] = last + 1
         self._rolls[leaving], self._rolls[backing] = 0, 0
         self._retries[backing] += 1
         self._roll_forward(leaving, Mode.LEAVE, reading)
@@ -199,7 +208,6 @@ class Pilot:
     def _enter(self, arriving: Ints, returning: Ints) -> None:
         """Let the policy drive in the next corner, or in the one before where that was not behind."""
         self._begin(arriving, Mode.CORNER)
-        self._rear_before[arriving] = np.nan
         self.corner[returning] -= 1
         self._retries[returning] += 1
         self._begin(returning, Mode.CORNER)
