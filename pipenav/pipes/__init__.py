@@ -12,7 +12,7 @@ from pipenav.pipes.route_corner import Corner
 from pipenav.pipes.route_legs import about_x
 from pipenav.pipes.route_sets import NamedRoute, parse_pipes, parse_routes, route_set_names
 from pipenav.pipes.route_solids import route_boards_mesh, route_tube_mesh, wall_prisms
-from pipenav.pipes.wall_solids import WallSolids, wall_solids
+from pipenav.pipes.solid_walls import WallSolids, wall_solids
 
 __all__ = [
     "Box",

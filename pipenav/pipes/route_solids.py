@@ -8,6 +8,7 @@ every corner whose plane is rolled by a whole number of sides.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -32,7 +33,21 @@ PRISM_FACES: Faces = np.array(
 """Triangles of a prism of `wall_prisms`, counter-clockwise seen from outside, (12, 3)."""
 
 
-def wall_prisms(route: PipeRoute, facets: int = FACETS, thickness: float | None = None, inside: float = 0.0) -> Floats:
+class Polygon(NamedTuple):
+    """Section of a bore of flat sides.
+
+    Attributes:
+        sides: number of sides.
+        turned: angle from where a side faces the left of the first leg, as a share of the angle of a side.
+        inside: distance by which the middles of the sides lie inside the round bore, as a share of its radius.
+    """
+
+    sides: int = FACETS
+    turned: float = 0.0
+    inside: float = 0.0
+
+
+def wall_prisms(route: PipeRoute, facets: int = FACETS, thickness: float | None = None) -> Floats:
     """The wall as convex prisms, (pieces, facets, 8, 3) [m] in the route's frame.
 
     A piece is a leg, or the part of a bend along one chord. Each prism lies behind one side of the polygon, from one
@@ -45,14 +60,21 @@ def wall_prisms(route: PipeRoute, facets: int = FACETS, thickness: float | None 
         route: the route.
         facets: sides of the polygon.
         thickness: thickness of the wall [m], by default the route's own.
-        inside: distance by which the sides lie inside the round bore, as a share of its radius.
 
     Raises:
         PipenavError: a wall so thick that those of the legs before and after a short one would meet.
     """
-    thickness = route.wall if thickness is None else thickness
-    edges = (np.arange(facets) - 0.5) * 2 * math.pi / facets
-    to_corner = (1 - inside) / math.cos(math.pi / facets)
+    return prisms_behind(Polygon(facets), route, route.wall if thickness is None else thickness)
+
+
+def prisms_behind(polygon: Polygon, route: PipeRoute, thickness: float) -> Floats:
+    """The wall as `wall_prisms`, behind a polygon of one's own.
+
+    Raises:
+        PipenavError: a wall so thick that those of the legs before and after a short one would meet.
+    """
+    edges = (np.arange(polygon.sides) - 0.5 + polygon.turned) * 2 * math.pi / polygon.sides
+    to_corner = (1 - polygon.inside) / math.cos(math.pi / polygon.sides)
     radius = route.legs.radius
     chords = route.legs.chords(float(radius.max()), BEND_DEVIATION * float(radius.min()))
     bent = route.legs.bend > 0

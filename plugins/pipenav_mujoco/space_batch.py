@@ -14,9 +14,10 @@ from pipenav.arrays import Floats, Ints
 from pipenav.backends import CONTROL_PERIOD, PARKED
 from pipenav.pipes import PipeRoute
 from pipenav.robots import RobotSpec
+from pipenav_mujoco.box_tree import split_well
 from pipenav_mujoco.model import Contact, compiled
 from pipenav_mujoco.space_model import space_spec
-from pipenav_mujoco.space_walls import WALL_GROUP, Layout
+from pipenav_mujoco.space_walls import WALL_GROUP, Layout, leg_name
 
 SEEN = np.array([group == WALL_GROUP for group in range(mujoco.mjNGROUP)], np.uint8)
 """Flags of the geom groups that beams meet."""
@@ -89,7 +90,11 @@ class SpaceBatch:
 
     def _compile(self, route: PipeRoute, layout: Layout) -> Any:
         settings = self._settings
-        return compiled(space_spec(self._robot, route, layout, settings.timestep, settings.contact), self._robot)
+        spec = space_spec(self._robot, route, layout, settings.timestep, settings.contact)
+        model = compiled(spec, self._robot)
+        for leg in range(len(route.straights)):
+            split_well(model, model.body(leg_name(leg)).id)
+        return model
 
     @property
     def views(self) -> Views:

@@ -108,7 +108,7 @@ def _add_boxes(body: Any, link: Link, stretch: Stretch, surface: dict[str, Any])
 def _add_wheel(link: Any, wheel: Wheel, robot: RobotSpec, radius: float, contact: Contact) -> None:
     """Add a wheel as a body that meets the wall with two balls on its axle: they keep it upright, as a tread does.
 
-    The balls lie so far apart that they touch the bore where the tread's edges would.
+    The balls touch a round bore of this radius [m] where the edges of the tread do, which stand on a chord of it.
     """
     actuator = robot.actuators[wheel.actuator]
     body = link.add_body(name=wheel.name, pos=[wheel.x, 0, 0])
@@ -116,13 +116,15 @@ def _add_wheel(link: Any, wheel: Wheel, robot: RobotSpec, radius: float, contact
     size = [wheel.radius, wheel.height / 2, 0]
     seen = {"contype": 0, "conaffinity": 0}
     body.add_geom(name=f"{wheel.name}_seen", type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=size, mass=wheel.mass, **seen)
-    away = wheel.height / 2 * math.sqrt(1 - wheel.radius / radius)
+    half = wheel.height / 2
+    chord = math.sqrt(radius**2 - half**2)  # from the axis to the chord
+    away, ball = half * (1 - wheel.radius / chord), wheel.radius * radius / chord
     for sign in (-1, 1):
         body.add_geom(
             name=f"{wheel.name}_{sign}",
             type=mujoco.mjtGeom.mjGEOM_SPHERE,
             pos=[0, 0, sign * away],
-            size=[wheel.radius, 0, 0],
+            size=[ball, 0, 0],
             mass=0,
             group=HIDDEN_GROUP,
             **ROBOT_TOUCHES,

@@ -55,11 +55,16 @@ class Layout(NamedTuple):
         return type(self)(max(self.legs, other.legs), boxes, tuple(sorted(hulls.items())))
 
 
+def leg_name(i: int) -> str:
+    """Name of the body that has the walls of a leg, counted from 0."""
+    return f"leg{i}"
+
+
 def add_walls(spec: Any, robot: RobotSpec, route: PipeRoute, contact: Contact, layout: Layout) -> None:
     """Add the walls of a route to a model's specification, and parked geoms up to the layout."""
     solids = wall_solids(route, OUTER_THICKNESS)
     wall = {"material": "wall", "group": WALL_GROUP, **WALL_TOUCHES, **surface(robot.friction, contact)}
-    bodies = [_add_body(spec, f"leg{i}") for i in range(layout.legs + 1)]  # the last one only ever has parked geoms
+    bodies = [_add_body(spec, leg_name(i)) for i in range(layout.legs + 1)]  # the last one only ever has parked geoms
     start, axes = route.legs.start, route.legs.axes
     for i, body in enumerate(bodies[: len(start)]):
         body.pos, body.quat = start[i], _quaternion(axes[i])
@@ -90,7 +95,8 @@ def _park(spec: Any, bodies: list[Any], solids: WallSolids, legs: int, layout: L
 
 def _add_body(spec: Any, name: str) -> Any:
     """Add a static body whose inertia has the body's own axes: they are those of its tree of bounding boxes."""
-    return spec.worldbody.add_body(name=name, explicitinertial=True, mass=1.0, inertia=[1.0, 1.0, 1.0])
+    inertial = {"explicitinertial": True, "mass": 1.0, "inertia": [1.0, 1.0, 1.0]}
+    return spec.worldbody.add_body(name=name, ipos=[0.0, 0.0, 0.0], iquat=[1.0, 0.0, 0.0, 0.0], **inertial)
 
 
 def _add_box(body: Any, half_size: Any, look: dict[str, Any], **pose: Any) -> None:
