@@ -9,6 +9,7 @@ covered by a box along the edge or, at an acute ridge, by a wedge between both f
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -111,6 +112,9 @@ def wall_solids(route: PipeRoute, thickness: float) -> WallSolids:
     prisms = prisms_behind(SECTION, route, thickness)
     flat = _facets(prisms)
     thick = float((prisms[0, 0, 3] - prisms[0, 0, 0]) @ flat.axes[2, 0, 0])
+    flat = flat._replace(
+        half=flat.half + thick / 2 * math.tan(math.pi / SECTION.sides)
+    )  # or clefts open behind corners
     ridges = _cut_to_ridges(flat, thick, STICK_OUT * float(route.legs.radius.min()))
     acute = np.sum(ridges.normal[0] * ridges.normal[1], axis=-1) < -FLAT
     parts = [_facet_boxes(flat, thick), *(_ridge_boxes(ridges, side, ~acute, thick) for side in (0, 1))]
