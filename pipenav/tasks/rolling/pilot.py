@@ -1,9 +1,10 @@
-"""Decisions of one robot in space besides its policy: where it is, and when and how far to roll.
+"""Decisions of robots in space besides their policy: who drives, and when and how far to roll.
 
-The robot knows the pipe's drawing: the diameter, and how every corner turns and is rolled. All else it finds out from
-its own sensors (`senses`). Around a corner the policy drives, until the rear half heads along the next straight. Then
-the robot clamps, rolls on until there is room, turns its plane into that of the next corner, and rolls on until its
-laser sees the end of the straight. Where it stalls, it backs out and tries again.
+A robot knows the pipe's drawing (`drawings`): diameters and straights, and how every corner turns and is rolled. All
+else it finds out from its own sensors (`senses`, `place`). In a passage, a corner or several without room between
+them, the policy drives until the passage is behind. Then the robot clamps, rolls on until there is room, turns its
+plane into that of the next corner, and rolls on until its laser sees the end of the straight. Where it stalls, it backs
+out and tries again.
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ class Mode(IntEnum):
     """Modes of driving: by the policy, or by the robot itself."""
 
     CORNER = 0
-    """The policy drives around a corner."""
+    """The policy drives through a passage."""
     LEAVE = 1
     """The robot rolls forward from a corner to where it has room to turn its plane."""
     ROLL = 2
@@ -74,7 +75,7 @@ class Pilot:
     """
 
     def __init__(self, robot: RobotSpec, n: int) -> None:
-        self._robot, self._drawings = robot, Drawings(robot, n)
+        self._robot, self._drawings, self._every = robot, Drawings(robot, n), np.arange(n)
         self.mode, self.corner = np.full(n, Mode.CORNER.value), np.zeros(n, np.intp)
         self.plane, self.set_points = np.zeros(n), np.zeros((n, 2 * HALF))
         self._forward, self._roll = RollForward(robot, n), Roll(robot, n)
@@ -137,10 +138,6 @@ class Pilot:
         return np.where(np.cos(inside - self.plane) > 0, 1.0, -1.0)
 
     @property
-    def _every(self) -> Ints:
-        return np.arange(len(self.mode))
-
-    @property
     def _rolls_forward(self) -> Flags:
         return np.isin(self.mode, (Mode.LEAVE, Mode.APPROACH, Mode.BACK_OUT))
 
@@ -164,7 +161,7 @@ class Pilot:
 
     def sense(self, reading: SpaceReading) -> None:
         """Take in the readings of the robots after a control period, and decide who drives each of them next."""
-        stalled, mode, forward = self._stalled(reading), self.mode.copy(), self._forward
+        stalled, mode, forward = self._stalled(reading), self.mode, self._forward
         self.plane += reading.turned[:, :, 0].mean(axis=1)
         self._place.move(reading, self.policy_drives, mode == Mode.ROLL)
         self.corner = np.where(self.policy_drives, self._place.corner_in_passage(self.corner), self.corner)
