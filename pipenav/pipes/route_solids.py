@@ -8,6 +8,7 @@ every corner whose plane is rolled by a whole number of sides.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,6 +34,20 @@ BEND_DEVIATION = 0.01
 """Largest distance between a bend and the chords of its prisms, as a share of the bore's radius."""
 
 
+class Polygon(NamedTuple):
+    """Section of a bore of flat sides.
+
+    Attributes:
+        sides: number of sides.
+        turned: angle from where a side faces the left of the first leg, as a share of the angle of a side.
+        inside: distance by which the middles of the sides lie inside the round bore, as a share of its radius.
+    """
+
+    sides: int = FACETS
+    turned: float = 0.0
+    inside: float = 0.0
+
+
 def wall_prisms(route: PipeRoute, facets: int = FACETS, thickness: float | None = None) -> Floats:
     """The wall as convex prisms, (pieces, facets, 8, 3) [m] in the route's frame.
 
@@ -50,9 +65,17 @@ def wall_prisms(route: PipeRoute, facets: int = FACETS, thickness: float | None 
     Raises:
         PipenavError: a wall so thick that those of the legs before and after a short one would meet.
     """
-    thickness = route.wall if thickness is None else thickness
-    edges = (np.arange(facets) - 0.5) * 2 * math.pi / facets
-    to_corner = 1 / math.cos(math.pi / facets)
+    return prisms_behind(Polygon(facets), route, route.wall if thickness is None else thickness)
+
+
+def prisms_behind(polygon: Polygon, route: PipeRoute, thickness: float) -> Floats:
+    """The wall as `wall_prisms`, behind a polygon of one's own.
+
+    Raises:
+        PipenavError: a wall so thick that those of the legs before and after a short one would meet.
+    """
+    edges = (np.arange(polygon.sides) - 0.5 + polygon.turned) * 2 * math.pi / polygon.sides
+    to_corner = (1 - polygon.inside) / math.cos(math.pi / polygon.sides)
     radius = route.legs.radius
     chords = route.legs.chords(float(radius.max()), BEND_DEVIATION * float(radius.min()))
     bent = route.legs.bend > 0

@@ -14,14 +14,13 @@ from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.simulators import open_space
 from pipenav.backends.viewer import Sight
 from pipenav.evaluation.episode_runner import random_start
-from pipenav.evaluation.rolling_stage import check_in_space, gravity_of
 from pipenav.evaluation.stage import TaskStage
 from pipenav.pipes.route import PipeRoute
 from pipenav.policies.controller import AnyController
 from pipenav.recording.record import RecordingSettings, live_text
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.outcome import Outcome
-from pipenav.tasks.rolling.batch import RollingBatch
+from pipenav.tasks.rolling.batch import RollingBatch, check_in_space
 from pipenav.tasks.traverse.config import TraverseConfig
 
 
@@ -79,7 +78,7 @@ def record_in_space(
     check_in_space(robot, simulator.backend)
     assert isinstance(task, TraverseConfig)  # no other task takes such routes
     one = random_start(robot, task, [route], episode + 1, seed)(episode)
-    world = open_space(simulator.backend, robot, 1, simulator.options, gravity_of(task))
+    world = open_space(simulator.backend, robot, 1, simulator.options)
     batch = RollingBatch(robot, task, world, 1, lambda _: one)
     look, outcome = simulator.watch or (lambda _, __: None), Outcome.RUNNING
     with closing(TaskStage(batch, controller)) as stage:
@@ -97,6 +96,7 @@ def record_in_space(
             line = live_text(route.label, CONTROL_PERIOD * (len(points) - 1), force[-1], outcome)
             look(world, Sight(f"{line}, {doing[-1]}"))
     long = batch.pipes[0]
+    assert long is not None
     arrays = np.array(points), np.array(normals), np.array(force)
     settings = simulator.options, seed
     return SpaceRecording(long, robot, name, simulator.backend, outcome.label, *arrays, tuple(doing), *settings)

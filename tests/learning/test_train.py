@@ -6,16 +6,14 @@ import csv
 import json
 import math
 import shutil
-import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-import safetensors.numpy
 import torch
-from helpers.tiny_training import tiny
+from helpers.tiny_training import tiny, weights
 from safetensors import safe_open
 from safetensors.torch import save
 
@@ -44,13 +42,6 @@ def progress(folder: TrainingFolder) -> list[dict[str, str]]:
         rows = list(csv.DictReader(file))
     assert all(tuple(row) == PROGRESS_COLUMNS and None not in row.values() for row in rows)
     return rows
-
-
-def weights(path: Path) -> dict[str, list[float]]:
-    """The actor's tensors, to the bit."""
-    with zipfile.ZipFile(path) as policy:
-        tensors = safetensors.numpy.load(policy.read("policy.safetensors"))
-    return {name: values.ravel().tolist() for name, values in tensors.items()}
 
 
 @pytest.fixture(autouse=True)

@@ -27,7 +27,9 @@ ONE = np.arange(1)
 
 
 def world(n: int = 1, gravity: float = GRAVITY, **options: float) -> SpaceBackend:
-    return open_space("mujoco", ROBOT, n, options, gravity)
+    backend = open_space("mujoco", ROBOT, n, options)
+    backend.incline(np.arange(n), np.tile([0.0, 0.0, -gravity], (n, 1)))
+    return backend
 
 
 @contextmanager
@@ -63,7 +65,7 @@ def test_where_nothing_weighs_nothing_is_down() -> None:
 def test_an_option_overrules_the_tasks_gravity() -> None:
     with (
         placed(RUN, gravity=0.0) as (_, q, base),
-        closing(open_space("mujoco", ROBOT, 1, {"gravity": 9.81}, 0.0)) as other,
+        closing(open_space("mujoco", ROBOT, 1, {"gravity": 9.81})) as other,
     ):
         assert other.reset(ONE, [RUN], q, np.array([base]), np.zeros(1)).down.any()
 
@@ -117,7 +119,7 @@ def test_robots_do_not_depend_on_each_other_nor_on_threads() -> None:
 
 def test_a_backend_of_the_plane_says_so() -> None:
     with pytest.raises(PipenavError, match="'pybullet' moves robots only in a plane: choose --backend mujoco"):
-        open_space("pybullet", ROBOT, 1, {}, GRAVITY)
+        open_space("pybullet", ROBOT, 1, {})
 
 
 def test_a_timestep_must_divide_the_control_period_in_space_too() -> None:
