@@ -64,7 +64,7 @@ class SeededEpisodes:
         self._sets = [self._task.parse_training_pipes([text]) for text in texts]
         if not self._sets:
             raise PipenavError("no pipes given: name a pipe set, a TOML file, or a pipe such as d=90,angle=60.")
-        self._planar = all(pipe.planar for pipes in self._sets for pipe in pipes)
+        self._planar = not any(pipe.in_space for pipes in self._sets for pipe in pipes)
         self.batch: Any = self._open(n, settings.backend, dict(settings.options or {}))
 
     def _open(self, n: int, backend: str, options: Mapping[str, Any]) -> TrainingBatch:

@@ -59,7 +59,7 @@ class CheckedEvaluation:
         check_options(config.backend, load_simulator(config.backend), config.options)
         check_fits(self._robot, pipes)
         disturbance = UNDISTURBED if config.disturb is None else load_disturbance(config.disturb)
-        if not all(pipe.planar for pipe in pipes):
+        if any(pipe.in_space for pipe in pipes):
             check_in_space(self._robot, config.backend, None if config.disturb is None else "--disturb")
         self._plan = EpisodePlan(self._robot, self._config, pipes, config.episodes, config.seed, simulator, disturbance)
 

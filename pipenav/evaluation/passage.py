@@ -133,7 +133,7 @@ class Passages:
     def task(self, controller: AnyController, located: StageResult | None = None) -> StageResult:
         """Reach or traverse in every episode, or in those where a target was located."""
         jobs = np.arange(len(self._pipes)) if located is None else located.jobs[located.passed]
-        rolled = np.array([not self._pipes[job].planar for job in jobs], bool)
+        rolled = np.array([self._pipes[job].in_space for job in jobs], bool)
         if rolled.any():
             return self._with_rolling(controller, jobs[~rolled], jobs[rolled])
         start = self._given if located is None else self._from_located(located)

@@ -11,7 +11,7 @@ from pipenav.export.corner_folder import write_stl
 from pipenav.export.scene_xml import Shape, sdf, urdf, write_xml
 from pipenav.export.wall_files import wall_shapes, walls_mjcf, write_walls
 from pipenav.pipes.network import PipeNetwork
-from pipenav.pipes.pipe_system import network_system
+from pipenav.pipes.pipe_system import Polygon, network_system
 from pipenav.pipes.route_solids import BEND_DEVIATION, FACETS
 from pipenav.pipes.system_solids import system_tube_mesh, system_wall_pieces
 from pipenav.storage.atomic_folder import write_folder, write_record
@@ -65,7 +65,7 @@ def network_record(network: PipeNetwork, name: str) -> dict[str, Any]:
 
 def _write_files(network: PipeNetwork, name: str, folder: Path) -> None:
     system = network_system(network)
-    parts = system_wall_pieces(system, FACETS, network.wall, BEND_DEVIATION)
+    parts = system_wall_pieces(system, Polygon(FACETS), network.wall, BEND_DEVIATION)
     walls = {f"wall_{number}": part for number, part in enumerate(parts, 1)}
     pieces, seen = wall_shapes(walls), [Shape("all", "mesh", "walls.obj")]
     write_record(folder / "network.json", network_record(network, name))

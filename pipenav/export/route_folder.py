@@ -11,7 +11,7 @@ from pipenav.errors import ConfigError
 from pipenav.export.corner_folder import write_stl
 from pipenav.export.scene_xml import Shape, sdf, urdf, write_xml
 from pipenav.export.wall_files import wall_shapes, walls_mjcf, write_walls
-from pipenav.pipes.json_keys import ROUTE_KEYS, keys_of_branches, route_fields
+from pipenav.pipes.json_keys import ROUTE_KEYS, keys_of_branches, optional_route_keys, route_fields
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_corner import Corner
 from pipenav.pipes.route_solids import route_boards_mesh, route_tube_mesh, wall_pieces
@@ -20,7 +20,7 @@ from pipenav.units import m_to_mm, rad_to_deg
 
 SCHEMA, SCHEMA_OF_BENDS, SCHEMA_OF_BRANCHES = 1, 2, 3
 """Versions of the route folder's format: a route of mitres has the first, one with bends or reducers the second, one
-with tees, crosses or a cap the third."""
+with tees, crosses, a cap or a slope the third."""
 
 FILES = {
     "run.json": "every parameter, the centre line and the frames of the straights",
@@ -88,12 +88,13 @@ def route_record(route: PipeRoute, name: str) -> dict[str, Any]:
         "centre_line_m": route.centre_line.tolist(),
         "rotations": route.frames.rotation.tolist(),
         "wall_segments_m": route.segments.tolist() if route.planar else None,
-        **({"capped": True} if route.capped else {}),
+        **optional_route_keys(route),
+        **({"slope_deg": rad_to_deg(route.slope)} if route.slope else {}),
     }
 
 
 def _schema(route: PipeRoute) -> int:
-    if route.has_fittings:
+    if route.has_fittings or route.slope:
         return SCHEMA_OF_BRANCHES
     return SCHEMA if all(corner.mitre for corner in route.corners) else SCHEMA_OF_BENDS
 

@@ -29,7 +29,7 @@ def open_training_batch(config: TrainConfig, n: int, source: EpisodeSource[Any])
     """
     robot, task = load_robot(config.robot), task_of(config.task)
     pipes = task.parse_training_pipes(config.pipes)
-    if not all(pipe.planar for pipe in pipes):
+    if any(pipe.in_space for pipe in pipes):
         check_in_space(robot, config.backend, "randomise" if config.randomise.acts else None)
         backend = open_space(config.backend, robot, n, config.options)
         return task.batch_in_space(robot, backend, n, source)

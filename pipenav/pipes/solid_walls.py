@@ -15,8 +15,10 @@ from typing import NamedTuple
 import numpy as np
 
 from pipenav.arrays import Flags, Floats
+from pipenav.pipes.pipe_system import Polygon, system_of
 from pipenav.pipes.route import PipeRoute
-from pipenav.pipes.route_solids import Polygon, prisms_behind
+from pipenav.pipes.route_solids import BEND_DEVIATION, prisms_behind
+from pipenav.pipes.system_solids import strand_walls
 
 SECTION = Polygon(sides=20, turned=0.5, inside=0.003)
 """Section of the bore: at most 1 % of the radius beside the round one.
@@ -109,17 +111,38 @@ def wall_solids(route: PipeRoute, thickness: float) -> WallSolids:
     Raises:
         PipenavError: a wall so thick that those of the legs before and after a short one would meet.
     """
-    prisms = prisms_behind(SECTION, route, thickness)
+    if not route.has_fittings:
+        return _solids_of(prisms_behind(SECTION, route, thickness), float(route.legs.radius.min()))
+    parts = []
+    for wall in strand_walls(system_of(route), SECTION, thickness, BEND_DEVIATION):
+        if len(wall.prisms):
+            parts.append(_solids_of(wall.prisms, float(route.legs.radius.min())))
+        beside, hulls = _boxes_of(wall.uncut), [piece.vertices for piece in wall.cut]
+        parts.append(WallSolids(*beside, hulls))
+    *boxes, hulls_of_all = zip(*parts, strict=True)
+    position, rotation, half_size = map(np.concatenate, boxes)
+    return WallSolids(position, rotation, half_size, [hull for hulls in hulls_of_all for hull in hulls])
+
+
+def _solids_of(prisms: Floats, narrowest: float) -> WallSolids:
+    """Solids in place of prisms (pieces, facets, 8, 3) around a bore whose least radius is given [m]."""
     flat = _facets(prisms)
     thick = float((prisms[0, 0, 3] - prisms[0, 0, 0]) @ flat.axes[2, 0, 0])
     flat = flat._replace(
         half=flat.half + thick / 2 * math.tan(math.pi / SECTION.sides)
     )  # or clefts open behind corners
-    ridges = _cut_to_ridges(flat, thick, STICK_OUT * float(route.legs.radius.min()))
+    ridges = _cut_to_ridges(flat, thick, STICK_OUT * narrowest)
     acute = np.sum(ridges.normal[0] * ridges.normal[1], axis=-1) < -FLAT
     parts = [_facet_boxes(flat, thick), *(_ridge_boxes(ridges, side, ~acute, thick) for side in (0, 1))]
     position, rotation, half_size = map(np.concatenate, zip(*parts, strict=True))
     return WallSolids(position, rotation, half_size, _wedges(ridges, acute))
+
+
+def _boxes_of(prisms: Floats) -> _Boxes:
+    """Boxes in place of single prisms (n, 8, 3) with square ends, no wider than their facets: openings are near."""
+    flat = _facets(prisms[None])
+    thick = np.sum((prisms[:, 3] - prisms[:, 0]) * flat.axes[2, 0], axis=-1)
+    return _facet_boxes(flat, float(thick.max(initial=0.0)))
 
 
 def _facets(prisms: Floats) -> _Facets:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
@@ -12,7 +11,7 @@ import numpy as np
 from pipenav.arrays import Floats
 from pipenav.pipes.corner_lines import ARC_TOLERANCE
 from pipenav.pipes.corner_solids import MESH_GRID_MM, Faces, Mesh, mesh_of, round_angles
-from pipenav.pipes.pipe_system import Fitting, PipeSystem, Strand, StrandEnd, polygon_angles, stations
+from pipenav.pipes.pipe_system import Fitting, PipeSystem, Polygon, Strand, StrandEnd, leg_rings, stations
 from pipenav.pipes.route import PipeRoute
 from pipenav.units import mm_to_m
 
@@ -64,30 +63,58 @@ def fitting_boards_mesh(route: PipeRoute) -> Mesh:
     return _mesh(boards.translate((0.0, 0.0, -route.diameter / 2)))
 
 
-def system_wall_pieces(system: PipeSystem, facets: int, thickness: float, deviation: float) -> list[ConvexPiece]:
-    """The wall of a system as convex pieces: each pipe's prisms without the bores of its fittings' other pipes.
+class StrandWall(NamedTuple):
+    """The wall of a strand.
+
+    Attributes:
+        prisms: whole prisms, (pieces, sides, 8, 3) [m], one piece after the other along the strand.
+        uncut: prisms beside a fitting that reach into no other pipe's bore, (n, 8, 3) [m].
+        cut: what other pipes' bores leave of the prisms beside a fitting, and the discs of caps.
+    """
+
+    prisms: Floats
+    uncut: Floats
+    cut: list[ConvexPiece]
+
+
+def strand_walls(system: PipeSystem, polygon: Polygon, thickness: float, deviation: float) -> list[StrandWall]:
+    """The wall of every strand: its prisms without the bores of its fittings' other pipes.
 
     Args:
         system: the system.
-        facets: sides of the polygon that stands for the bore.
+        polygon: section of the bore.
         thickness: thickness of the wall [m].
-        deviation: largest distance between a bend and the chords of its prisms, as a share of the bore's radius.
+        deviation: see `bend_chords`.
     """
-    bores = [_bores(fitting, facets) for fitting in system.fittings]
-    around, to_corner = polygon_angles(facets), 1 / math.cos(math.pi / facets)
-    pieces: list[ConvexPiece] = []
+    bores = [_bores(fitting, polygon) for fitting in system.fittings]
+    walls = []
     for strand in system.strands:
-        legs = strand.legs
-        chords = legs.chords(float(legs.radius.max()), deviation * float(legs.radius.min()))
-        near, far = (legs.lines(r[None] * to_corner, around, chords) for r in (legs.radius, legs.radius + thickness))
-        ring = np.stack([near, np.roll(near, -1, 0), np.roll(far, -1, 0), far], axis=2)
-        rings = ring.swapaxes(0, 1)  # (stations, facets, 4, 3)
+        rings = leg_rings(strand.legs, polygon, thickness, deviation)
+        whole, uncut, cut = [], [], []
         for prisms, ends in _prisms(system, strand, rings, thickness):
+            if not ends:
+                whole.append(prisms)
+                continue
             for prism in prisms:
-                pieces += _without(prism, [bore for end in ends for bore in _others(bores, end)])
-        for end, edge in ((strand.start, far[:, 0]), (strand.end, far[:, -1])):
+                parts = _without(prism, [bore for end in ends for bore in _others(bores, end)])
+                if len(parts) == 1 and parts[0].vertices is prism:
+                    uncut.append(prism)
+                else:
+                    cut += parts
+        for end, edge in ((strand.start, rings[0, :, 3]), (strand.end, rings[-1, :, 3])):
             if end.closed:
-                pieces.append(_hull(np.concatenate([edge, edge + thickness * end.direction])))
+                cut.append(_hull(np.concatenate([edge, edge + thickness * end.direction])))
+        shape = (-1, *rings.shape[1:2], 8, 3)
+        walls.append(StrandWall(np.array(whole).reshape(shape), np.array(uncut).reshape(-1, 8, 3), cut))
+    return walls
+
+
+def system_wall_pieces(system: PipeSystem, polygon: Polygon, thickness: float, deviation: float) -> list[ConvexPiece]:
+    """The wall of a system as convex pieces, see `strand_walls`."""
+    pieces: list[ConvexPiece] = []
+    for wall in strand_walls(system, polygon, thickness, deviation):
+        prisms = [*wall.prisms.reshape(-1, 8, 3), *wall.uncut]
+        pieces += [*(ConvexPiece(prism, PRISM_FACES) for prism in prisms), *wall.cut]
     return pieces
 
 
@@ -182,15 +209,20 @@ class _Bore(NamedTuple):
     offsets: Floats
 
 
-def _bores(fitting: Fitting, facets: int) -> list[_Bore]:
+def _bores(fitting: Fitting, polygon: Polygon) -> list[_Bore]:
     """Bores of the pipes of a fitting."""
-    around = np.arange(facets) * 2 * math.pi / facets
+    around = polygon.middles
     bores = []
     for axes, radius in zip(fitting.axes, fitting.radius.tolist(), strict=True):
         along, left, up = axes.T
         sides = np.cos(around)[:, None] * left + np.sin(around)[:, None] * up
         normals = np.concatenate([-along[None], sides])
-        bores.append(_Bore(normals, normals @ fitting.centre + np.append(0.0, np.full(facets, radius))))
+        bores.append(
+            _Bore(
+                normals,
+                normals @ fitting.centre + np.append(0.0, np.full(polygon.sides, radius * (1 - polygon.inside))),
+            )
+        )
     return bores
 
 

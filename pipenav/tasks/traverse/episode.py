@@ -87,7 +87,7 @@ def sample(
         low, high = np.deg2rad(config.inclination_deg)
         direction = low + (high - low) * inclination
         gravity = GRAVITY * np.stack([np.cos(direction), np.sin(direction)], axis=1)
-        in_space[:, 2] = -GRAVITY  # the first leg is level
+        in_space = GRAVITY * np.array([pipe.down for pipe in pipes]).reshape(k, 3)
     return TraverseEpisodes(roomy, q, base, gravity, in_space)
 
 
