@@ -185,7 +185,7 @@ def test_what_is_not_a_route_folder_stays(tmp_path: Path) -> None:
         ({"schema": 3}, ConfigError, "schema 3: this version of pipenav reads schema 1 and 2"),
         ({"diameter_mm": 90}, ConfigError, "diameter_mm 90 contradicts"),
         ({"straights_mm": [1, 2]}, ConfigError, r"straights_mm \[1, 2\] contradicts"),
-        ({"corners": []}, ConfigError, "corners: tuple should have at least 1 item"),
+        ({"corners": []}, ConfigError, "corners: list should have at least 1 item"),
         ({"corners": 3}, ConfigError, "corners: input should be a list"),
         ({"corners": [3]}, ConfigError, "corners.0: input should be"),
         ({"straights_m": ["long"]}, ConfigError, "straights.0: input should be a valid number"),
