@@ -148,6 +148,8 @@ def test_makes_an_s_bend_of_a_corner(tmp_path: Path) -> None:
         (("--run", "runs-level:1", "--s-bend"), "leave out --s-bend."),
         (("--d", 100, "--to-d", 80, "--angle", 90), "a reducer goes straight on: leave out --angle."),
         (("--d", 100, "--angle", 90, "--over", 50), "--over is the length of a reducer, which --to-d makes: leave out"),
+        (("--d", 100, "--to-d", 100), "--to-d 100 is the diameter before the reducer too: give another one."),
+        (("--d", 100, "--angle", 180, "--s-bend"), "an angle of 180 deg makes no S-bend: give a smaller one"),
         (("--to-d", 80), "--d missing: give the diameter before the reducer too."),
         (
             ("--d", 100),

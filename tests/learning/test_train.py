@@ -304,6 +304,21 @@ def test_a_start_that_does_not_fit_is_refused_before_anything_is_written(
     assert not new.exists()
 
 
+@pytest.mark.parametrize(
+    "options",
+    [("--set", "seed=1", "--set", " seed = 2"), ("--set", "seed=1", "--seed", "2")],
+    ids=["two", "and-option"],
+)
+def test_a_key_is_set_once(options: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
+    assert "seed is set twice, again by --set" in refused(capsys, *options)
+
+
+def test_resume_refuses_fewer_steps_than_are_done(run: TrainingFolder, capsys: pytest.CaptureFixture[str]) -> None:
+    before = run.config.read_bytes()
+    assert "steps behind it, given --steps 7: give more" in refused(capsys, "--resume", str(run.path), "--steps", "7")
+    assert run.config.read_bytes() == before
+
+
 def test_resume_checks_its_steps(run: TrainingFolder, capsys: pytest.CaptureFixture[str]) -> None:
     assert "steps: input should be greater than" in refused(capsys, "--resume", str(run.path), "--steps", "0")
 
