@@ -1,4 +1,4 @@
-"""Where robots in space are: the planar chain, whose front half is turned by the roll joint, in a free frame."""
+"""Poses of robots in space: the planar chain, whose front half is turned by the roll joint, in a free frame."""
 
 from __future__ import annotations
 
