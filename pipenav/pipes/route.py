@@ -17,21 +17,12 @@ from pydantic import Field, model_validator
 
 from pipenav.arrays import Flags, Floats, Ints
 from pipenav.errors import PipenavError
+from pipenav.pipes import route_checks
 from pipenav.pipes.branch_pipes import BranchPipes, make_branches, meeting_branch, way_past
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.corner_checks import check_range, default_leg
 from pipenav.pipes.pipe import DEFAULT_WALL, LegFrames, Pipe, WallSide
 from pipenav.pipes.rotations import about_x, in_space
-from pipenav.pipes.route_checks import (
-    MAX_CORNERS,
-    SLOPE_RANGE_DEG,
-    BranchMeets,
-    StraightsMeet,
-    check_corner_count,
-    check_numbers,
-    check_straights,
-    shortest_straights,
-)
 from pipenav.pipes.route_corner import Corner, corner_of, leg_diameters
 from pipenav.pipes.route_ends import PLAIN_ENDS, RouteEnds
 from pipenav.pipes.route_legs import Frames, Legs, frozen, make_legs
@@ -57,7 +48,7 @@ class PipeRoute(Pipe):
         slope: angle by which the first leg climbs, where the route lies in space [rad]; its left stays level.
     """
 
-    corners: tuple[Corner, ...] = Field(min_length=1, max_length=MAX_CORNERS)
+    corners: tuple[Corner, ...] = Field(min_length=1, max_length=route_checks.MAX_CORNERS)
     straights: tuple[float, ...]
     capped: bool = False
     slope: float = 0.0
@@ -83,7 +74,7 @@ class PipeRoute(Pipe):
             CrossesItself: legs that are no neighbours would meet, or nearly so.
             PipenavError: an unknown turn, a wrong number of corners or straights.
         """
-        check_corner_count(len(corners))
+        route_checks.check_corner_count(len(corners))
         made = tuple(corner_of(*corner) for corner in corners)
         given = [None] * (len(made) + 1) if straights_mm is None else straights_mm
         wall = DEFAULT_WALL if wall_mm is None else mm_to_m(wall_mm)
@@ -110,8 +101,10 @@ class PipeRoute(Pipe):
         Raises:
             PipenavError: as `of`.
         """
-        check_numbers(diameter, corners, len(straights_mm), wall)  # before the straights, whose defaults follow
-        least = shortest_straights(diameter, corners, wall)
+        route_checks.check_numbers(
+            diameter, corners, len(straights_mm), wall
+        )  # before the straights, whose defaults follow
+        least = route_checks.shortest_straights(diameter, corners, wall)
         diameters = leg_diameters(diameter, corners).tolist()
         straights = tuple(
             default_leg(shortest, own) if mm is None else mm_to_m(mm)
@@ -131,15 +124,17 @@ class PipeRoute(Pipe):
 
     @model_validator(mode="after")
     def _possible(self) -> Self:
-        check_numbers(self.diameter, self.corners, len(self.straights), self.wall)
-        check_range("slope", rad_to_deg(self.slope), *SLOPE_RANGE_DEG, "deg")
-        check_straights(self.straights, shortest_straights(self.diameter, self.corners, self.wall))
+        route_checks.check_numbers(self.diameter, self.corners, len(self.straights), self.wall)
+        check_range("slope", rad_to_deg(self.slope), *route_checks.SLOPE_RANGE_DEG, "deg")
+        route_checks.check_straights(
+            self.straights, route_checks.shortest_straights(self.diameter, self.corners, self.wall)
+        )
         met = self.legs.meeting(self.legs.radius + self.wall)
         if met:
-            raise StraightsMeet(met.first + 1, met.second + 1)
+            raise route_checks.StraightsMeet(met.first + 1, met.second + 1)
         branch = meeting_branch(self.branches, self.legs.rods(self.legs.radius + self.wall), self.wall)
         if branch:
-            raise BranchMeets(branch.corner + 1, branch.other)
+            raise route_checks.BranchMeets(branch.corner + 1, branch.other)
         return self
 
     def __hash__(self) -> int:

@@ -148,9 +148,9 @@ class _Stream(NamedTuple):
     draw: Callable[[], float]
 
     def of(self, values: Sequence[T]) -> T:
-        """One of some values, drawn even where there is only one."""
+        """A value of some, drawn even where there is only one."""
         return values[int(self.draw() * len(values))]
 
     def choice(self, values: Sequence[T]) -> T:
-        """One of some values; a single kind of value is not drawn."""
+        """A value of some; where all are equal, nothing is drawn."""
         return values[0] if len(set(values)) == 1 else self.of(values)
