@@ -126,14 +126,12 @@ class PipeRoute(Pipe):
     def _possible(self) -> Self:
         route_checks.check_numbers(self.diameter, self.corners, len(self.straights), self.wall)
         check_range("slope", rad_to_deg(self.slope), *route_checks.SLOPE_RANGE_DEG, "deg")
-        route_checks.check_straights(
-            self.straights, route_checks.shortest_straights(self.diameter, self.corners, self.wall)
-        )
-        met = self.legs.meeting(self.legs.radius + self.wall)
-        if met:
+        least = route_checks.shortest_straights(self.diameter, self.corners, self.wall)
+        route_checks.check_straights(self.straights, least)
+        outside = self.legs.radius + self.wall
+        if met := self.legs.meeting(outside):
             raise route_checks.StraightsMeet(met.first + 1, met.second + 1)
-        branch = meeting_branch(self.branches, self.legs.rods(self.legs.radius + self.wall), self.wall)
-        if branch:
+        if branch := meeting_branch(self.branches, self.legs.rods(outside), self.wall):
             raise route_checks.BranchMeets(branch.corner + 1, branch.other)
         return self
 
