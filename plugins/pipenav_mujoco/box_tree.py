@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipenav.arrays import Floats, Ints
-from pipenav_mujoco.space_pose import rotation
+from pipenav.robots import space_kinematics
 
 SOUGHT = 0.03
 """Size of what is looked for in the tree [m]: a wheel or a link."""
@@ -93,7 +93,7 @@ def _volumes(low: Floats, high: Floats) -> Floats:
 
 
 def _bounds(model: Any, geoms: Ints) -> _Bounds:
-    turned = rotation(model.geom_quat[geoms])
+    turned = space_kinematics.rotation(model.geom_quat[geoms])
     middle = model.geom_pos[geoms] + (turned @ model.geom_aabb[geoms, :3, None])[..., 0]
     half = (np.abs(turned) @ model.geom_aabb[geoms, 3:, None])[..., 0]
     return _Bounds(middle - half, middle + half)

@@ -9,9 +9,8 @@ import numpy as np
 from pipenav.arrays import Floats, Ints
 from pipenav.backends import HALVES, Reading, SpaceBackend, SpaceReading, SpaceTruth, Windows, strongest
 from pipenav.pipes import PipeRoute
-from pipenav.robots import BASE, RobotSpec, laser
+from pipenav.robots import BASE, RobotSpec, laser, space_kinematics
 from pipenav_mujoco.space_batch import SpaceBatch, SpaceSettings
-from pipenav_mujoco.space_pose import SpacePose, space_pose
 from pipenav_mujoco.space_walls import WALL_GROUP
 from pipenav_mujoco.viewer import ASLANT, Marks, MujocoViewer
 
@@ -36,7 +35,7 @@ class MujocoSpace(SpaceBackend):
         self._gravity, self._turned = np.zeros((n, 3)), np.zeros((n, HALVES, 3))
         self._loads, self._ranges = np.zeros((n, len(robot.driven_actuators))), np.zeros((n, robot.laser.beams))
         self._depth, self._contact_share, self._link_forces = np.zeros(n), np.zeros(n), np.zeros((n, len(links), 3))
-        self._pose: SpacePose | None = None
+        self._pose: space_kinematics.SpacePose | None = None
 
     def incline(self, indices: Ints, gravity: Floats) -> None:
         self._gravity[indices] = gravity
@@ -46,9 +45,7 @@ class MujocoSpace(SpaceBackend):
         for values in (self._loads, self._turned, self._depth, self._contact_share, self._link_forces):
             values[indices] = 0.0
         views = self._batch.views
-        x, y, heading = q[:, : len(BASE)].T
-        views.qpos[indices, :3] = np.stack([x + base, y * np.cos(plane), y * np.sin(plane)], axis=1)
-        views.qpos[indices, 3:7] = _turned_about_x_then_z(plane, heading)
+        views.qpos[indices, :7] = space_kinematics.placed(q, base, plane)
         views.qpos[np.ix_(indices, views.joints)] = q[:, len(BASE) :]
         if self._settings.gravity is not None:
             self._gravity[indices] = 0.0, 0.0, -self._settings.gravity
@@ -76,12 +73,12 @@ class MujocoSpace(SpaceBackend):
         forces[:, :, self._bearing] += means[:, :, links + 1 :]  # a wheel's force is its link's
         self._link_forces = -strongest(forces)  # the sensors give what the link does to the wall
 
-    def _own_pose(self) -> SpacePose:
+    def _own_pose(self) -> space_kinematics.SpacePose:
         """Pose of all robots now, computed once after each step."""
         if self._pose is None:
             views = self._batch.views
             state = views.qpos[:, :7], views.qpos[:, views.joints], views.qpos[:, views.roll]
-            self._pose = space_pose(self._robot, *state)
+            self._pose = space_kinematics.forward(self._robot, *state)
         return self._pose
 
     def _beams(self) -> Floats:
@@ -129,9 +126,3 @@ class MujocoSpace(SpaceBackend):
 
     def close(self) -> None:
         self._batch.close()
-
-
-def _turned_about_x_then_z(plane: Floats, heading: Floats) -> Floats:
-    """Quaternions of frames that are turned about x, and then about their own z, (k, 4)."""
-    (cx, sx), (cz, sz) = ((np.cos(angle / 2), np.sin(angle / 2)) for angle in (plane, heading))
-    return np.stack([cx * cz, sx * cz, -sx * sz, cx * sz], axis=1)

@@ -82,8 +82,7 @@ def _park(spec: Any, bodies: list[Any], solids: WallSolids, legs: int, layout: L
     """Add parked geoms up to the layout, at least one to each body that is no leg's."""
     parked = {"group": HIDDEN_GROUP, **PARKED_TOUCHES}
     spare = bodies[legs:]
-    count = layout.boxes + len(bodies) - len(solids.position)
-    for i in range(count):
+    for i in range(layout.boxes + len(bodies) - len(solids.position)):
         _add_box(spare[min(i, len(spare) - 1)], [0.01] * 3, parked)
     used = Counter(len(hull) for hull in solids.hulls)
     for vertices, room in layout.hulls:

@@ -1,4 +1,4 @@
-"""Where robots in space are: the planar chain, whose front half is turned by the roll joint, in a free frame."""
+"""Poses of robots in space: the planar chain, whose front half is turned by the roll joint, in a free frame."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from pipenav.arrays import Floats
-from pipenav.robots import BASE, RobotSpec, kinematics
+from pipenav.robots import kinematics
+from pipenav.robots.robot import BASE, RobotSpec
 
 
 class SpacePose(NamedTuple):
@@ -24,8 +25,24 @@ class SpacePose(NamedTuple):
     tip: Floats
 
 
-def space_pose(robot: RobotSpec, base: Floats, q: Floats, roll: Floats) -> SpacePose:
-    """Poses of robots.
+def placed(q: Floats, base: Floats, plane: Floats) -> Floats:
+    """Position [m] and quaternion of the first link of robots that lie in a plane, (k, 7).
+
+    Args:
+        q: configurations in the robots' frames, (k, coordinates) [rad or m].
+        base: origin of each robot's frame on the first leg's axis, (k,) [m].
+        plane: angle of each robot's plane about that axis, (k,) [rad].
+    """
+    x, y, heading = q[:, : len(BASE)].T
+    (cx, sx), (cz, sz) = ((np.cos(angle / 2), np.sin(angle / 2)) for angle in (plane, heading))
+    position = [x + base, y * np.cos(plane), y * np.sin(plane)]
+    return np.stack(
+        [*position, cx * cz, sx * cz, -sx * sz, cx * sz], axis=1
+    )  # turned about x, and then about its own z
+
+
+def forward(robot: RobotSpec, base: Floats, q: Floats, roll: Floats) -> SpacePose:
+    """Poses of all links.
 
     Args:
         robot: the robot, with a roll joint.
