@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -15,6 +16,7 @@ from pipenav.backends import CONTROL_PERIOD, PARKED
 from pipenav.pipes import PipeRoute
 from pipenav.robots import RobotSpec
 from pipenav_mujoco.box_tree import split_well
+from pipenav_mujoco.leg_boxes import LegBoxes
 from pipenav_mujoco.model import Contact, compiled
 from pipenav_mujoco.space_model import space_spec
 from pipenav_mujoco.space_walls import WALL_GROUP, Layout, leg_name
@@ -76,7 +78,8 @@ class SpaceBatch:
     """The models of n robots, each in its route, and their batch.
 
     A route that needs a larger layout than those before makes all models anew; the robots stay where they are. Until a
-    robot gets its route it is parked.
+    robot gets its route it is parked. Walls of legs that a robot cannot reach within a control period are left out of
+    its collisions, which alters nothing but the time that it takes.
     """
 
     def __init__(self, robot: RobotSpec, n: int, settings: SpaceSettings) -> None:
@@ -86,6 +89,11 @@ class SpaceBatch:
         self._routes: list[PipeRoute] = []
         self._layout_of = lru_cache(maxsize=max(64, n))(Layout.of)
         self._compiled = lru_cache(maxsize=max(64, n))(self._compile)
+        self._among = lru_cache(maxsize=max(512, 8 * n))(self._among_legs)
+        self._models: list[Any] = []
+        self._first_leg = 0
+        self._boxes: LegBoxes | None = None
+        self._reached = np.zeros((n, 0), bool)
         self._record: dict[Any, Any] = {}
 
     def _compile(self, route: PipeRoute, layout: Layout) -> Any:
@@ -94,6 +102,15 @@ class SpaceBatch:
         model = compiled(spec, self._robot)
         for leg in range(len(route.straights)):
             split_well(model, model.body(leg_name(leg)).id)
+        parked = slice(model.body(leg_name(len(route.straights))).id, model.nbody)
+        model.body_contype[parked] = model.body_conaffinity[parked] = 0  # they have served: the trees have their sizes
+        return model
+
+    def _among_legs(self, route: PipeRoute, layout: Layout, legs: tuple[bool, ...]) -> Any:
+        """Model of a route in which the robot meets the walls of some legs alone."""
+        model = copy.copy(self._compiled(route, layout))
+        far = np.flatnonzero(~np.array(legs)) + model.body(leg_name(0)).id
+        model.body_contype[far] = model.body_conaffinity[far] = 0
         return model
 
     @property
@@ -118,16 +135,35 @@ class SpaceBatch:
             needed = self._layout_of(route)
             self._layout = needed if self._layout is None else self._layout.union(needed)
         assert self._layout is not None
-        models = [self._compiled(route, self._layout) for route in self._routes]
-        if self._layout != before:
-            self._open(models[0])
-        self.views.batch.set_models(models)
+        if self._layout == before:
+            self._take(indices)
+        else:
+            self._open(self._compiled(routes[0], self._layout))
+            self._take(np.arange(self._n))
+        self.views.batch.set_models(self._models)
         for values in self.views.own:
             values[indices] = 0.0
+
+    def _take(self, indices: Ints) -> None:
+        """Take the models of some robots' routes, with all of their legs."""
+        assert self._layout is not None and self._boxes is not None
+        models = [self._compiled(self._routes[i], self._layout) for i in indices]
+        for i, model in zip(indices, models, strict=True):
+            self._models[i] = model
+        for values, of_models in zip(
+            self._boxes, self._boxes.of(models, self._first_leg, self._layout.legs), strict=True
+        ):
+            values[indices] = of_models
+        self._reached[indices] = True
 
     def _open(self, model: Any) -> None:
         """Open a batch for models of a new layout, and take the state over from the one before."""
         robot, settings, before = self._robot, self._settings, self._views
+        assert self._layout is not None
+        self._first_leg, legs = model.body(leg_name(0)).id, self._layout.legs
+        self._models = [model] * self._n
+        self._boxes = LegBoxes.of(self._models, self._first_leg, legs)
+        self._reached = np.ones((self._n, legs), bool)
         self._views = views = Views(robot, model, self._n, settings.threads)
         self._record = {"sensordata": np.zeros((self._n, settings.substeps, model.nsensordata))}
         if before is None:
@@ -137,10 +173,30 @@ class SpaceBatch:
             values[:] = values_before
         views.pull[:, views.moving] = before.pull[:, before.moving]
 
+    def come_near(self, points: Floats) -> None:
+        """Let robots at these points (n, p, 3) meet the legs that they can reach in the next control period."""
+        assert self._boxes is not None and self._layout is not None
+        reached = self._boxes.within_reach(points)
+        changed = np.flatnonzero((reached != self._reached).any(axis=1))
+        for i in changed:
+            self._models[i] = self._among(self._routes[i], self._layout, tuple(reached[i].tolist()))
+        if len(changed):
+            self.views.batch.set_models(self._models)
+        self._reached = reached
+
     def step(self) -> Floats:
         """Advance all robots by a control period; return the sensors of every physics step, (n, substeps, sensors)."""
         self.views.batch.rollout(self._settings.substeps, record=("sensordata",), out=self._record)
         return np.asarray(self._record["sensordata"])
+
+    def repeat(self, indices: Ints, states: Floats) -> None:
+        """Advance some robots anew among all walls, from the states (k, size) that they were in."""
+        self._take(indices)
+        batch = self.views.batch
+        batch.set_models(self._models)
+        batch.state[indices] = states
+        record = batch.rollout(self._settings.substeps, record=("sensordata",), ids=indices)
+        self._record["sensordata"][indices] = record["sensordata"]
 
     def distances(self, origins: Floats, directions: Floats, indices: Ints) -> Floats:
         """Distances from points (k, 1, 3) along unit vectors (k, beams, 3) to the walls of k robots, inf for none.
@@ -159,3 +215,4 @@ class SpaceBatch:
         """Release the batch and all models."""
         self._views, self._routes = None, []
         self._compiled.cache_clear()
+        self._among.cache_clear()

@@ -39,6 +39,7 @@ def space_spec(robot: RobotSpec, route: PipeRoute, layout: Layout, timestep: flo
     spec = new_spec(robot, timestep)
     midphase = mujoco.mjtDisableBit.mjDSBL_MIDPHASE
     spec.option.disableflags &= ~int(midphase)  # the body of a leg has many geoms
+    spec.option.jacobian = mujoco.mjtJacobian.mjJAC_SPARSE  # a contact moves part of the chain: a tenth faster
     parent, offset = spec.worldbody, 0.0
     for link in robot.links:
         body = parent.add_body(name=link.name, pos=[offset, 0, 0])
