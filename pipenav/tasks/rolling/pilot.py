@@ -185,10 +185,12 @@ class Pilot:
         self._roll_or_approach(np.flatnonzero(has_room | is_back | rolled), reading)
 
     def _ends(self, reading: SpaceReading) -> Flags:
-        """Whether the straight of each robot that rolls forward ends ahead, (n,)."""
-        body, radius, forward = reading.body, self._drawings.radius[self._every, self.corner], self._forward
+        """Whether the straight of each robot that rolls forward ends ahead, (n,); no laser sees a narrower bore."""
+        at, forward = (self._every, self.corner), self._forward
+        body, radius = reading.body, self._drawings.radius[at]
         seen = senses.sees_end(self._robot, body.q, body.ranges, radius, forward.zigzag_sign)
-        return np.asarray(self._rolls_forward & forward.clamped & (seen | self._place.reaches(self.corner)))
+        reached = self._drawings.reducer[at] & self._place.reaches(self.corner)
+        return np.asarray(self._rolls_forward & forward.clamped & (seen | reached))
 
     def _go(self, leaving: Ints, backing: Ints, reading: SpaceReading) -> None:
         """Let some robots roll on from a corner that is behind, and some back from where they stalled."""

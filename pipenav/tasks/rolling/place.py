@@ -20,10 +20,6 @@ from pipenav.tasks.rolling.drawings import Drawings
 AHEAD = 0.1
 """Distance of the tip from a corner's begin when the laser has seen it, and at the start of an episode [m]."""
 
-LATE = 0.15
-"""Distance of the tip past a corner's begin, by the wheels, when the corner is here though the laser has not seen it: a
-robot whose plane is not quite the corner's may roll into it unseen [m]."""
-
 BEHIND, MOSTLY = 0.85, 0.6
 """Shares of a corner's turn angle by which the rear half must have turned for the corner to count as behind: where
 nothing else is known, and where the robot has also rolled `FAR`."""
@@ -80,10 +76,9 @@ class Place:
         self.middle += np.where(stays, 0.0, rolled_distance(self._robot, bends, wheel_speeds))
 
     def reaches(self, corner: Ints) -> Flags:
-        """Whether the tip of each robot is at its corner by the wheels alone, (n,); no laser sees a narrower bore."""
-        at = self._every, corner
-        past = self.middle + self._drawings.reach[at] - self._drawings.begin[at]
-        return np.asarray(past >= np.where(self._drawings.reducer[at], -AHEAD, LATE))
+        """Whether the tip of each robot is at its corner's begin, (n,)."""
+        tip = self.middle + self._drawings.reach[self._every, corner]
+        return np.asarray(tip >= self._drawings.begin[self._every, corner] - AHEAD)
 
     def behind(self, corner: Ints, plane: Floats) -> Flags:
         """Whether the passage that each robot's corner belongs to is behind it, (n,).
