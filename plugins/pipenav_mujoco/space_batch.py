@@ -126,6 +126,8 @@ class SpaceBatch:
 
     def put(self, indices: Ints, routes: Sequence[PipeRoute]) -> None:
         """Give some robots the models of their routes, with all of their state zero."""
+        if not routes:
+            return
         if not self._routes:
             self._routes = [routes[0]] * self._n
         for i, route in zip(indices, routes, strict=True):
@@ -150,9 +152,8 @@ class SpaceBatch:
         models = [self._compiled(self._routes[i], self._layout) for i in indices]
         for i, model in zip(indices, models, strict=True):
             self._models[i] = model
-        for values, of_models in zip(
-            self._boxes, self._boxes.of(models, self._first_leg, self._layout.legs), strict=True
-        ):
+        boxes = LegBoxes.of(models, self._first_leg, self._layout.legs)
+        for values, of_models in zip(self._boxes, boxes, strict=True):
             values[indices] = of_models
         self._reached[indices] = True
 
