@@ -46,7 +46,7 @@ class WallSolids(NamedTuple):
         position: middles of the boxes, (boxes, 3) [m].
         rotation: axes of the boxes as columns: along the wall, around the bore, and into the wall, (boxes, 3, 3).
         half_size: half lengths of the boxes along their axes, (boxes, 3) [m].
-        hulls: vertices of the other solids, each (vertices, 3) [m].
+        hulls: corners of the other solids, each (corners, 3) [m]; none lies within the hull of the others.
     """
 
     position: Floats

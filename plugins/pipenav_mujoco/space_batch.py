@@ -91,6 +91,7 @@ class SpaceBatch:
         self._compiled = lru_cache(maxsize=max(64, n))(self._compile)
         self._among = lru_cache(maxsize=max(512, 8 * n))(self._among_legs)
         self._models: list[Any] = []
+        self._first_leg = 0
         self._boxes: LegBoxes | None = None
         self._reached = np.zeros((n, 0), bool)
         self._record: dict[Any, Any] = {}
@@ -125,6 +126,8 @@ class SpaceBatch:
 
     def put(self, indices: Ints, routes: Sequence[PipeRoute]) -> None:
         """Give some robots the models of their routes, with all of their state zero."""
+        if not routes:
+            return
         if not self._routes:
             self._routes = [routes[0]] * self._n
         for i, route in zip(indices, routes, strict=True):
@@ -134,19 +137,34 @@ class SpaceBatch:
             needed = self._layout_of(route)
             self._layout = needed if self._layout is None else self._layout.union(needed)
         assert self._layout is not None
-        models = [self._compiled(route, self._layout) for route in self._routes]
-        if self._layout != before:
-            self._open(models[0])
-        self._boxes = LegBoxes.of(models, models[0].body(leg_name(0)).id, self._layout.legs)
-        self._reached = np.zeros((self._n, self._layout.legs), bool)
-        self._models = models
-        self.views.batch.set_models(models)
+        if self._layout == before:
+            self._take(indices)
+        else:
+            self._open(self._compiled(routes[0], self._layout))
+            self._take(np.arange(self._n))
+        self.views.batch.set_models(self._models)
         for values in self.views.own:
             values[indices] = 0.0
+
+    def _take(self, indices: Ints) -> None:
+        """Take the models of some robots' routes, with all of their legs."""
+        assert self._layout is not None and self._boxes is not None
+        models = [self._compiled(self._routes[i], self._layout) for i in indices]
+        for i, model in zip(indices, models, strict=True):
+            self._models[i] = model
+        boxes = LegBoxes.of(models, self._first_leg, self._layout.legs)
+        for values, of_models in zip(self._boxes, boxes, strict=True):
+            values[indices] = of_models
+        self._reached[indices] = True
 
     def _open(self, model: Any) -> None:
         """Open a batch for models of a new layout, and take the state over from the one before."""
         robot, settings, before = self._robot, self._settings, self._views
+        assert self._layout is not None
+        self._first_leg, legs = model.body(leg_name(0)).id, self._layout.legs
+        self._models = [model] * self._n
+        self._boxes = LegBoxes.of(self._models, self._first_leg, legs)
+        self._reached = np.ones((self._n, legs), bool)
         self._views = views = Views(robot, model, self._n, settings.threads)
         self._record = {"sensordata": np.zeros((self._n, settings.substeps, model.nsensordata))}
         if before is None:
@@ -174,10 +192,7 @@ class SpaceBatch:
 
     def repeat(self, indices: Ints, states: Floats) -> None:
         """Advance some robots anew among all walls, from the states (k, size) that they were in."""
-        assert self._layout is not None
-        for i in indices:
-            self._models[i] = self._compiled(self._routes[i], self._layout)
-        self._reached[indices] = True
+        self._take(indices)
         batch = self.views.batch
         batch.set_models(self._models)
         batch.state[indices] = states

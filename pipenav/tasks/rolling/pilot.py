@@ -206,6 +206,7 @@ class Pilot:
         """Let the policy drive in the next corner, or in the one before where that was not behind."""
         self._begin(arriving, Mode.CORNER)
         self.corner[returning] -= 1
+        self._place.return_to(returning, self.corner[returning])
         self._retries[returning] += 1
         self._begin(returning, Mode.CORNER)
         self._steps_seen[returning] = -STALL

@@ -29,8 +29,9 @@ NEARLY = math.radians(15.0)
 reducer, when that counts as behind; twice as much where the robot has rolled `FAR`."""
 
 CLOSE, FAR = 0.1, 0.15
-"""Distance from the rear end to a passage's end, ahead, when the passage may count as behind, and distance past it,
-by which the rear end is likely to be outside however the wheels slipped [m]."""
+"""Distance from the rear end to a passage's end, ahead, when the passage may count as behind (behind a reducer the rear
+end must be as far past, as no wheel clamps in a cone), and distance past it, by which the rear end is likely to be
+outside however the wheels slipped [m]."""
 
 
 class Place:
@@ -93,7 +94,8 @@ class Place:
         past = self.middle - drawings.reach[at] - drawings.end[self._every, last]
         far, away = past >= FAR, np.abs(turned - net_turn)
         alone = (turned >= BEHIND * net_turn) | (far & (turned >= MOSTLY * net_turn))
-        several = (past >= -CLOSE) & (away <= np.where(far, 2 * NEARLY, NEARLY))
+        needed = np.where(drawings.reducer[self._every, last], CLOSE, -CLOSE)
+        several = (past >= needed) & (away <= np.where(far, 2 * NEARLY, NEARLY))
         return np.where((first == last) & ~drawings.reducer[at], alone, several)
 
     def corner_in_passage(self, corner: Ints) -> Ints:
@@ -126,3 +128,8 @@ class Place:
             values[rows, corner] for values in (self._drawings.begin, self._drawings.end, self._drawings.reach)
         )
         self.middle[rows] = np.clip(self.middle[rows] - reach, (begin + end) / 2, end + CLOSE) + reach
+
+    def return_to(self, rows: Ints, corner: Ints) -> None:
+        """Let some robots know that the corners (k,) are not behind after all: their rear ends are still before."""
+        reach, end = self._drawings.reach[rows, corner], self._drawings.end[rows, corner]
+        self.middle[rows] = np.minimum(self.middle[rows], end + reach - 2 * CLOSE)

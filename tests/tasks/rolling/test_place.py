@@ -99,3 +99,12 @@ def test_the_laser_puts_the_place_right_at_a_corner_and_its_turn_does_behind_it(
         place.middle[:] = end + reach + off
         place.leave(ONE, second)
         assert begin <= place.middle[0] - reach <= end + 0.2
+
+
+def test_the_wheels_say_that_a_corner_is_here_shortly_before_the_tip_reaches_it() -> None:
+    for route in parse_routes(["reducers"]):
+        drawn = drawings(route)
+        place = Place(ROBOT, drawn, 1)
+        for past, here in [(-0.2, False), (-0.05, True), (0.2, True)]:
+            place.middle[:] = drawn.begin[0, 0] - drawn.reach[0, 0] + past
+            assert place.reaches(CORNER) == here
