@@ -11,10 +11,12 @@ class Sight(NamedTuple):
     Attributes:
         text: a line of text.
         target: target in the pipe's frame, (x, y) [m]; None for a task without one, or before it is found.
+        down: unit vector downwards in the pipe's frame, (x, y, z); None where nothing weighs, or it is not known.
     """
 
     text: str = ""
     target: tuple[float, float] | None = None
+    down: tuple[float, float, float] | None = None
 
 
 class Viewer(Protocol):

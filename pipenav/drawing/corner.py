@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pipenav.arrays import Floats
 from pipenav.drawing.dimensions import (
     CENTRE,
     DIMENSION,
@@ -63,11 +64,20 @@ def pipe_figure(pipe: PipeCorner) -> Figure:
 
 def draw_walls(axes: Axes, pipe: Pipe) -> None:
     """Fill the free space and the walls of a planar pipe, in millimetres of its frame."""
-    sides = [(m_to_mm(1.0) * near, m_to_mm(1.0) * far) for near, far in pipe.wall_sides]
-    axes.fill(*np.concatenate([sides[0][0], sides[1][0][::-1]]).T, color=FREE, zorder=1)
-    for (near, far), label in zip(sides, ("wall", None), strict=True):
-        outline = np.concatenate([near, far[::-1]])
+    axes.fill(*m_to_mm(1.0) * free_outline(pipe).T, color=FREE, zorder=1)
+    for i, side in enumerate(pipe.wall_sides):
+        outline = m_to_mm(1.0) * np.concatenate([side.face, side.back[::-1]])
+        label = None if i else "wall"
         axes.fill(*outline.T, facecolor=WALL, edgecolor=WALL, linewidth=0.8, zorder=3, label=label)
+
+
+def free_outline(pipe: Pipe) -> Floats:
+    """Outline of a planar pipe's free space, open ends closed by straight lines, (k, 2) [m]."""
+    segments = pipe.segments
+    joined = (segments[:-1, 1] == segments[1:, 0]).all(axis=1)
+    if not joined.any():  # those of a corner to the right are told from the last one on
+        segments = segments[::-1]
+    return segments.reshape(-1, 2)
 
 
 class _Sketch(DimensionedDrawing):

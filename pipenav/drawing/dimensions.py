@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -26,6 +27,9 @@ INK = "#20262c"
 WIDTH_IN = 8.6
 TALLEST_IN = 10.0
 DPI = 160
+
+TITLE_LETTERS = 62
+"""Most letters in a line of a title."""
 
 
 class Frame(NamedTuple):
@@ -106,7 +110,8 @@ def frame_axes(axes: Axes, low: Floats, high: Floats) -> float:
 
 
 def write_title(axes: Axes, title: str, facts: str) -> None:
-    """Write a title above the axes, and a line of facts between the two."""
+    """Write a title above the axes, in lines that fit above a narrow drawing, and a line of facts between the two."""
+    title = "\n".join(textwrap.wrap(title, TITLE_LETTERS, break_on_hyphens=False))
     axes.set_title(title, loc="left", fontsize=14, fontweight="bold", color=INK, pad=26)
     axes.annotate(facts, (0, 1), (0, 9), xycoords="axes fraction", textcoords="offset points", fontsize=9.5, color=INK)
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from pipenav.arrays import Floats
 from pipenav.drawing.corner import draw_walls
 from pipenav.drawing.dimensions import INK
+from pipenav.drawing.down import down_sign
 from pipenav.pipes.pipe import Pipe
 from pipenav.robots import frames, kinematics
 from pipenav.robots.outline import link_outlines
@@ -49,6 +50,7 @@ class Scene(NamedTuple):
         ranges: laser readings from right to left, (beams,) [m].
         target: target in the pipe's frame, (2,) [m]; None for a task without a target.
         link_forces: forces of the pipe on the links, (links, 2) [N]; None for forces that are not known.
+        gravity: gravity's part in the pipe's plane, (2,) [m/s^2]; None where nothing weighs, or it is not known.
     """
 
     pipe: Pipe
@@ -58,6 +60,7 @@ class Scene(NamedTuple):
     ranges: Floats
     target: Floats | None = None
     link_forces: Floats | None = None
+    gravity: Floats | None = None
 
 
 def draw_scene(axes: Axes, scene: Scene) -> None:
@@ -180,5 +183,8 @@ def scene_pixels(scene: Scene, pixels: int = 480, around: float = 0.4) -> NDArra
     reach = m_to_mm(around)
     axes.set(xlim=(x - reach, x + reach), ylim=(y - reach, y + reach))
     axes.set_axis_off()
+    if scene.gravity is not None and scene.gravity.any():
+        down = np.array([*scene.gravity, 0.0]) / np.linalg.norm(scene.gravity)
+        axes.add_artist(down_sign(down, axes.transAxes, (0.99, 0.99)))
     canvas.draw()
     return np.asarray(canvas.buffer_rgba())[:, :, :3].copy()

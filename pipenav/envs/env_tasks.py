@@ -76,7 +76,8 @@ def _corner_scene(batch: ReachBatch, episodes: ReachEpisodes, i: int) -> Scene:
 
 
 def _traverse_scene(batch: TraverseBatch, episodes: TraverseEpisodes, i: int) -> Scene:
-    return Scene(episodes.pipes[0], batch.robot, float(episodes.base[0]), batch.q[i], np.array(batch.ranges[i]))
+    pipe, base, ranges = episodes.pipes[0], float(episodes.base[0]), np.array(batch.ranges[i])
+    return Scene(pipe, batch.robot, base, batch.q[i], ranges, gravity=episodes.gravity[0])
 
 
 CORNER = EnvTask("reach", ReachConfig, _corner_scene, 0.4)

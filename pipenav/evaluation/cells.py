@@ -38,33 +38,60 @@ def total(cells: Iterable[Cell]) -> Cell:
 
 
 class Fitting(NamedTuple):
-    """Shape of a single corner: its interior angle [deg], and its bend radius in diameters, 0 for a mitre."""
+    """Shape of a single corner, in the order in which pictures show them.
 
+    Attributes:
+        kind: empty for a corner without branches, else `tee` or `cross` and the way through it.
+        angle_deg: interior angle; of a tee or a cross that of its branch [deg].
+        bend_d: bend radius in diameters; 0 for a mitre.
+    """
+
+    kind: str
     angle_deg: float
     bend_d: float
 
     @property
     def label(self) -> str:
-        return f"{self.angle_deg:g}" + (f"\n{self.bend_d:g} D" if self.bend_d else "")
+        """Angle, and in lines of their own a bend's radius, or the kind."""
+        lines = [f"{self.bend_d:g} D"] if self.bend_d else self.kind.split()
+        return "\n".join([f"{self.angle_deg:g}", *lines])
+
+
+KINDS = ("", *(f"{name} {way}" for name in ("tee", "cross") for way in ("straight", "into", "out")))
+"""Kinds of fittings in the order in which pictures show them."""
+
+
+def fitting_of(record: PipeRecord) -> Fitting | None:
+    """Shape of a record's corner; None for a route."""
+    if record.angle_deg is None:
+        return None
+    if record.fitting is None:
+        return Fitting("", record.angle_deg, round(record.bend_radius_mm / record.diameter_mm, 3))
+    name, angle, way = record.fitting.split()
+    return Fitting(f"{name} {way}", float(angle), 0.0)
+
+
+def in_order(fittings: Iterable[Fitting]) -> list[Fitting]:
+    """Fittings each once: corners, then tees and crosses way by way, by angle and bend radius."""
+    return sorted(set(fittings), key=lambda one: (KINDS.index(one.kind), one[1:]))
 
 
 def by_fitting(pipes: Sequence[PipeRecord]) -> dict[Fitting, Cell]:
-    """Episodes of single corners by angle and bend radius, ascending, turns together."""
+    """Episodes of single corners by shape, in order, turns together."""
     cells: dict[Fitting, Cell] = {}
     for record in pipes:
-        if record.angle_deg is not None:
-            fitting = Fitting(record.angle_deg, round(record.bend_radius_mm / record.diameter_mm, 3))
+        if fitting := fitting_of(record):
             before = cells.get(fitting, Cell(0, 0))
             cells[fitting] = Cell(before.successes + record.successes, before.episodes + record.episodes)
-    return dict(sorted(cells.items()))
+    return {fitting: cells[fitting] for fitting in in_order(cells)}
 
 
-def by_angle(pipes: Sequence[PipeRecord]) -> dict[float, Cell]:
-    """Episodes of single corners by angle [deg], ascending, turns and bend radii together."""
-    cells: dict[float, list[Cell]] = {}
+def by_angle(pipes: Sequence[PipeRecord]) -> dict[str, dict[float, Cell]]:
+    """Episodes of single corners by kind and angle [deg], both in order, turns and bend radii together."""
+    cells: dict[str, dict[float, list[Cell]]] = {}
     for fitting, cell in by_fitting(pipes).items():
-        cells.setdefault(fitting.angle_deg, []).append(cell)
-    return {angle: total(parts) for angle, parts in cells.items()}
+        cells.setdefault(fitting.kind, {}).setdefault(fitting.angle_deg, []).append(cell)
+    return {kind: {angle: total(parts) for angle, parts in line.items()} for kind, line in cells.items()}
 
 
 def numbered_routes(evaluation: Evaluation) -> dict[float, list[NumberedRoute]]:

@@ -18,6 +18,7 @@ from pipenav.evaluation.pipe_results import PipeRecord
 from pipenav.evaluation.results import Evaluation
 from pipenav.evaluation.thesis import thesis_best
 from pipenav.pipes.pipe import Pipe
+from pipenav.pipes.tee import fitting_of
 from pipenav.policies.named import open_controller
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import Outcome, PassageStage
@@ -131,6 +132,7 @@ def _pipe_record(pipe: Pipe, stages: StageResults, first: int, episodes: int) ->
         angle_deg=None if corner is None else round(rad_to_deg(corner.angle), 6),
         turn=None if corner is None else corner.turn,
         bend_radius_mm=0.0 if corner is None else round(m_to_mm(corner.bend_radius), 6),
+        fitting=None if corner is None else fitting_of(corner),
         route=pipe.name if corner is None else None,
         episodes=episodes,
         failures=_failures(here),

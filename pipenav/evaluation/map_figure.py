@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from pipenav.drawing.style import INK, heading
-from pipenav.evaluation.cells import Cell, NumberedRoute, by_fitting, numbered_routes
+from pipenav.evaluation.cells import Cell, NumberedRoute, by_fitting, in_order, numbered_routes
 from pipenav.evaluation.pipe_results import by_diameter
 from pipenav.evaluation.results import Evaluation
 from pipenav.evaluation.success_figure import CORNER_AXIS
@@ -56,15 +56,21 @@ def map_figure(evaluation: Evaluation) -> Figure:
         image = _draw_map(axes, panel)
         axes.set_ylabel(f"{panel.name}\ndiameter [mm]", color=INK)
         if panel.numbers or number == len(panels) or panels[number].numbers:
-            bends = any("D" in column for column in panel.columns)
-            corner_axis = CORNER_AXIS + ", bend radius" * bends
-            axes.set_xlabel(ROUTE_AXIS if panel.numbers else corner_axis, color=INK)
+            axes.set_xlabel(ROUTE_AXIS if panel.numbers else _corner_axis(panel.columns), color=INK)
     bar = figure.colorbar(image, ax=list(grid), label="success [%]", fraction=0.05, pad=0.015, aspect=12 * len(panels))
     bar.outline.set_visible(False)
-    title = "Success by diameter and corner angle" if corners else "Success by diameter and route"
+    tees = any(record.fitting for record in evaluation.pipes)
+    kinds = "angle of corner or branch" if tees else "corner angle"
+    title = f"Success by diameter and {kinds}" if corners else "Success by diameter and route"
     note = "percent of the episodes; empty: not run"
     heading(grid[0], title, f"{headline(evaluation)}\n{circumstances(evaluation)}\n{note}")
     return figure
+
+
+def _corner_axis(columns: list[str]) -> str:
+    """Meaning of the columns of single corners."""
+    bends, tees = any("D" in column for column in columns), any("\n" in c and "D" not in c for c in columns)
+    return CORNER_AXIS + ", bend radius" * bends + "; of a tee its branch's angle and the robot's way" * tees
 
 
 def _panels(evaluation: Evaluation) -> list[_Panel]:
@@ -76,7 +82,7 @@ def _panels(evaluation: Evaluation) -> list[_Panel]:
         for turn in ("left", "right")
     }
     turns = {turn: lines for turn, lines in turns.items() if lines}
-    fittings = sorted({fitting for lines in turns.values() for line in lines.values() for fitting in line})
+    fittings = in_order(fitting for lines in turns.values() for line in lines.values() for fitting in line)
     diameters = sorted({d for lines in turns.values() for d in lines}, reverse=True)
     panels = []
     for turn, lines in turns.items():

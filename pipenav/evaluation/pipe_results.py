@@ -14,6 +14,9 @@ from pipenav.evaluation.thesis import is_thesis_set
 Typed = Annotated[float, AfterValidator(lambda value: round(value, 6))]
 """A number that people type, without the last digits that a conversion to radians and back leaves."""
 
+FITTING = r"^(tee|cross) \d+(\.\d+)?(e-?\d+)? (straight|into|out)$"
+"""Text of a record's fitting, such as `tee 90 into`."""
+
 Share = Annotated[float, Field(ge=0, le=1)]
 Amount = Annotated[float, Field(ge=0)]
 Count = Annotated[int, Field(ge=0)]
@@ -42,6 +45,8 @@ class PipeRecord(Record):
         angle_deg: interior corner angle [deg]; None for a route.
         turn: side that the corner turns to, seen by the robot; None for a route.
         bend_radius_mm: radius of the corner's bend [mm]; 0 for a mitre and for a route.
+        fitting: what a corner with branches is, the angle of its branch [deg], and the way through it, see
+            `pipenav.pipes.tee.fitting_of`; None for a corner without branches and for a route.
         route: name of a route, as `PipeRoute.name`; None for a single corner.
         episodes: episodes that were run.
         located: episodes in which the robot found a target itself.
@@ -62,6 +67,7 @@ class PipeRecord(Record):
     angle_deg: Typed | None
     turn: Literal["left", "right"] | None
     bend_radius_mm: Amount = 0.0
+    fitting: Annotated[str | None, Field(pattern=FITTING)] = None
     route: str | None = None
     episodes: Positive
     located: Count | None = None
@@ -84,6 +90,8 @@ class PipeRecord(Record):
         given = [value is not None for value in (self.angle_deg, self.turn)]
         if given != [self.route is None] * 2:
             raise ValueError("a corner has angle_deg and turn, and a route has neither but its name in route")
+        if self.fitting is not None and self.route is not None:
+            raise ValueError("a route has no fitting: its name in route has them all")
         left = self.episodes
         for name in ("located", "reach_attempts", "reach_successes", "rear_attempts", "rear_successes"):
             count = getattr(self, name)
@@ -183,7 +191,7 @@ class DiameterRecord(Record):
             traverse_success=_mean_rate(traverses),
             traverse_success_low=traverse and traverse.low,
             traverse_success_high=traverse and traverse.high,
-            thesis_percent=thesis_percent if is_thesis_set(r.angle_deg for r in records) else None,
+            thesis_percent=thesis_percent if is_thesis_set(_plain_angle(r) for r in records) else None,
         )
 
 
@@ -191,6 +199,11 @@ def by_diameter(pipes: Sequence[PipeRecord]) -> dict[float, list[PipeRecord]]:
     """The records of each diameter [mm], widest first."""
     diameters = sorted({record.diameter_mm for record in pipes}, reverse=True)
     return {d: [record for record in pipes if record.diameter_mm == d] for d in diameters}
+
+
+def _plain_angle(record: PipeRecord) -> float | None:
+    """The angle of a corner without branches, which alone the thesis has [deg]."""
+    return record.angle_deg if record.fitting is None else None
 
 
 def _pooled_interval(counts: Sequence[tuple[int | None, int | None]]) -> Interval | None:

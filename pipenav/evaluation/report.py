@@ -247,9 +247,12 @@ class _CornerCells(NamedTuple):
 
 
 def _corner_cells(record: PipeRecord) -> _CornerCells:
-    """Angle and turn of a corner; for a route its first corners, as its name has them."""
+    """Angle and turn of a corner, of a tee the way too; for a route its first corners, as its name has them."""
     if record.route is not None:
         return _CornerCells("route", route_corners(record))
+    if record.fitting is not None:
+        name, angle, way = record.fitting.split()
+        return _CornerCells(f"{name} {angle}", f"{way} {record.turn}")
     bend = f", R {record.bend_radius_mm:g}" if record.bend_radius_mm else ""
     return _CornerCells(f"{record.angle_deg:g}", f"{record.turn}{bend}")
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from pipenav.drawing.style import INK, MAIN, MUTED, SECOND, plain
-from pipenav.evaluation.cells import Cell, NumberedRoute, by_angle, numbered_routes, total
+from pipenav.evaluation.cells import KINDS, Cell, NumberedRoute, by_angle, numbered_routes, total
 from pipenav.evaluation.interval import wilson
 from pipenav.evaluation.pipe_results import by_diameter
 from pipenav.evaluation.results import Evaluation
@@ -21,6 +21,17 @@ if TYPE_CHECKING:
 CORNER_AXIS = "interior corner angle [deg] (smaller is sharper)"
 
 KEY = "bars: Wilson 95 % intervals; orange: with failures; the axis widens towards 100 %"
+
+TEE_AXIS = "interior angle of corner or branch [deg] (smaller is sharper)"
+
+KIND_MARKS = dict(zip(KINDS, ("o", "s", "^", "v", "P", "<", ">"), strict=True))
+"""Mark of each kind of fitting."""
+
+APART = 0.025
+"""Distance between the marks of two kinds at one angle, as a share of all angles, so that none hides another."""
+
+LEGEND_IN = 0.62
+"""Height of the axis's name with the legend of marks below it [in]."""
 
 COLUMNS = 3
 PANEL_IN = (3.5, 2.5)
@@ -57,7 +68,7 @@ def success_figure(evaluation: Evaluation) -> Figure:
     )
 
 
-def _corners_figure(evaluation: Evaluation, lines: dict[float, dict[float, Cell]], note: str) -> Figure:
+def _corners_figure(evaluation: Evaluation, lines: dict[float, dict[str, dict[float, Cell]]], note: str) -> Figure:
     from matplotlib.figure import Figure
 
     columns = 2 if len(lines) == 4 else min(COLUMNS, len(lines))
@@ -65,14 +76,19 @@ def _corners_figure(evaluation: Evaluation, lines: dict[float, dict[float, Cell]
     width, height = max(columns * PANEL_IN[0], 8.5), rows * PANEL_IN[1] + HEADING_IN + 0.4
     figure = Figure((width, height), facecolor="white", layout="constrained")
     panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).flat
-    lowest = min(100 * wilson(*cell).low for line in lines.values() for cell in line.values())
-    for axes, (diameter, line) in zip(panels, lines.items(), strict=False):
+    cells = [cell for kinds in lines.values() for line in kinds.values() for cell in line.values()]
+    lowest = min(100 * wilson(*cell).low for cell in cells)
+    angles = sorted({angle for kinds in lines.values() for line in kinds.values() for angle in line})
+    apart = APART * (angles[-1] - angles[0])
+    for axes, (diameter, kinds) in zip(panels, lines.items(), strict=False):
         plain(axes)
-        _panel_title(axes, f"{diameter:g} mm", total(line.values()))
-        _draw_cells(axes, list(line), list(line.values()))
-    angles = sorted({angle for line in lines.values() for angle in line})
+        _panel_title(axes, f"{diameter:g} mm", total(cell for line in kinds.values() for cell in line.values()))
+        shifts = _shifts(kinds, apart)
+        for kind, line in kinds.items():
+            _draw_cells(axes, [angle + shifts[kind] for angle in line], list(line.values()), kind)
     first = figure.axes[0]
-    margin = 0.04 * (angles[-1] - angles[0]) or 5.0
+    most = max(len(kinds) for kinds in lines.values())
+    margin = 0.04 * (angles[-1] - angles[0]) + apart * (most - 1) / 2 or 5.0
     for axes in figure.axes:
         widen(axes, lowest)
     first.set(ylim=limits(lowest), xlim=(angles[0] - margin, angles[-1] + margin))
@@ -82,13 +98,49 @@ def _corners_figure(evaluation: Evaluation, lines: dict[float, dict[float, Cell]
         axes.set_visible(number < len(lines))
         axes.tick_params(labelbottom=number + columns >= len(lines))
         axes.set_ylabel("" if number % columns else SUCCESS_LABEL, color=INK)
+    used = [kind for kind in KINDS if any(kind in kinds for kinds in lines.values())]
     figure.supxlabel(CORNER_AXIS, fontsize=10, color=INK)
-    _heading(figure, "Success over the corner angle", evaluation, note)
+    title = "Success over the corner angle" if used == [""] else "Success over the angle of corner or branch"
+    _heading(figure, title, evaluation, note)
+    if used != [""]:
+        _kinds_legend(figure, used)
     return figure
 
 
-def _draw_cells(axes: Axes, places: Sequence[float], cells: Sequence[Cell], across: bool = False) -> None:
-    """Draw shares with their intervals, upwards or, for routes, to the right."""
+def _shifts(kinds: Iterable[str], apart: float) -> dict[str, float]:
+    """Distances of the kinds' marks from their angle, `apart` from each other, by kind [deg]."""
+    known = list(kinds)
+    return {kind: apart * (i - (len(known) - 1) / 2) for i, kind in enumerate(known)}
+
+
+def _kinds_legend(figure: Figure, kinds: Sequence[str]) -> None:
+    """Draw the marks of corners and of the ways through tees and crosses below all panels."""
+    from matplotlib.lines import Line2D
+
+    handles = [
+        Line2D([], [], color=MAIN, marker=KIND_MARKS[kind], label=_kind_words(kind), linestyle="") for kind in kinds
+    ]
+    height = figure.get_figheight()
+    figure.set_figheight(height + LEGEND_IN)
+    share = LEGEND_IN / (height + LEGEND_IN)
+    engine: Any = figure.get_layout_engine()
+    left, bottom, width, tall = engine.get()["rect"]
+    engine.set(rect=(left, bottom + share, width, tall * (1 - share)))
+    figure.supxlabel(TEE_AXIS, y=share / 2, fontsize=10, color=INK)
+    figure.legend(handles=handles, loc="lower center", ncols=4, fontsize=9, frameon=False, labelcolor=INK)
+
+
+def _kind_words(kind: str) -> str:
+    """`tee, out of the branch`; a corner without branches is a corner."""
+    name, _, way = kind.partition(" ")
+    words = {"straight": "straight on past the branch", "into": "into the branch", "out": "out of the branch"}
+    return f"{name}, {words[way]}" if name else "corner"
+
+
+def _draw_cells(
+    axes: Axes, places: Sequence[float], cells: Sequence[Cell], kind: str = "", across: bool = False
+) -> None:
+    """Draw shares with their intervals, upwards or, for routes, to the right; a tee's marks have their own shape."""
     shares = [100 * cell.share for cell in cells]
     if not across and len(cells) > 1:
         axes.plot(places, shares, color=MAIN, linewidth=1.2, alpha=0.45, zorder=2)
@@ -100,7 +152,8 @@ def _draw_cells(axes: Axes, places: Sequence[float], cells: Sequence[Cell], acro
             [max(0.0, y - 100 * end.low) for y, end in zip(share, ends, strict=True)],
             [max(0.0, 100 * end.high - y) for y, end in zip(share, ends, strict=True)],
         ]
-        style: dict[str, Any] = {"fmt": "D" if failed else "o", "color": colour, "markersize": 4.5, "elinewidth": 1.0}
+        mark = KIND_MARKS[kind] if kind else "D" if failed else "o"
+        style: dict[str, Any] = {"fmt": mark, "color": colour, "markersize": 4.5 + bool(kind), "elinewidth": 1.0}
         if across:
             axes.errorbar(share, at, xerr=error, **style)
         elif chosen:

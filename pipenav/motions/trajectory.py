@@ -60,6 +60,8 @@ class TrajectoryHeader(BaseModel):
         controller: policy, baseline or behaviour that acted.
         options: settings of the backend.
         seed: seed of the episode; None where there was none.
+        gravity_mps2: gravity's part in the pipe's plane, axes of the pipe's frame [m/s^2], zeros where nothing weighs;
+            None where it is not known.
     """
 
     model_config = ConfigDict(frozen=True, extra="ignore", strict=True, allow_inf_nan=False, populate_by_name=True)
@@ -75,6 +77,7 @@ class TrajectoryHeader(BaseModel):
     controller: str | None = None
     options: dict[str, JsonValue] = Field(default_factory=dict)
     seed: int | None = None
+    gravity_mps2: Annotated[tuple[float, float] | None, Field(strict=False)] = None
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple, cast, get_args
 from pydantic import BaseModel, ConfigDict, Field
 
 from pipenav.errors import PipenavError, shown
-from pipenav.pipes.branch import Branch
+from pipenav.pipes.branch import IN_LINE, Branch
 from pipenav.pipes.branch_pipes import reaches_of, with_default_branches
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.corner_checks import check_turn, default_leg
@@ -16,7 +16,7 @@ from pipenav.pipes.pipe import DEFAULT_WALL, Turn
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_corner import Corner
 from pipenav.pipes.set_file import MAX_CORNERS, MAX_TURNS, Values, too_large, values_of
-from pipenav.units import deg_to_rad, mm_to_m
+from pipenav.units import deg_to_rad, mm_to_m, rad_to_deg
 
 Way = Literal["straight", "into", "out"]
 """Way through a tee: straight on along the run, from the run into the branch, or out of the branch into the run."""
@@ -110,6 +110,17 @@ def tee_route(
     corner = tee_corner(TeeSize(run, branch, deg_to_rad(angle_deg), wall), passage)
     first = branch if passage.way == "out" else run
     return PipeRoute.with_default_straights(first, (corner,), [leg_mm, leg_mm], wall)
+
+
+def fitting_of(pipe: PipeCorner) -> str | None:
+    """`tee 90 into`: what a corner with branches is, the angle [deg] as for `tee`, the way; None without branches."""
+    if not pipe.branches:
+        return None
+    straight_on = pipe.as_route_corner.straight_on
+    on_run = any(math.pi - branch.angle < IN_LINE for branch in pipe.branches)
+    way: Way = "straight" if straight_on else "into" if on_run else "out"
+    angle = pipe.branches[0].angle if straight_on else pipe.angle
+    return f"{'tee' if len(pipe.branches) == 1 else 'cross'} {round(rad_to_deg(angle), 6):g} {way}"
 
 
 def check_way(way: str) -> Way:

@@ -6,6 +6,10 @@ import textwrap
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
+from pipenav.arrays import Floats
+from pipenav.drawing.down import LEVEL, SIGN_IN, down_sign
 from pipenav.drawing.style import INK, MUTED
 
 if TYPE_CHECKING:
@@ -33,10 +37,18 @@ MOST_SCALE = 0.22
 
 
 class Caption(NamedTuple):
-    """Lines of a title, and lines of details below it."""
+    """Lines of a title, lines of details below it, and the direction downwards.
+
+    Attributes:
+        title: lines of the title.
+        details: lines of the details.
+        down: direction downwards in the pictures, to the right, upwards and to the viewer, (3,), which a sign at the
+            right end shows; None where nothing weighs, or it is not known.
+    """
 
     title: list[str]
     details: list[str]
+    down: Floats | None = None
 
     @property
     def height(self) -> float:
@@ -44,15 +56,28 @@ class Caption(NamedTuple):
         return 2 * EDGE_IN + TITLE_LINE_IN * len(self.title) + DETAILS_LINE_IN * len(self.details)
 
 
-def caption_of(title: str, details: str, width: float) -> Caption:
-    """Title and details broken into lines of a width [in]."""
+def caption_of(title: str, details: str, width: float, gravity: Floats | None = None) -> Caption:
+    """Title and details broken into lines.
+
+    Args:
+        title: the title.
+        details: the details.
+        width: width of the whole [in].
+        gravity: gravity in the pictures, to the right, upwards and to the viewer, (3,) [m/s^2], zeros where nothing
+            weighs; None where it is not known.
+    """
+    down = gravity if gravity is not None and np.any(gravity) else None
+    if gravity is not None and down is None:
+        details = " · ".join(part for part in (details, LEVEL) if part)
+    if down is not None:
+        down, width = down / np.linalg.norm(down), width - SIGN_IN
 
     def lines(text: str, separator: str, size: float) -> list[str]:
         whole = separator.join(part.replace(" ", UNBROKEN) for part in text.split(separator))
         broken = textwrap.wrap(whole, int((width - 2 * EDGE_IN) * 72 / (LETTER * size)))
         return [line.replace(UNBROKEN, " ") for line in broken]
 
-    return Caption(lines(title, ", ", TITLE_PT), lines(details, " · ", DETAILS_PT))
+    return Caption(lines(title, ", ", TITLE_PT), lines(details, " · ", DETAILS_PT), down)
 
 
 def draw_caption(figure: Any, caption: Caption, width: float, height: float) -> None:
@@ -71,6 +96,9 @@ def draw_caption(figure: Any, caption: Caption, width: float, height: float) -> 
     for text in caption.details:
         figure.text(x, y / height, text, fontsize=DETAILS_PT, color=MUTED, va="top")
         y -= DETAILS_LINE_IN
+    if caption.down is not None:
+        corner = 1 - EDGE_IN / width, 1 - EDGE_IN / height
+        figure.add_artist(down_sign(caption.down, figure.transSubfigure, corner))
 
 
 def details_of(

@@ -15,6 +15,8 @@ from pipenav.errors import PipenavError
 from pipenav.motions.trajectory import Trajectory
 from pipenav.recording.caption import Caption, caption_of, details_of, draw_caption, draw_scale
 from pipenav.recording.film_files import Frames, check_suffix, write_frames
+from pipenav.recording.overview import close_box, draw_overview, has_overview, number_panel, overview_box
+from pipenav.recording.view_box import MARGIN, ViewBox
 from pipenav.robots import kinematics, laser
 from pipenav.robots.outline import link_outlines
 from pipenav.storage.atomic_files import atomic_write
@@ -52,28 +54,11 @@ REAL_TIME = "film in real time"
 
 DPI = 100
 
-MARGIN = 0.06
-"""Room around all that moves, as a share of its width."""
-
 KEY_ROOM = 0.06
 """Room below all that moves for the force's scale, as a share of the picture's width."""
 
 SUCCEEDED, FAILED = "#007a5a", "#b04a00"
 """Colours behind an outcome's word."""
-
-
-class ViewBox(NamedTuple):
-    """A rectangle in millimetres of the pipe's frame."""
-
-    left: float
-    right: float
-    bottom: float
-    top: float
-
-    @property
-    def aspect(self) -> float:
-        """Height over width."""
-        return (self.top - self.bottom) / (self.right - self.left)
 
 
 def write_film(path: Path, trajectories: Sequence[Trajectory], progress: Progress | None = None) -> None:
@@ -112,6 +97,34 @@ def box_of(trajectory: Trajectory) -> ViewBox:
     return ViewBox(float(low[0]), float(high[0]), float(low[1] - KEY_ROOM * (high[0] - low[0])), float(high[1]))
 
 
+class _Layout(NamedTuple):
+    """Layout of a motion's part of a strip.
+
+    Attributes:
+        caption: its caption.
+        whole: box of the picture of the whole route; None without one.
+        overview: height of that picture [in].
+        box: box of its panels, of which only the proportions count where they follow the robot.
+        height: height of the whole part [in].
+    """
+
+    caption: Caption
+    whole: ViewBox | None
+    overview: float
+    box: ViewBox
+    height: float
+
+    @classmethod
+    def of(cls, motion: Trajectory, lines: int, width: float) -> _Layout:
+        """The layout of a motion with so many lines of panels, in a strip of a width [in]."""
+        caption = _caption(motion, width)
+        whole = overview_box(motion) if has_overview(motion) else None
+        overview = 0.0 if whole is None else width * whole.aspect
+        box = box_of(motion) if whole is None else close_box(motion, 0)
+        height = caption.height + overview + lines * (PANEL_IN * box.aspect + TEXT_IN)
+        return cls(caption, whole, overview, box, height)
+
+
 def _strip(trajectories: Sequence[Trajectory], report_progress: Progress) -> bytes:
     """PNG picture of a few frames of each motion, evenly in time."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -124,29 +137,31 @@ def _strip(trajectories: Sequence[Trajectory], report_progress: Progress) -> byt
             f"{len(trajectories)} motions are too many for one strip: name fewer pipes, or give --out a name ending in "
             ".gif or .mp4."
         )
-    boxes = [box_of(motion) for motion in trajectories]
     width = COLUMNS * PANEL_IN
-    captions = [_caption(motion, width) for motion in trajectories]
-    heights = [
-        count * (PANEL_IN * box.aspect + TEXT_IN) + caption.height
-        for count, box, caption in zip(lines, boxes, captions, strict=True)
-    ]
+    layouts = [_Layout.of(motion, count, width) for motion, count in zip(trajectories, lines, strict=True)]
+    heights = [layout.height for layout in layouts]
     figure = Figure(figsize=(width, sum(heights) + FOOT_IN), dpi=DPI, facecolor="white")
     FigureCanvasAgg(figure)
     grids: Any = figure.subfigures(len(trajectories) + 1, 1, height_ratios=[*heights, FOOT_IN], squeeze=False)[:, 0]
     drawn, total = 0, sum(map(len, rows))
-    for motion, chosen, box, grid, caption, height in zip(
-        trajectories, rows, boxes, grids[:-1], captions, heights, strict=True
-    ):
-        draw_caption(grid, caption, width, height)
+    for motion, chosen, grid, layout in zip(trajectories, rows, grids[:-1], layouts, strict=True):
+        draw_caption(grid, layout.caption, width, layout.height)
+        whole = layout.whole
+        if whole is not None:
+            below = 1 - (layout.caption.height + layout.overview) / layout.height
+            axes = grid.add_axes((0.005, below, 0.99, layout.overview / layout.height))
+            draw_overview(axes, motion, chosen.tolist(), whole)
         panels = grid.subplots(-(-len(chosen) // COLUMNS), COLUMNS, squeeze=False)
-        top = 1 - (caption.height + TEXT_IN) / height
+        top = 1 - (layout.caption.height + layout.overview + TEXT_IN) / layout.height
         grid.subplots_adjust(left=0.005, right=0.995, bottom=0.0, top=top, wspace=0.03)
-        grid.subplots_adjust(hspace=TEXT_IN / (PANEL_IN * box.aspect))
+        grid.subplots_adjust(hspace=TEXT_IN / (PANEL_IN * layout.box.aspect))
         for axes in panels.flat[len(chosen) :]:
             axes.set_axis_off()
-        for axes, row in zip(panels.flat, chosen, strict=False):
+        for number, (axes, row) in enumerate(zip(panels.flat, chosen, strict=False), 1):
+            box = layout.box if whole is None else close_box(motion, int(row))
             _frame(axes, motion, int(row), box, size=8.5)
+            if whole is not None:
+                number_panel(axes, number)
             report_progress(drawn := drawn + 1, total)
     _legend(grids[-1], trajectories)
     picture = io.BytesIO()
@@ -215,7 +230,8 @@ def _caption(trajectory: Trajectory, width: float, speed: str = "") -> Caption:
     header = trajectory.header
     details = details_of(header.controller, header.robot, header.backend, header.options, header.seed)
     title = f"{header.pipe.label}: {STAGE_WORDS[header.stage]}"
-    return caption_of(title, " · ".join(part for part in (details, speed) if part), width)
+    gravity = None if header.gravity_mps2 is None else np.array([*header.gravity_mps2, 0.0])
+    return caption_of(title, " · ".join(part for part in (details, speed) if part), width, gravity)
 
 
 def _touches(trajectory: Trajectory) -> bool:

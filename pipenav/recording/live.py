@@ -12,7 +12,7 @@ from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.simulators import open_simulator
 from pipenav.backends.viewer import HasWindow, Sight, Viewer
 from pipenav.motions.trajectory import Trajectory
-from pipenav.recording.record import RecordingSettings, live_text
+from pipenav.recording.record import RecordingSettings, Weight, live_text
 
 Clock = Callable[[], float]
 Sleep = Callable[[float], None]
@@ -69,9 +69,11 @@ def play(trajectories: Sequence[Trajectory], simulator: RecordingSettings) -> No
     """Show recorded poses one after another, without physics."""
     for one in trajectories:
         header = one.header
+        weight = Weight.of(header.gravity_mps2 and (*header.gravity_mps2, 0.0))
+        label = ", ".join(part for part in (header.pipe.label, weight.words) if part)
         opened = open_simulator(simulator.backend, one.robot, 1, simulator.options, len(header.pipe.segments))
         with closing(opened) as backend:
             for seconds, q in zip(one.time, one.q, strict=True):
                 backend.reset(np.arange(1), [header.pipe], q[None], np.array([header.base_m]))
                 if simulator.watch is not None:
-                    simulator.watch(backend, Sight(live_text(header.pipe.label, seconds), header.goal_m))
+                    simulator.watch(backend, Sight(live_text(label, seconds), header.goal_m, weight.down))

@@ -29,6 +29,10 @@ from pipenav.tasks.outcome import Outcome, PassageStage
 from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.reach.episode import ReachEpisodes
 from pipenav.tasks.registry import task_of
+from pipenav.tasks.traverse.episode import TraverseEpisodes
+
+LEVEL = (0.0, 0.0)
+"""Gravity's part in a level plane [m/s^2]."""
 
 Onlooker = Callable[[HasWindow, Sight], None]
 """Called at the start and after every control step with the simulator and what to show beside its robot."""
@@ -72,6 +76,21 @@ class Tracking(NamedTuple):
     slide: float
 
 
+class Weight(NamedTuple):
+    """What a window says about weight: words, and the unit vector downwards in the pipe's frame, (x, y, z), if any."""
+
+    words: str
+    down: tuple[float, float, float] | None
+
+    @classmethod
+    def of(cls, gravity: tuple[float, float, float] | None) -> Weight:
+        """What is said of gravity in the pipe's frame (x, y, z) [m/s^2]; None is not known."""
+        if gravity is None or not any(gravity):
+            return cls("" if gravity is None else "level: nothing weighs", None)
+        x, y, z = (np.array(gravity) / np.linalg.norm(gravity)).tolist()
+        return cls("violet arrow: down", (x, y, z))
+
+
 def record(
     stage: Stage, backend: Simulator, header: TrajectoryHeader, start: Floats, watch: Onlooker | None
 ) -> Trajectory:
@@ -85,17 +104,19 @@ def record(
         watch: see `Onlooker`.
     """
     look = watch or (lambda _, __: None)
-    label, target = header.pipe.label, header.goal_m
+    weight = Weight.of(header.gravity_mps2 and (*header.gravity_mps2, 0.0))
+    label, target = ", ".join(part for part in (header.pipe.label, weight.words) if part), header.goal_m
     q, force, links = [start], [0.0], [np.zeros((len(stage.robot.links), 2))]
     outcome = Outcome.RUNNING
     with closing(stage):
         stage.start(np.arange(1))
-        look(backend, Sight(live_text(label, 0.0), target))
+        look(backend, Sight(live_text(label, 0.0), target, weight.down))
         while outcome is Outcome.RUNNING:
             step = stage.step()
             outcome = Outcome(step.outcome[0])
             seconds = CONTROL_PERIOD * len(q)
-            look(backend, Sight(live_text(label, seconds, float(step.truth.contact_force[0]), outcome), target))
+            text = live_text(label, seconds, float(step.truth.contact_force[0]), outcome)
+            look(backend, Sight(text, target, weight.down))
             q.append(step.q[0])
             force.append(float(step.truth.contact_force[0]))
             links.append(step.truth.link_forces[0])
@@ -140,10 +161,19 @@ def record_task(
         controller=name,
         options=dict(simulator.options),
         seed=seed,
+        gravity_mps2=_gravity_of(one),
     )
     backend = open_simulator(simulator.backend, robot, 1, simulator.options, len(pipe.segments))
     stage = TaskStage(task_of(task).batch(robot, backend, 1, lambda _: one), controller)
     return record(stage, backend, header, one.q[0], simulator.watch)
+
+
+def _gravity_of(episode: ReachEpisodes | TraverseEpisodes) -> tuple[float, float]:
+    """Gravity's part in the plane of an episode's pipe [m/s^2]."""
+    if isinstance(episode, ReachEpisodes):
+        return LEVEL
+    x, y = episode.gravity[0].tolist()
+    return x, y
 
 
 def record_locate(
@@ -173,6 +203,7 @@ def record_locate(
         controller=f"locate:{variant}",
         options=dict(simulator.options),
         seed=seed,
+        gravity_mps2=LEVEL,
     )
     backend = open_simulator(simulator.backend, seeing, 1, simulator.options, len(pipe.segments))
     stage = LocateStage(seeing, LOCATORS[variant](seeing, LocateConfig(), 1), task, backend, lambda _: one)
@@ -198,7 +229,7 @@ def record_locate(
 
 def record_rear(plan: Trajectory, simulator: RecordingSettings) -> Trajectory:
     """Record a rear passage: the plan's motion under the position controllers of a simulator."""
-    changes = {"backend": simulator.backend, "options": dict(simulator.options)}
+    changes = {"backend": simulator.backend, "options": dict(simulator.options), "gravity_mps2": LEVEL}
     backend = open_simulator(simulator.backend, plan.robot, 1, simulator.options, len(plan.header.pipe.segments))
     stage = RearStage(plan.robot, backend, 1, lambda _: [plan.motion])
     return record(stage, backend, plan.header.model_copy(update=changes), plan.q[0], simulator.watch)

@@ -17,7 +17,7 @@ from pipenav.evaluation.episode_runner import random_start
 from pipenav.evaluation.stage import TaskStage
 from pipenav.pipes.route import PipeRoute
 from pipenav.policies.controller import AnyController
-from pipenav.recording.record import RecordingSettings, live_text
+from pipenav.recording.record import RecordingSettings, Weight, live_text
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.rolling.batch import RollingBatch, check_in_space
@@ -40,6 +40,7 @@ class SpaceRecording:
         doing: what drives the robot in each row, a `Mode` in words.
         options: settings of the backend.
         seed: seed of the episode; None where it is not known.
+        gravity: gravity in the route's frame, (3,) [m/s^2]; None where it is not known.
     """
 
     route: PipeRoute
@@ -53,6 +54,7 @@ class SpaceRecording:
     doing: tuple[str, ...]
     options: Mapping[str, Any] = field(default_factory=dict)
     seed: int | None = None
+    gravity: Floats | None = None
 
     @property
     def time(self) -> Floats:
@@ -79,13 +81,17 @@ def record_in_space(
     assert isinstance(task, TraverseConfig)  # no other task takes such routes
     one = random_start(robot, task, [route], episode + 1, seed)(episode)
     world = open_space(simulator.backend, robot, 1, simulator.options)
+    given = simulator.options.get("gravity")  # a backend's own setting overrules the episode's
+    weight = one.gravity_in_space[0] if given is None else np.array([0.0, 0.0, -float(given)])
+    said = Weight.of((float(weight[0]), float(weight[1]), float(weight[2])))
+    label = ", ".join(part for part in (route.label, said.words) if part)
     batch = RollingBatch(robot, task, world, 1, lambda _: one)
     look, outcome = simulator.watch or (lambda _, __: None), Outcome.RUNNING
     with closing(TaskStage(batch, controller)) as stage:
         stage.start(np.arange(1))
         truth = batch.truth()
         points, normals, force, doing = [truth.points[0]], [truth.normals[0]], [0.0], [batch.doing[0]]
-        look(world, Sight(f"{live_text(route.label, 0.0)}, {doing[0]}"))
+        look(world, Sight(f"{live_text(label, 0.0)}, {doing[0]}", down=said.down))
         while outcome is Outcome.RUNNING:
             outcome = Outcome(stage.step().outcome[0])
             truth = batch.truth()
@@ -93,10 +99,10 @@ def record_in_space(
             normals.append(truth.normals[0])
             force.append(float(truth.contact_force[0]))
             doing.append(batch.doing[0])
-            line = live_text(route.label, CONTROL_PERIOD * (len(points) - 1), force[-1], outcome)
-            look(world, Sight(f"{line}, {doing[-1]}"))
+            line = live_text(label, CONTROL_PERIOD * (len(points) - 1), force[-1], outcome)
+            look(world, Sight(f"{line}, {doing[-1]}", down=said.down))
     long = batch.pipes[0]
     assert long is not None
     arrays = np.array(points), np.array(normals), np.array(force)
-    settings = simulator.options, seed
+    settings = simulator.options, seed, weight
     return SpaceRecording(long, robot, name, simulator.backend, outcome.label, *arrays, tuple(doing), *settings)

@@ -14,11 +14,14 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.drawing.dimensions import INK
-from pipenav.drawing.projection import View, wall_quads
+from pipenav.drawing.labels import around
+from pipenav.drawing.projection import CutOpen, View
 from pipenav.drawing.scene import FORCE
+from pipenav.pipes.pipe_system import system_of
 from pipenav.recording.caption import Caption, caption_of, details_of, draw_caption, draw_scale
 from pipenav.recording.film import DPI, FAILED, SUCCEEDED
 from pipenav.recording.film_files import Frames, write_frames
+from pipenav.recording.overview import badge, labels_around, number_panel
 from pipenav.recording.record_rolling import SpaceRecording
 from pipenav.robots.robot import RobotSpec
 from pipenav.storage.atomic_files import atomic_write
@@ -32,7 +35,6 @@ Progress = Callable[[int, int], None]
 HALF_COLOURS = np.array([[0.00, 0.45, 0.70], [0.84, 0.37, 0.00]])
 """Colours of the rear and the front half: Okabe and Ito's blue and vermilion, as elsewhere."""
 
-BORE = np.array([0.86, 0.88, 0.90])
 PANELS, COLUMNS, PANEL_IN = 8, 4, 2.9
 REACH = 0.36
 """Distance from the robot's middle to the edge of a panel [m]."""
@@ -59,14 +61,15 @@ def draw_in_space(path: Path, recording: SpaceRecording, progress: Progress) -> 
         PipenavError: MP4 without ffmpeg.
         FileProblem: the file cannot be written.
     """
-    view = View.of(recording.route)
+    system = system_of(recording.route)
+    pipe = CutOpen.of(system, View.of(system))
     if path.suffix.lower() == ".png":
         picture = io.BytesIO()
-        _strip(recording, view, progress).savefig(picture, format="png", dpi=DPI)
+        _strip(recording, pipe, progress).savefig(picture, format="png", dpi=DPI)
         atomic_write(path, picture.getvalue())
         return
     rows = np.append(np.arange(0, len(recording.points) - 1, SKIP), len(recording.points) - 1)
-    frames = _frames(recording, view, rows, progress)
+    frames = _frames(recording, pipe, rows, progress)
     write_frames(path, frames, {len(rows) - 1})
 
 
@@ -118,114 +121,108 @@ def faces(robot: RobotSpec, points: Floats, normals: Floats) -> Faces:
     return Faces(np.concatenate(boxes), discs, np.array([*halves, *of_wheels]))
 
 
-def _strip(recording: SpaceRecording, view: View, report_progress: Progress) -> Any:
+def _strip(recording: SpaceRecording, pipe: CutOpen, report_progress: Progress) -> Any:
     """Figure of the whole route above a few moments, evenly in time."""
     from matplotlib.figure import Figure
 
     rows = np.unique(np.linspace(0, len(recording.points) - 1, PANELS).round().astype(int))
     lines = -(-len(rows) // COLUMNS)
     width = COLUMNS * PANEL_IN
-    caption = _caption(recording, width)
+    caption = _caption(recording, width, pipe.view)
     height = 0.36 * width + lines * (PANEL_IN + 0.3) + caption.height
     figure = Figure(figsize=(width, height), facecolor="white", layout="constrained")
     draw_caption(figure, caption, width, height)
     engine: Any = figure.get_layout_engine()
     engine.set(rect=(0, 0, 1, 1 - caption.height / height))
     grid = figure.add_gridspec(lines + 1, COLUMNS, height_ratios=[0.36 * width, *[PANEL_IN + 0.3] * lines])
-    _overview(figure.add_subplot(grid[0, :]), recording, view, len(recording.points) - 1, rows)
+    _overview(figure.add_subplot(grid[0, :]), recording, pipe, len(recording.points) - 1, rows)
     for number, row in enumerate(rows):
         axes = figure.add_subplot(grid[1 + number // COLUMNS, number % COLUMNS])
-        _close_up(axes, recording, view, int(row))
+        _close_up(axes, recording, pipe, int(row))
+        number_panel(axes, number + 1)
         report_progress(number + 1, len(rows))
     return figure
 
 
-def _frames(recording: SpaceRecording, view: View, rows: Floats, report_progress: Progress) -> Frames:
+def _frames(recording: SpaceRecording, pipe: CutOpen, rows: Floats, report_progress: Progress) -> Frames:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     width, below = FRAME_IN
-    caption = _caption(recording, width, SPEED)
+    caption = _caption(recording, width, pipe.view, SPEED)
     height = 2 * round((below + caption.height) * DPI / 2) / DPI
     share = (below - 0.4) / height  # room for the close-up's text, and below
     for number, row in enumerate(rows):
         figure = Figure(figsize=(width, height), dpi=DPI, facecolor="white")
         canvas = FigureCanvasAgg(figure)
         draw_caption(figure, caption, width, height)
-        _overview(figure.add_axes((0.01, 0.02, 0.44, share)), recording, view, int(row), rows[:0])
-        _close_up(figure.add_axes((0.48, 0.02, 0.51, share)), recording, view, int(row))
+        _overview(figure.add_axes((0.01, 0.02, 0.44, share)), recording, pipe, int(row), rows[:0])
+        _close_up(figure.add_axes((0.48, 0.02, 0.51, share)), recording, pipe, int(row))
         canvas.draw()
         yield np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
         report_progress(number + 1, len(rows))
 
 
-def _overview(axes: Axes, recording: SpaceRecording, view: View, row: int, marked: Floats) -> None:
-    """Draw the whole route and the path of the robot's middle so far, with the moments of the close-ups."""
-    _pipe(axes, recording, view)
-    middle = recording.points.mean(axis=1)
-    path = m_to_mm(1.0) * view.flat(middle[: row + 1])
-    axes.plot(*path.T, color=INK, linewidth=1.0, zorder=6)
+def _overview(axes: Axes, recording: SpaceRecording, pipe: CutOpen, row: int, marked: Floats) -> None:
+    """Draw the whole route, the path of the robot's middle so far, and its poses, numbered where there are several."""
+    view, mm = pipe.view, m_to_mm(1.0)
+    drawn = pipe.draw(axes)
+    middle = mm * view.flat(recording.points.mean(axis=1))
+    axes.plot(*middle[: row + 1].T, color=INK, linewidth=0.8, zorder=4)
+    width = float(np.ptp(drawn, axis=0).max())
+    system = system_of(recording.route)
+    off = mm * (float(recording.route.legs.radius.max()) + system.wall) + 0.025 * width
+    labels = labels_around(system, view, width)
     for number, at in enumerate(marked, 1):
-        x, y = m_to_mm(1.0) * view.flat(middle[at])
-        axes.text(x, y, f"{number}", fontsize=8, ha="center", va="center", zorder=8, bbox=_badge())
+        _robot(axes, recording, view, int(at))
+        beside = labels.best("00", around(middle[at], off, np.array([0.0, 1.0]), 16)).at
+        x, y = beside
+        axes.plot(*np.stack([middle[at], beside]).T, color=INK, linewidth=0.5, zorder=6)
+        axes.text(x, y, f"{number}", fontsize=8, ha="center", va="center", zorder=8, bbox=badge())
+        drawn = np.concatenate([drawn, beside[None]])
     if not len(marked):
-        axes.plot(*path[-1], "o", color=FORCE, markersize=7, zorder=8)
-    axes.set(aspect="equal")
+        _robot(axes, recording, view, row)
+        axes.plot(*middle[row], "o", color="none", markeredgecolor=FORCE, markersize=24, markeredgewidth=1.2, zorder=8)
+    margin = 0.02 * width
+    (left, bottom), (right, top) = drawn.min(axis=0) - margin, drawn.max(axis=0) + margin
+    axes.set(xlim=(left, right), ylim=(bottom - 0.05 * width, top), aspect="equal")
+    draw_scale(axes, left, bottom - 0.03 * width, width, fontsize=8)
     axes.set_axis_off()
     if row == len(recording.points) - 1:
         outcome = f"{recording.outcome} after {recording.time[-1]:.1f} s"
         colour = SUCCEEDED if recording.succeeded else FAILED
-        axes.text(0.0, 0.0, outcome, transform=axes.transAxes, color=colour, fontweight="bold")
+        axes.set_title(outcome, loc="left", color=colour, fontsize=10, fontweight="bold")
 
 
-def _caption(recording: SpaceRecording, width: float, speed: str = "") -> Caption:
+def _caption(recording: SpaceRecording, width: float, view: View, speed: str = "") -> Caption:
     """Route, what acted and with which settings, colours, and a film's speed, in lines of a width [in]."""
     acted = details_of(recording.controller, recording.robot.name, recording.backend, recording.options, recording.seed)
     parts = (acted, "rear half blue, front half orange", speed)
-    return caption_of(f"{recording.route.label}: whole robot", " · ".join(part for part in parts if part), width)
+    title, details = f"{recording.route.label}: whole robot", " · ".join(part for part in parts if part)
+    gravity = None if recording.gravity is None else view.seen(recording.gravity)
+    return caption_of(title, details, width, gravity)
 
 
-def _badge() -> dict[str, Any]:
-    return {"boxstyle": "circle,pad=0.2", "facecolor": "white", "edgecolor": INK, "linewidth": 0.7}
-
-
-def _close_up(axes: Axes, recording: SpaceRecording, view: View, row: int) -> None:
+def _close_up(axes: Axes, recording: SpaceRecording, pipe: CutOpen, row: int) -> None:
     """Draw the robot in the pipe that is cut open towards the viewer."""
-    from matplotlib.collections import PolyCollection
-
-    points = recording.points[row]
-    middle = points.mean(axis=0)
-    _pipe(axes, recording, view, middle)
-    links, discs, half = faces(recording.robot, points, recording.normals[row])
-    pieces = len(links) // 6
-    shapes = [*links, *discs]
-    colours = np.concatenate([np.repeat(HALF_COLOURS[half[:pieces]], 6, axis=0), 0.45 * HALF_COLOURS[half[pieces:]]])
-    order = np.argsort([shape.mean(axis=0) @ view.to_viewer for shape in shapes])
-    drawn = [m_to_mm(1.0) * view.flat(shapes[i]) for i in order]
-    axes.add_collection(PolyCollection(drawn, facecolors=colours[order], edgecolors="white", linewidths=0.3, zorder=5))
-    x, y = m_to_mm(1.0) * view.flat(middle)
+    middle = recording.points[row].mean(axis=0)
+    pipe.near(middle, 2 * REACH).draw(axes)
+    _robot(axes, recording, pipe.view, row)
+    x, y = m_to_mm(1.0) * pipe.view.flat(middle)
     reach = m_to_mm(REACH)
     axes.set(xlim=(x - reach, x + reach), ylim=(y - reach, y + reach), aspect="equal", xticks=[], yticks=[])
     draw_scale(axes, x - 0.94 * reach, y - 0.9 * reach, 2 * reach, fontsize=8)
     axes.set_title(f"{recording.time[row]:.1f} s   {recording.doing[row]}", loc="left", fontsize=9, color=INK)
 
 
-def _pipe(axes: Axes, recording: SpaceRecording, view: View, around: Floats | None = None) -> None:
-    """Draw the far half of the wall, seen from inside, near a point or all of it."""
+def _robot(axes: Axes, recording: SpaceRecording, view: View, row: int) -> None:
+    """Draw the robot's links and wheels in a row, its halves in two colours."""
     from matplotlib.collections import PolyCollection
 
-    pieces = wall_quads(recording.route)
-    if around is not None:
-        pieces = pieces[np.linalg.norm(pieces.mean(axis=1) - around, axis=1) < 2 * REACH]
-    normal = np.cross(pieces[:, 1] - pieces[:, 0], pieces[:, 3] - pieces[:, 0])
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    facing = normal @ view.to_viewer
-    far = facing < 0
-    shade = 1.0 - 0.35 * (1.0 + facing[far])[:, None]
-    colours = np.clip(shade * BORE, 0, 1)
-    order = np.argsort(pieces[far].mean(axis=1) @ view.to_viewer)
-    drawn = m_to_mm(1.0) * view.flat(pieces[far][order])
-    axes.add_collection(PolyCollection(list(drawn), facecolors=colours[order], edgecolors="none", zorder=2))
-    if around is None:
-        axes.update_datalim(drawn.reshape(-1, 2))
-        axes.autoscale_view()
+    links, discs, half = faces(recording.robot, recording.points[row], recording.normals[row])
+    pieces = len(links) // 6
+    shapes = [*links, *discs]
+    colours = np.concatenate([np.repeat(HALF_COLOURS[half[:pieces]], 6, axis=0), 0.45 * HALF_COLOURS[half[pieces:]]])
+    order = np.argsort([shape.mean(axis=0) @ view.to_viewer for shape in shapes])
+    drawn = [m_to_mm(1.0) * view.flat(shapes[i]) for i in order]
+    axes.add_collection(PolyCollection(drawn, facecolors=colours[order], edgecolors="white", linewidths=0.3, zorder=5))

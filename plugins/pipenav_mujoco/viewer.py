@@ -22,6 +22,12 @@ ROBOT, BEAM = [0.0, 0.45, 0.70, 1.0], [0.90, 0.62, 0.0, 0.6]
 FORCE, TARGET = [0.84, 0.37, 0.0, 1.0], [0.0, 0.62, 0.45, 1.0]
 """Colours of the parts, those of the pictures: red, green, blue, opacity."""
 
+DOWN = [0.56, 0.12, 0.42, 1.0]
+"""Colour of the arrow downwards, as in the pictures."""
+
+DOWN_BESIDE, DOWN_LENGTH = np.array([-0.25, 0.22, 0.0]), 0.15
+"""Place of that arrow beside the tip, (3,) [m], and its length [m]."""
+
 FORCE_SCALE = 0.006
 """Length of a contact arrow [m/N]."""
 
@@ -94,7 +100,7 @@ class MujocoViewer:
         with self._window.lock():
             self._copy()
             self._window.cam.lookat[:] = self._data.site("tip").xpos
-            draw_marks(self._window.user_scn, self._marks(), sight.target)
+            draw_marks(self._window.user_scn, self._marks(), sight.target, sight.down)
         # The viewer's font has no letters beyond ASCII.
         text = sight.text.encode("ascii", "replace").decode()
         self._window.set_texts((mujoco.mjtFontScale.mjFONTSCALE_150, mujoco.mjtGridPos.mjGRID_TOPLEFT, text, ""))
@@ -110,8 +116,20 @@ class MujocoViewer:
         mujoco.mj_forward(self._model, self._data)
 
 
-def draw_marks(scene: Any, marks: Marks, target: tuple[float, float] | None) -> None:
-    """Draw beams as lines, forces as arrows and the target as a ball, in place of what a scene showed before."""
+def draw_marks(
+    scene: Any,
+    marks: Marks,
+    target: tuple[float, float] | None,
+    down: tuple[float, float, float] | None = None,
+) -> None:
+    """Draw marks in place of what a scene showed before: beams, forces, a ball for the target, an arrow downwards.
+
+    Args:
+        scene: the scene.
+        marks: beams and forces.
+        target: target in the pipe's frame, (x, y) [m].
+        down: unit vector downwards in the pipe's frame, (x, y, z).
+    """
     scene.ngeom = 0
     for end in marks.beams:
         _connect(scene, mujoco.mjtGeom.mjGEOM_LINE, BEAM_WIDTH, marks.tip, end, BEAM)
@@ -121,6 +139,9 @@ def draw_marks(scene: Any, marks: Marks, target: tuple[float, float] | None) -> 
     if target is not None:
         place = np.append(frames.pipe_to_robot(target, marks.base), 0.0)
         _add(scene, mujoco.mjtGeom.mjGEOM_SPHERE, TARGET_RADIUS, place, TARGET)
+    if down is not None:
+        start = marks.tip + DOWN_BESIDE
+        _connect(scene, mujoco.mjtGeom.mjGEOM_ARROW, 3 * ARROW_WIDTH, start, start + DOWN_LENGTH * np.array(down), DOWN)
 
 
 def _connect(scene: Any, kind: Any, width: float, start: Floats, end: Floats, colour: list[float]) -> None:

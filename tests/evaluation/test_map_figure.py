@@ -36,8 +36,8 @@ def test_a_map_of_routes_has_no_more_columns_than_it_needs() -> None:
 
 def test_bends_of_different_radii_have_columns_of_their_own() -> None:
     bends = [record(100, 90, "left", 10, bend_radius_mm=radius) for radius in (150.0, 0.0, 100.0)]
-    assert list(by_fitting(bends)) == [(90, 0.0), (90, 1.0), (90, 1.5)]
-    assert by_angle(bends)[90] == (30, 30)
+    assert list(by_fitting(bends)) == [("", 90, 0.0), ("", 90, 1.0), ("", 90, 1.5)]
+    assert by_angle(bends) == {"": {90: (30, 30)}}
     panel = map_figure(evaluation(bends)).axes[0]
     assert [label.get_text() for label in panel.get_xticklabels()] == ["90", "90\n1 D", "90\n1.5 D"]
     assert panel.get_xlabel().endswith("bend radius")

@@ -23,6 +23,7 @@ PIPE_KEYS = {
     "angle_deg",
     "turn",
     "bend_radius_mm",
+    "fitting",
     "route",
     "episodes",
     "located",

@@ -8,6 +8,8 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from pipenav_mujoco.backend import MujocoBackend, MujocoOptions
 from pipenav_mujoco.viewer import Marks, draw_marks
 
@@ -22,7 +24,7 @@ from pipenav.pipes.route_sets import parse_routes
 from pipenav.policies.named import open_controller
 from pipenav.recording import live
 from pipenav.recording.live import Window
-from pipenav.recording.record import RecordingSettings, record_task
+from pipenav.recording.record import RecordingSettings, Weight, record_task
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.testing import KinematicBackend, KinematicOptions
@@ -229,10 +231,26 @@ def test_an_episode_tells_its_pipe_time_force_outcome_and_target() -> None:
     told: list[Sight] = []
     settings = RecordingSettings("mujoco", {"threads": 1}, lambda _, sight: told.append(sight))
     motion = record_task(open_controller("arm"), "arm", PIPE, 0, 0, settings)
-    assert told[0].text == f"{PIPE.label}, 0.0 s"
-    assert told[-1].text.startswith(f"{PIPE.label}, {motion.time[-1]:.1f} s, contact ")
+    label = f"{PIPE.label}, level: nothing weighs"
+    assert told[0].text == f"{label}, 0.0 s"
+    assert told[-1].text.startswith(f"{label}, {motion.time[-1]:.1f} s, contact ")
+    assert {sight.down for sight in told} == {None}
     assert told[-1].text.endswith(" N, reached") and len(told) == len(motion.time)
     assert {sight.target for sight in told} == {motion.header.goal_m}
+
+
+@given(st.floats(-np.pi, np.pi))
+def test_an_arrow_in_the_window_points_down(direction: float) -> None:
+    gravity = (9.81 * np.cos(direction), 9.81 * np.sin(direction), 0.0)
+    weight = Weight.of(gravity)
+    assert weight.words == "violet arrow: down"
+    assert weight.down == pytest.approx(np.array(gravity) / 9.81)
+    model = mujoco.MjModel.from_xml_string("<mujoco/>")
+    scene, zero = mujoco.MjvScene(model, 10), np.zeros(3)
+    draw_marks(scene, Marks(zero, np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3)), 0.0), None, weight.down)
+    (arrow,) = scene.geoms[: scene.ngeom]
+    assert arrow.type == mujoco.mjtGeom.mjGEOM_ARROW
+    np.testing.assert_allclose(arrow.mat[:, 2], weight.down, atol=1e-5)  # an arrow lies along its z axis
 
 
 def test_a_route_in_space_is_shown_in_a_window_too(handles: list[Handle]) -> None:
