@@ -177,12 +177,12 @@ class PipeOracle:
         left /= np.linalg.norm(left)
         sides = np.cos(around)[:, None] * left + np.sin(around)[:, None] * np.cross(out, left)
         points = start + s[:, None] * out + off[:, None] * sides
-        ends = self._ends(pipe, 0.0)
+        ends = self._ends(pipe, 0.0, seams=False)
         points = points[np.all([(points - end.point) @ end.outwards <= 0 for end in ends], axis=0)]
         shared = np.zeros(len(points))
         for other in self.pipes:
             bore = _cylinder(points, self.nodes[other.start].position, self._direction(other), other.radius)
-            within = np.all([(points - end.point) @ end.outwards <= 0 for end in self._ends(other, 0.0)], axis=0)
+            within = np.all([(points - end.point) @ end.outwards <= 0 for end in self._ends(other, 0.0, False)], axis=0)
             shared += within & (bore > -1e-12) & (bore <= self.wall + 1e-12)
         material = self.bore(points) >= -1e-12
         share = float((material / np.maximum(shared, 1)).sum()) / samples
@@ -204,11 +204,11 @@ class PipeOracle:
             nearest = np.minimum(nearest, _to_cone(points, cone))
         return nearest
 
-    def _ends(self, pipe: StraightPipe, outside: float) -> list[_End]:
-        return [self._end(pipe, node, outside) for node in (pipe.start, pipe.end)]
+    def _ends(self, pipe: StraightPipe, outside: float, seams: bool = True) -> list[_End]:
+        return [self._end(pipe, node, outside, seams) for node in (pipe.start, pipe.end)]
 
-    def _end(self, pipe: StraightPipe, name: str, outside: float) -> _End:
-        """The end of a pipe at one of its nodes."""
+    def _end(self, pipe: StraightPipe, name: str, outside: float, seams: bool) -> _End:
+        """The end of a pipe at one of its nodes; with seams, a narrow pipe reaches through its reducer."""
         node, out = self.nodes[name], -self._direction(pipe, name)
         others = [other for other in self._meeting(name) if other is not pipe]
         if not others:
@@ -223,7 +223,8 @@ class PipeOracle:
         if other.radius < pipe.radius - 1e-12:
             return _End(node.position - node.reducer / 2 * out, out, True)
         if other.radius > pipe.radius + 1e-12:
-            return _End(node.position + (node.reducer / 2 + 0.04 * other.radius) * out, out, False)
+            beyond = 0.04 * other.radius + node.reducer / 2 if seams else -node.reducer / 2
+            return _End(node.position + beyond * out, out, False)
         onward = self._direction(other, name)
         if node.bend:
             return _End(node.position - node.bend * math.tan(_angle(out, onward) / 2) * out, out, False)

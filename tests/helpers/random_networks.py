@@ -10,6 +10,7 @@ import numpy as np
 from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.network import NetworkNode, NetworkPipe, PipeNetwork
+from pipenav.pipes.route import PipeRoute
 
 LEAST = 0.04
 """Least diameter [m]."""
@@ -143,15 +144,16 @@ class GrowingNetwork:
         self.stubs.append(Stub(two, along, d, taken))
 
 
-def random_network(seed: int, most: int = 6) -> PipeNetwork:
+def random_network(seed: int, most: int = 6, level: bool | None = None) -> PipeNetwork:
     """A network of up to so many fittings; what does not fit beside the rest is left out.
 
     Args:
         seed: seed of its chances.
         most: fittings.
+        level: whether all lies in a plane z = constant; None leaves it to chance.
     """
     rng = np.random.default_rng(seed)
-    growing = GrowingNetwork(rng, level=bool(rng.random() < 0.25))
+    growing = GrowingNetwork(rng, level=bool(rng.random() < 0.25) if level is None else level)
     direction = np.array([1.0, 0.0, 0.0]) if growing.level else rng.normal(size=3)
     direction /= np.linalg.norm(direction)
     first = growing.node(rng.uniform(-1, 1, 3))
@@ -177,3 +179,23 @@ def _closed(growing: GrowingNetwork, rng: np.random.Generator, wall: float) -> P
     for stub in growing.stubs:
         whole.end(stub)
     return PipeNetwork(nodes=whole.nodes, pipes=tuple(whole.pipes), wall=wall)
+
+
+def ways_through(network: PipeNetwork) -> list[list[str]]:
+    """All ways from one end of a network to another that come to no node twice."""
+    found: list[list[str]] = []
+    waiting = [[name] for name in network.nodes if len(network.pipes_at(name)) == 1]
+    while waiting:
+        way = waiting.pop()
+        at_end = len(way) > 1 and len(network.pipes_at(way[-1])) == 1
+        if at_end and len(way) > 2:
+            found.append(way)
+        beyond = [pipe.other(way[-1]) for pipe in network.pipes_at(way[-1])]
+        waiting += [[*way, name] for name in beyond if name not in way]
+    return found
+
+
+def random_routes(seed: int, level: bool | None = None) -> list[PipeRoute]:
+    """Routes through a random network, at most four."""
+    network = random_network(seed, 2, level)
+    return [network.route(way) for way in ways_through(network)[:4]]

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
+from helpers.pipe_oracle import PipeOracle
 from manifold3d import Manifold, Mesh64
 
 from pipenav.arrays import Flags, Floats
@@ -14,6 +15,9 @@ from pipenav.pipes.corner_solids import Mesh
 
 RAYS = np.array([[0.48, 0.6, 0.64], [-0.36, 0.48, -0.8]])
 """Directions of the rays that are counted."""
+
+NEAR = 1e-4
+"""Distance from a surface up to which a mesh may differ from it [m]."""
 
 
 def read_back(mesh: Mesh, folder: Path) -> trimesh.Trimesh:
@@ -41,3 +45,16 @@ def inside(body: trimesh.Trimesh, points: Floats) -> Flags:
         for i in disputed:
             found[i] = len(solid.ray_cast(tuple(points[i]), tuple(points[i] + far * RAYS[0]))) % 2 == 1
     return found
+
+
+def differing(body: trimesh.Trimesh, oracle: PipeOracle, rng: np.random.Generator, count: int) -> Floats:
+    """Points in and around pipes at which a tube in millimetres and the oracle differ, (n, 3) [m].
+
+    Points within `NEAR` of a surface are left out: polygons stand for circles.
+    """
+    points = oracle.around(count, rng)
+    bore, outside = oracle.bore(points), oracle.outside(points)
+    sure = (np.abs(bore) > NEAR) & (np.abs(outside) > NEAR)
+    points, expected = points[sure], ((outside < 0) & (bore > 0))[sure]
+    assert sure.mean() > 0.9 and 0.05 < expected.mean() < 0.95
+    return points[inside(body, 1e3 * points) != expected]
