@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
-from helpers.pipe_oracle import PipeOracle
 from manifold3d import Manifold, Mesh64
 
+from helpers.pipe_oracle import PipeOracle
 from pipenav.arrays import Flags, Floats
 from pipenav.export.corner_folder import write_stl
 from pipenav.pipes.corner_solids import Mesh

@@ -179,5 +179,5 @@ def test_a_branch_that_meets_another_leg_is_refused(length: float) -> None:
 def test_fittings_too_near_each_other_are_refused() -> None:
     tee_here = ALONG.model_copy(update={"branches": (side(),)})
     tee_there = ALONG.model_copy(update={"branches": (side(turn="right"),)})
-    with pytest.raises(PipenavError, match="length of straight 2, 100 mm, is out of range: choose 1[0-9]{2} to 20000"):
+    with pytest.raises(PipenavError, match=r"length of straight 2, 100 mm, is out of range: choose 1[0-9]{2} to 20000"):
         PipeRoute.with_default_straights(0.1, (tee_here, tee_there), [None, 100.0, None], 0.003)
