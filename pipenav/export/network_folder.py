@@ -1,4 +1,4 @@
-"""The network folder: a whole network as JSON, mesh, MJCF, URDF and SDF. Format: docs/formats/network.md."""
+"""The network folder: a whole network as JSON, mesh, MJCF, URDF, SDF and a picture. Format: docs/formats/network.md."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from pipenav.export.wall_files import wall_shapes, walls_mjcf, write_walls
 from pipenav.pipes.network import PipeNetwork
 from pipenav.pipes.pipe_system import Polygon, network_system
 from pipenav.pipes.route_solids import BEND_DEVIATION, FACETS
-from pipenav.pipes.system_solids import system_tube_mesh, system_wall_pieces
+from pipenav.pipes.system_solids import system_wall_pieces
+from pipenav.pipes.system_tubes import system_tube_mesh
 from pipenav.storage.atomic_folder import write_folder, write_record
 from pipenav.units import m_to_mm
 
@@ -28,6 +29,7 @@ FILES = {
     "pipe.xml": "MuJoCo model, walls as those pieces",
     "pipe.urdf": "URDF model, walls as the files in walls",
     "pipe.sdf": "SDF model, walls as the files in walls",
+    "pipe.png": "picture with names, bores and lengths",
 }
 """Files of a network folder, each with one line that describes it."""
 
@@ -64,6 +66,8 @@ def network_record(network: PipeNetwork, name: str) -> dict[str, Any]:
 
 
 def _write_files(network: PipeNetwork, name: str, folder: Path) -> None:
+    from pipenav.drawing.network import draw_network
+
     system = network_system(network)
     parts = system_wall_pieces(system, Polygon(FACETS), network.wall, BEND_DEVIATION)
     walls = {f"wall_{number}": part for number, part in enumerate(parts, 1)}
@@ -75,3 +79,4 @@ def _write_files(network: PipeNetwork, name: str, folder: Path) -> None:
     write_xml(folder / "pipe.xml", walls_mjcf(name, walls, points))
     write_xml(folder / "pipe.urdf", urdf(name, pieces, seen))
     write_xml(folder / "pipe.sdf", sdf(name, pieces, seen))
+    draw_network(network, name, folder / "pipe.png")

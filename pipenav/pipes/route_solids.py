@@ -21,9 +21,9 @@ from pipenav.pipes.system_solids import (
     PRISM_FACES,
     ConvexPiece,
     fitting_boards_mesh,
-    system_tube_mesh,
     system_wall_pieces,
 )
+from pipenav.pipes.system_tubes import system_tube_mesh
 from pipenav.units import m_to_mm
 
 FACETS = 16

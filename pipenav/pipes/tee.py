@@ -11,7 +11,7 @@ from pipenav.errors import PipenavError, shown
 from pipenav.pipes.branch import IN_LINE, Branch
 from pipenav.pipes.branch_pipes import reaches_of, with_default_branches
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.corner_checks import check_turn, default_leg
+from pipenav.pipes.corner_checks import check_corner, check_turn, default_leg
 from pipenav.pipes.pipe import DEFAULT_WALL, Turn
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_corner import Corner
@@ -80,6 +80,7 @@ def tee(
         PipenavError: an unknown way or turn.
     """
     diameter, wall = mm_to_m(diameter_mm), _wall(wall_mm)
+    check_corner(diameter, math.pi, 0.0, wall)  # before the lengths, which follow from these
     corner = tee_corner(TeeSize(diameter, diameter, deg_to_rad(angle_deg), wall), passage)
     shortest = float(reaches_of(corner, diameter, diameter, wall)[:2].max()) + 0.1 * diameter
     leg = default_leg(shortest, diameter) if leg_mm is None else mm_to_m(leg_mm)

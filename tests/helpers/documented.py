@@ -150,7 +150,8 @@ def _as_it_stands(options: Options) -> Options:
 def _train(options: Options) -> Options:
     if options.has("--resume"):
         return options.plus(("--steps", "128"))
-    settings = [("--set", setting) for setting in TRAINING]
+    given = {value.partition("=")[0] for option, value in options.given if option == "--set" and value}
+    settings = [("--set", setting) for setting in TRAINING if setting.partition("=")[0] not in given]
     return options.without(DROPPED).plus(("--steps", "64"), *settings, ("--out", "trained"))
 
 
