@@ -33,7 +33,9 @@ class UnknownName(PipenavError):
 
     def __init__(self, kind: str, given: str, known: Iterable[str]) -> None:
         names = sorted(known)
-        near = get_close_matches(given, names, n=3, cutoff=LIKENESS) if len(given) <= LONGEST_SHOWN else []
+        small = {name.lower(): name for name in names}
+        like = get_close_matches(given.lower(), small, n=3, cutoff=LIKENESS) if len(given) <= LONGEST_SHOWN else []
+        near = [small[name] for name in like]
         choose = f"choose {_either(names)}." if names else "there are none."
         if len(names) > MOST_NAMES:
             choose = f"it is like none of the {len(names)} known ones, which pipenav list shows."
@@ -109,6 +111,9 @@ WRITE_REMEDIES = {
 }
 """Advice where a file or a folder cannot be written, by the number of the error."""
 
+SCHEMAS = ("schema", "schema_version")
+"""Keys of the versions of formats."""
+
 LIKENESS = 0.6
 """Share of a name's letters, as difflib counts them, that a name must have in common to be suggested."""
 
@@ -119,6 +124,8 @@ PLAIN_WORDS = (
     (" after validation", ""),
     (", unable to parse string as a number", ""),
     (", unable to parse string as an integer", ""),
+    (", got a number with a fractional part", ""),
+    ("Tuple should", "List should"),
     ("a valid tuple", "a list"),
     ("a valid list", "a list"),
     ("a valid dictionary", "a table"),
@@ -161,6 +168,8 @@ def described(problem: Any) -> str:
     instead = f", given {shown(given)}" if isinstance(given, str | int | float | bool) else ""
     if kind.endswith("_type") and isinstance(given, dict | list | tuple):
         instead = ", given a table" if isinstance(given, dict) else f", given {shown(given)}"
+    if kind == "literal_error" and key in SCHEMAS and isinstance(given, int):
+        instead += "; a newer pipenav may read it"
     return f"{where}{message[:1].lower()}{message[1:]}{instead}"
 
 

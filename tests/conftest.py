@@ -22,7 +22,9 @@ signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 sys.path.append(str(Path(__file__).parent))
 pytest.register_assert_rewrite("helpers")
-settings.register_profile("quick", max_examples=20)
+settings.register_profile("default", deadline=None)  # a loaded machine is no fault of the code
+settings.register_profile("quick", max_examples=20, deadline=None)
+settings.load_profile("default")
 pytest_plugins = ["helpers.workshop"]
 
 

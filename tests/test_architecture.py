@@ -68,7 +68,8 @@ def imported(path: Path, everywhere: bool = True, for_types: bool = False) -> se
             if everywhere or not isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
                 for child in ("body", "orelse", "finalbody", "handlers"):
                     inner = getattr(node, child, [])
-                    yield from nodes([s for part in inner for s in getattr(part, "body", [part])])
+                    handled = [s for part in inner for s in (part.body if child == "handlers" else [part])]
+                    yield from nodes(handled)
 
     names = set()
     for node in nodes(ast.parse(path.read_text(encoding="utf-8")).body):

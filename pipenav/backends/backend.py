@@ -168,15 +168,13 @@ class Simulator(Backend):
         robot: RobotSpec,  # noqa: ARG003  # the signature of the seam
         n: int,  # noqa: ARG003
         options: BackendOptions,  # noqa: ARG003
-        gravity: float,  # noqa: ARG003
     ) -> SpaceBackend:
         """Construct robots in space, for routes that leave the plane.
 
         Args:
             robot: the robot, with a roll joint.
             n: number of robots.
-            options: an instance of the class's `Options`; it may override gravity.
-            gravity: gravity downwards, along -z [m/s^2].
+            options: an instance of the class's `Options`.
 
         Raises:
             PlaneOnly: the simulator offers none.

@@ -52,24 +52,21 @@ def load_spatial(name: str) -> type[Simulator]:
     return kind
 
 
-def open_space(
-    name: str, robot: RobotSpec, n: int, options: Mapping[str, Any] | BackendOptions, gravity: float
-) -> SpaceBackend:
+def open_space(name: str, robot: RobotSpec, n: int, options: Mapping[str, Any] | BackendOptions) -> SpaceBackend:
     """Load a simulator and construct its robots in space.
 
     Args:
         name: name as `find_backends` lists it.
         robot: the robot, with a roll joint.
         n: number of robots.
-        options: an instance of the simulator's `Options`, or a table to validate as one; it may override gravity.
-        gravity: gravity downwards, along -z [m/s^2].
+        options: an instance of the simulator's `Options`, or a table to validate as one.
 
     Raises:
         PlaneOnly: the simulator moves robots in a plane alone.
         UnknownName, BackendUnavailable, ConfigError: as `open_backend`.
     """
     kind = load_spatial(name)
-    return kind.in_space(robot, n, check_options(name, kind, options), gravity)
+    return kind.in_space(robot, n, check_options(name, kind, options))
 
 
 class SimulatorSettings(NamedTuple):

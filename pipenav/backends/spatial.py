@@ -38,11 +38,6 @@ class SpaceReading(NamedTuple):
     down: Floats
     turned: Floats
 
-    def row(self, i: int) -> SpaceReading:
-        """Reading of one robot: its arrays without their first axis."""
-        body = Reading(**{name: column[i] for name, column in self.body.measured().items()})
-        return SpaceReading(body, self.roll[i], self.down[i], self.turned[i])
-
 
 class SpaceTruth(NamedTuple):
     """State that only a simulator knows, as `Truth` in the plane; rewards and outcomes may use it, policies never.
@@ -66,6 +61,17 @@ class SpaceTruth(NamedTuple):
 
 class SpaceBackend(ABC):
     """n robots of one kind in space, each in a route of its own, stepped together."""
+
+    @abstractmethod
+    def incline(self, indices: Ints, gravity: Floats) -> None:
+        """Let gravity act on some robots until they are inclined again; at first nothing weighs.
+
+        It is called right before a reset of the same robots.
+
+        Args:
+            indices: robots whose routes are inclined, sorted and unique, (k,).
+            gravity: gravity in the route's frame, (k, 3) [m/s^2].
+        """
 
     @abstractmethod
     def reset(self, indices: Ints, routes: Sequence[PipeRoute], q: Floats, base: Floats, plane: Floats) -> SpaceReading:

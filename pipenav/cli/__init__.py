@@ -132,7 +132,8 @@ class CommandGroup(TyperGroup):
         try:
             return super().resolve_command(ctx, args)
         except UsageError as error:
-            error.message = f"{error.message.rstrip('.')}" + ("" if "?" in error.message else "; see pipenav --help.")
+            if not error.message.endswith("?"):
+                error.message = f"{error.message.rstrip('.')}; see pipenav --help."
             raise
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from pipenav.cli.options import SIMULATOR, BackendOption, SettingsOption, parse_options
+from pipenav.cli.options import SIMULATOR, BackendOption, SettingsOption, checked_options
 from pipenav.cli.terminal import progress_console, refuse_ignored, say, show
 from pipenav.errors import PipenavError
 
@@ -85,21 +85,21 @@ def evaluate(
         pipenav eval --policy pirate --pipes runs-level --option timestep=0.001
         pipenav eval --policy arm --disturb real-world --require 90%
     """
-    from pipenav.evaluation.config import checked_config
+    from pipenav.evaluation.config import EvaluationConfig, todays_stage
 
     required = _required_share(require)
     if stage not in ("locate", "passage"):
         refuse_ignored({"--variant": variant}, "it says how --stage locate or passage locates a target")
-    config = checked_config(
+    config = EvaluationConfig(
         policy=policy,
         pipes=tuple(pipes or ["working-range"]),
         episodes=episodes,
         seed=seed,
-        stage=stage,
+        stage=todays_stage(stage),
         robot=robot,
         variant=variant or "map",
         backend=backend,
-        options=parse_options(option or []),
+        options=checked_options(backend, option or []),
         disturb=disturb,
     )
     evaluation = _measured(config, out)

@@ -44,10 +44,20 @@ def recording_settings(backend: str, given: list[str]) -> RecordingSettings:
     Raises:
         PipenavError: no such simulator, or a setting that does not fit.
     """
+    from pipenav.recording.record import RecordingSettings
+
+    return RecordingSettings(backend, checked_options(backend, given))
+
+
+def checked_options(backend: str, given: list[str]) -> dict[str, Any]:
+    """The settings of a simulator from `key=value` texts, checked.
+
+    Raises:
+        PipenavError: no such simulator, or a setting that does not fit.
+    """
     from pipenav.backends.registry import check_options
     from pipenav.backends.simulators import load_simulator
-    from pipenav.recording.record import RecordingSettings
 
     options = parse_options(given)
     check_options(backend, load_simulator(backend), options)
-    return RecordingSettings(backend, options)
+    return options

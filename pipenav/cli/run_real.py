@@ -129,7 +129,7 @@ def _emulation(given: EmulationOptions, robot: RobotSpec, pipe: PipeCorner | Non
     if given.emulate:
         assert pipe is not None, "an emulated arm always has a pipe"
         return plan_emulation(robot, pipe, given.seed or 0, given.faults, given.patience)
-    refuse_ignored({"--seed": given.seed}, "it is the seed of an emulated arm, give --emulate too")
+    refuse_ignored({"--seed": given.seed}, "it is the seed of an emulated arm")
     if given.faults is not None:
         raise PipenavError("--faults are those of an emulated arm: give --emulate too.")
     if given.patience > 1:

@@ -229,7 +229,7 @@ def _check_start(start: Path, config: TrainConfig) -> None:
         raise PipenavError(
             f"{start} was trained with another network, observation or control (robot {other.robot!r}, "
             f"{other.task.kind}, {other.task.observation}, {other.task.control}, network.policy "
-            f"{list(other.network.policy)}): --from takes a training that has the new one's."
+            f"{list(other.network.policy)}): give --from a training that has the new one's."
         )
 
 

@@ -35,6 +35,10 @@ UNITS = {"MM": "mm", "DEG": "deg"}
 """Units of numbers, by the name that help gives their values."""
 
 
+EMPTY = "is given an empty text: give it a value, or leave it out."
+"""Advice for an option without a text."""
+
+
 class _Typed(NamedTuple):
     """An option as it was typed, with its value; None for an option that takes none."""
 
@@ -55,7 +59,7 @@ def check_typed(context: Any, args: Sequence[str]) -> None:
     typed = list(_typed(context.command, args))
     for one in typed:
         if one.value is not None and not one.value.strip():
-            raise UsageError(f"{one.option.opts[0]} is given an empty text: give it a value, or leave it out.", context)
+            raise UsageError(f"{one.option.opts[0]} {EMPTY}", context)
     counts = Counter(one.option.opts[0] for one in typed if not one.option.multiple)
     for name, count in counts.items():
         if count > 1:
@@ -84,9 +88,12 @@ def explain(error: Any, command: Any, args: Sequence[str]) -> None:
     elif "requires an argument" in error.message:
         error.message = f"{error.message.rstrip('.')}: write its value behind it."
     elif hasattr(error, "param_type"):
-        error.message = f"See pipenav {command.name} --help for an example."
+        missing = f"{error.format_message().rstrip('.')}; see pipenav {command.name} --help for an example."
+        error.format_message = lambda: missing
     elif parameter is not None and (given := _given(parameter.opts, args)) is not None:
         error.message = _wrong_value(error.message, parameter, given)
+        if not given.strip():
+            error.format_message = lambda: f"{parameter.opts[0]} {EMPTY}"
 
 
 def _wrong_value(message: str, parameter: Any, given: str) -> str:
@@ -104,8 +111,10 @@ def _unknown_option(name: str, command: Any) -> str:
     """Advice for an option that the command has not."""
     known = [text.removeprefix("--") for parameter in command.params for text in parameter.opts if text[:2] == "--"]
     word = name.lstrip("-").lower()
-    begun = [text for text in known if word and (text.startswith(word) or word.startswith(text))]
-    if near := get_close_matches(word, known, n=1, cutoff=LIKENESS) or begun:
+    near = [text for text in known if word and text.startswith(word)]
+    near += get_close_matches(word, known, n=1, cutoff=LIKENESS)
+    near += [text for text in known if word.startswith(text)]
+    if near:
         return f"unknown option {name}: did you mean --{near[0]}?"
     return f"unknown option {name}: see {_typed_as(command)} --help for those that there are."
 

@@ -79,7 +79,7 @@ def of_policy(name: str, wanted: Wanted, simulator: RecordingSettings) -> Drawin
     controller = open_controller(name, wanted.robot, wanted.seed)
     pipes = task_of(controller.task).parse_pipes(wanted.pipes)
     _check_few(pipes, wanted.outputs, drawn=simulator.watch is None)
-    if all(pipe.planar for pipe in pipes):
+    if not any(pipe.in_space for pipe in pipes):
         return PlaneDrawing(
             [record_task(controller, name, pipe, wanted.seed, wanted.episode, simulator) for pipe in pipes]
         )

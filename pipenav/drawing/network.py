@@ -61,7 +61,7 @@ def network_figure(network: PipeNetwork, name: str) -> Figure:
     tall = width * float((high[1] - low[1]) / (high[0] - low[0]))
     shrink = min(1.0, TALLEST * width / tall)
     figure.set_size_inches(max(width * shrink, 6.5) + 0.4, tall * shrink + 1.2)
-    axes.add_artist(down_sign(view.down, axes.transAxes, (1.0, 1.0)))
+    axes.add_artist(down_sign(view.seen(np.array([0.0, 0.0, -1.0])), axes.transAxes, (1.0, 1.0)))
     facts = f"{_length(network):.2f} m of pipes; bores and lengths in mm, lengths from node to node"
     missing = f"; {left_out} texts without room left out" if left_out else ""
     write_title(axes, f"{name}: {_counts(network)}", facts + missing)

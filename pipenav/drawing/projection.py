@@ -77,10 +77,9 @@ class View(NamedTuple):
 
         return max((cls.towards(azimuth) for azimuth in AZIMUTHS), key=worth)
 
-    @property
-    def down(self) -> Floats:
-        """The direction -z in the picture: to the right, upwards, and to the viewer, (3,)."""
-        return -np.array([self.right[2], self.up[2], self.to_viewer[2]])
+    def seen(self, direction: Floats) -> Floats:
+        """A direction (3,) in the picture: to the right, upwards, and to the viewer, (3,)."""
+        return np.array([direction @ self.right, direction @ self.up, direction @ self.to_viewer])
 
     def hidden(self, system: PipeSystem) -> int:
         """Number of pairs of straights that do not join and lie over each other in the picture."""

@@ -139,5 +139,5 @@ def _in_space(route: PipeRoute, axes: Axes) -> float:
     sketch.directions()
     tall = frame_axes(axes, *sketch.frame())
     axes.set_axis_off()
-    axes.add_artist(down_sign(view.down, axes.transAxes, (1.0, 1.0)))
+    axes.add_artist(down_sign(view.seen(route.down), axes.transAxes, (1.0, 1.0)))
     return tall

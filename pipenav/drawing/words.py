@@ -37,7 +37,7 @@ def words_of(corner: Corner, branches: bool = False) -> str:
 
 
 def side_of(branch: Branch) -> list[str]:
-    """Where a branch leads, in lines: its angle and side, its roll."""
+    """Angle and side of a branch and, on a line of its own, its roll."""
     on = Corner(angle=branch.angle).straight_on
     side = "straight on" if on else f"{rad_to_deg(branch.angle):g}° {branch.turn}"
     rolled = [f"rolled {rad_to_deg(branch.roll):g}°"] if branch.roll and not on else []
@@ -57,7 +57,7 @@ def counts_of(route: PipeRoute) -> str:
 
 
 def counted(kinds: list[str], names: tuple[str, ...]) -> str:
-    """How often each name comes in a list, in words; names that do not come are left out."""
+    """Count of each name in a list, in words; names that do not come are left out."""
     plural = {"cross": "crosses"}
     found = [(name, kinds.count(name)) for name in names if name in kinds]
     return ", ".join(f"one {name}" if many == 1 else f"{many} {plural.get(name, name + 's')}" for name, many in found)

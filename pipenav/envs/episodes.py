@@ -13,9 +13,11 @@ from pipenav.drawing.scene import scene_pixels
 from pipenav.envs.env_tasks import EnvTask
 from pipenav.errors import PipenavError
 from pipenav.robots.robot import load_robot
+from pipenav.tasks.batch import TrainingBatch
 from pipenav.tasks.layout import ObservationField
 from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.registry import task_of
+from pipenav.tasks.rolling.batch import check_in_space
 from pipenav.tasks.sampling import random_episodes
 from pipenav.tasks.traverse.config import TraverseConfig
 
@@ -53,8 +55,6 @@ class SeededEpisodes:
     """
 
     def __init__(self, env_task: EnvTask, n: int, settings: EnvSettings) -> None:
-        from pipenav.backends.simulators import open_simulator
-
         self.generators: list[np.random.Generator] = []
         self.episodes: dict[int, Any] = {}
         self._env_task, self._robot = env_task, load_robot(settings.robot)
@@ -64,9 +64,19 @@ class SeededEpisodes:
         self._sets = [self._task.parse_training_pipes([text]) for text in texts]
         if not self._sets:
             raise PipenavError("no pipes given: name a pipe set, a TOML file, or a pipe such as d=90,angle=60.")
-        slots = max(len(pipe.segments) for pipes in self._sets for pipe in pipes)
-        simulator = open_simulator(settings.backend, self._robot, n, dict(settings.options or {}), slots)
-        self.batch: Any = self._task.batch(self._robot, simulator, n, self._draw)
+        self._planar = not any(pipe.in_space for pipes in self._sets for pipe in pipes)
+        self.batch: Any = self._open(n, settings.backend, dict(settings.options or {}))
+
+    def _open(self, n: int, backend: str, options: Mapping[str, Any]) -> TrainingBatch:
+        """The robots, in space where any pipe leaves the plane."""
+        from pipenav.backends.simulators import open_simulator, open_space
+
+        robot, task = self._robot, self._task
+        if self._planar:
+            slots = max(len(pipe.segments) for pipes in self._sets for pipe in pipes)
+            return task.batch(robot, open_simulator(backend, robot, n, options, slots), n, self._draw)
+        check_in_space(robot, backend)
+        return task.batch_in_space(robot, open_space(backend, robot, n, options), n, self._draw)
 
     @property
     def layout(self) -> list[ObservationField]:
@@ -85,8 +95,12 @@ class SeededEpisodes:
         """Picture of robot i from above, (pixels, pixels, 3): walls, links, beams, and the target if it has one.
 
         Raises:
-            PipenavError: there is nothing to see before the first reset.
+            PipenavError: there is nothing to see before the first reset, or the robots are in space.
         """
+        if not self._planar:
+            raise PipenavError(
+                "a picture from above shows pipes in a plane: leave out render_mode for routes that leave the plane."
+            )
         if i not in self.episodes:
             raise PipenavError("there is nothing to draw before the first reset: call reset first.")
         return scene_pixels(self._env_task.scene(self.batch, self.episodes[i], i), pixels, self._env_task.around)

@@ -115,7 +115,7 @@ class CornerEnv(TaskEnv):
 
 
 class TraverseEnv(TaskEnv):
-    """Take the whole robot on its wheels around the corners of a pipe in one plane.
+    """Take the whole robot on its wheels around the corners of a pipe.
 
     Observation, float32: each value is divided by a fixed physical number
     (`pipenav.tasks.traverse.observation.layout`), and right turns are mirrored into left turns. For a robot with j
@@ -138,10 +138,12 @@ class TraverseEnv(TaskEnv):
     An episode terminates when the tail is through the last corner, when the robot is stuck or slides back, or when it
     sinks into the wall; it is truncated after `task.max_steps` for each corner. `info` holds the keys of `CornerEnv`.
 
+    Where any pipe leaves the plane, all episodes are in space and have no pictures. There the robot drives itself
+    between corners, and actions are ignored; `batch.driven` says whether the last one counted.
+
     Args:
         robot: a shipped whole robot or the path of a `robot.toml`.
-        pipes: texts that name pipe sets, routes in a plane, or pipes; each episode draws one text, then one of its
-            pipes.
+        pipes: texts that name pipe sets, routes or pipes; each episode draws one text, then one of its pipes.
         backend: name of a simulator backend.
         task: settings of the task; None for the defaults.
         options: options of the backend.

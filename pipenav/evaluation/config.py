@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, JsonValue, ValidationError
+from pydantic import BeforeValidator, Field, JsonValue
 
 from pipenav.arrays import Table
-from pipenav.errors import ConfigError
 from pipenav.locating.locator import Variant
 
 StageName = Literal["locate", "reach", "reach-rear", "passage", "traverse"]
@@ -48,15 +47,3 @@ class EvaluationConfig(Table):
     def subject(self) -> str:
         """Name of what is evaluated: of the policy, or of the behaviour that locates a target."""
         return self.policy or f"locate:{self.variant}"
-
-
-def checked_config(**given: Any) -> EvaluationConfig:
-    """The configuration of an evaluation, by its keys.
-
-    Raises:
-        ConfigError: a value that does not fit.
-    """
-    try:
-        return EvaluationConfig(**given)
-    except ValidationError as error:
-        raise ConfigError.from_validation("this evaluation", error, EvaluationConfig.model_fields) from error

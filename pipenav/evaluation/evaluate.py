@@ -16,7 +16,6 @@ from pipenav.evaluation.episode_runner import EpisodeResults
 from pipenav.evaluation.passage import EpisodePlan, Passages, ReportProgress, StageResult, report_nothing
 from pipenav.evaluation.pipe_results import PipeRecord
 from pipenav.evaluation.results import Evaluation
-from pipenav.evaluation.rolling_stage import check_in_space
 from pipenav.evaluation.thesis import thesis_best
 from pipenav.pipes.pipe import Pipe
 from pipenav.pipes.tee import fitting_of
@@ -26,6 +25,7 @@ from pipenav.tasks.outcome import Outcome, PassageStage
 from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.reach.episode import check_fits
 from pipenav.tasks.registry import TaskConfig, task_of
+from pipenav.tasks.rolling.batch import check_in_space
 from pipenav.units import m_to_mm, rad_to_deg
 
 StageResults = dict[PassageStage, StageResult]
@@ -60,8 +60,8 @@ class CheckedEvaluation:
         check_options(config.backend, load_simulator(config.backend), config.options)
         check_fits(self._robot, pipes)
         disturbance = UNDISTURBED if config.disturb is None else load_disturbance(config.disturb)
-        if not all(pipe.planar for pipe in pipes):
-            check_in_space(self._robot, config.backend, config.disturb)
+        if any(pipe.in_space for pipe in pipes):
+            check_in_space(self._robot, config.backend, None if config.disturb is None else "--disturb")
         self._plan = EpisodePlan(self._robot, self._config, pipes, config.episodes, config.seed, simulator, disturbance)
 
     def _stage_of(self, config: EvaluationConfig) -> StageName:

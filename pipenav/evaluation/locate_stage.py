@@ -97,6 +97,10 @@ class LocateStage(Stage):
 
 
 def inside_second_leg(pipe: PipeCorner, point: Floats) -> bool:
-    """Whether a point (2,) of the pipe's frame lies inside the pipe and past the end of the inner wall's bend."""
-    distance = float(pipe.along_second_leg(point)[0])
-    return distance > pipe.inner_edge and bool(pipe.contains(point))
+    """Whether a point (2,) of the pipe's frame lies inside the pipe and past the end of the inner wall's bend.
+
+    In a tee or a cross it must not lie beside the second leg, in another pipe that leads the same way.
+    """
+    distance, aside = pipe.along_second_leg(point).tolist()
+    beside = bool(pipe.branches) and abs(aside) > pipe.radius
+    return distance > pipe.inner_edge and not beside and bool(pipe.contains(point))

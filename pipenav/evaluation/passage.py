@@ -24,6 +24,7 @@ from pipenav.evaluation.episode_runner import (
     EpisodeResults,
     joined,
     random_start,
+    robots_for,
     run_queue,
     run_stage,
 )
@@ -132,7 +133,7 @@ class Passages:
     def task(self, controller: AnyController, located: StageResult | None = None) -> StageResult:
         """Reach or traverse in every episode, or in those where a target was located."""
         jobs = np.arange(len(self._pipes)) if located is None else located.jobs[located.passed]
-        rolled = np.array([not self._pipes[job].planar for job in jobs], bool)
+        rolled = np.array([self._pipes[job].in_space for job in jobs], bool)
         if rolled.any():
             return self._with_rolling(controller, jobs[~rolled], jobs[rolled])
         start = self._given if located is None else self._from_located(located)
@@ -161,7 +162,7 @@ class Passages:
             lambda queue: rolling_stage(controller, self._plan.simulator, queue),
             lambda i: self._given(int(rolled[i])),
             len(rolled),
-            min(len(rolled), os.cpu_count() or 1),  # a few: episodes are long, and the last one keeps all robots busy
+            max(robots_for(len(rolled)), min(len(rolled), os.cpu_count() or 1)),
             lambda done, successes: self._report_progress(f"{self._task.stage} in space", len(rolled), done, successes),
         )
         results.put(np.searchsorted(jobs, rolled), in_space)

@@ -2,33 +2,13 @@
 
 from __future__ import annotations
 
-from pipenav.backends.simulators import SimulatorSettings, load_spatial, open_space
-from pipenav.errors import PipenavError
+from pipenav.backends.simulators import SimulatorSettings, open_space
 from pipenav.evaluation.episode_runner import EpisodeQueue, joined
 from pipenav.evaluation.stage import TaskStage
 from pipenav.policies.controller import AnyController
-from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.rolling.batch import RollingBatch
-from pipenav.tasks.rolling.clamp import check_robot
+from pipenav.tasks.registry import task_of
 from pipenav.tasks.traverse.config import TraverseConfig
-from pipenav.tasks.traverse.episode import GRAVITY, TraverseEpisodes
-
-
-def check_in_space(robot: RobotSpec, backend: str, disturb: str | None = None) -> None:
-    """Refuse what cannot be done in routes that leave the plane.
-
-    Raises:
-        PipenavError: a robot that cannot roll, a backend of the plane alone, or a disturbance.
-    """
-    check_robot(robot)
-    load_spatial(backend)
-    if disturb is not None:
-        raise PipenavError("--disturb disturbs robots in a plane: choose routes without rolls, or leave it out.")
-
-
-def gravity_of(task: TraverseConfig) -> float:
-    """Gravity in routes that leave the plane [m/s^2]: none for a policy of a level plane, in which nothing weighs."""
-    return 0.0 if task.inclination_deg is None else GRAVITY
+from pipenav.tasks.traverse.episode import TraverseEpisodes
 
 
 def rolling_stage(
@@ -37,5 +17,6 @@ def rolling_stage(
     """The controller's task in space, with as many robots as the queue, which is its source."""
     robot, task, n = controller.robot, controller.task, len(queue.running)
     assert isinstance(task, TraverseConfig)  # no other task takes such routes
-    simulator = open_space(settings.backend, robot, n, settings.options, gravity_of(task))
-    return TaskStage(RollingBatch(robot, task, simulator, n, lambda indices: joined(queue.take(indices))), controller)
+    backend = open_space(settings.backend, robot, n, settings.options)
+    batch = task_of(task).batch_in_space(robot, backend, n, lambda indices: joined(queue.take(indices)))
+    return TaskStage(batch, controller)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any
 
@@ -10,18 +9,18 @@ from pydantic import ValidationError
 
 from pipenav.errors import ConfigError
 from pipenav.export.corner_folder import write_stl
-from pipenav.export.scene_xml import COLOUR, Shape, add, mjcf, sdf, text, urdf, write_xml
-from pipenav.pipes.json_keys import ROUTE_KEYS, keys_of_branches, route_fields
+from pipenav.export.scene_xml import Shape, sdf, urdf, write_xml
+from pipenav.export.wall_files import wall_shapes, walls_mjcf, write_walls
+from pipenav.pipes.json_keys import ROUTE_KEYS, keys_of_branches, optional_route_keys, route_fields
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_corner import Corner
 from pipenav.pipes.route_solids import route_boards_mesh, route_tube_mesh, wall_pieces
-from pipenav.pipes.system_solids import ConvexPiece
 from pipenav.storage.atomic_folder import read_record, refuse_contradictions, write_folder, write_record
 from pipenav.units import m_to_mm, rad_to_deg
 
 SCHEMA, SCHEMA_OF_BENDS, SCHEMA_OF_BRANCHES = 1, 2, 3
 """Versions of the route folder's format: a route of mitres has the first, one with bends or reducers the second, one
-with tees, crosses or a cap the third."""
+with tees, crosses, a cap or a slope the third."""
 
 FILES = {
     "run.json": "every parameter, the centre line and the frames of the straights",
@@ -60,14 +59,14 @@ def _write_files(route: PipeRoute, name: str, folder: Path) -> None:
     from pipenav.drawing.route import draw_route
 
     walls = wall_pieces(route)
-    pieces = [Shape(part.removeprefix("wall_"), "mesh", f"walls/{part}.obj") for part in walls]
+    pieces = wall_shapes(walls)
     seen = [Shape("all", "mesh", "walls.obj")]
     write_record(folder / "run.json", route_record(route, name))
     if route.planar:
         write_stl(folder / "boards.stl", route_boards_mesh(route))
     write_stl(folder / "tube.stl", route_tube_mesh(route))
-    _write_walls(folder, walls)
-    write_xml(folder / "pipe.xml", _mjcf(route, name, walls))
+    write_walls(folder, walls)
+    write_xml(folder / "pipe.xml", walls_mjcf(name, walls, route.centre_line))
     write_xml(folder / "pipe.urdf", urdf(name, pieces, seen))
     write_xml(folder / "pipe.sdf", sdf(name, pieces, seen))
     draw_route(route, name, folder / "pipe.png")
@@ -89,12 +88,13 @@ def route_record(route: PipeRoute, name: str) -> dict[str, Any]:
         "centre_line_m": route.centre_line.tolist(),
         "rotations": route.frames.rotation.tolist(),
         "wall_segments_m": route.segments.tolist() if route.planar else None,
-        **({"capped": True} if route.capped else {}),
+        **optional_route_keys(route),
+        **({"slope_deg": rad_to_deg(route.slope)} if route.slope else {}),
     }
 
 
 def _schema(route: PipeRoute) -> int:
-    if route.has_fittings:
+    if route.has_fittings or route.slope:
         return SCHEMA_OF_BRANCHES
     return SCHEMA if all(corner.mitre for corner in route.corners) else SCHEMA_OF_BENDS
 
@@ -138,34 +138,3 @@ def read_route_folder(path: Path) -> PipeRoute:
         raise ConfigError.from_validation(str(file), error) from error
     refuse_contradictions(file, record, route_record(route, str(record.get("name"))))
     return route
-
-
-def _mjcf(route: PipeRoute, name: str, walls: dict[str, ConvexPiece]) -> ET.Element:
-    """A static MuJoCo model: one convex mesh per piece of wall, and a camera that sees the whole route from above."""
-    low, high = route.centre_line.min(axis=0), route.centre_line.max(axis=0)
-    x, y, _ = (low + high) / 2
-    root, body = mjcf(name, (float(x), float(y), float(high[2] + 1.4 * max(high - low))))
-    assets = add(root, "asset")
-    for part, piece in walls.items():
-        # The scale is said because a model that includes this one may set another by default.
-        add(assets, "mesh", name=part, scale="1 1 1", vertex=text(*piece.vertices.ravel()))
-        add(body, "geom", name=part, type="mesh", mesh=part, rgba=COLOUR)
-    return root
-
-
-def _write_walls(folder: Path, walls: dict[str, ConvexPiece]) -> None:
-    """Write walls.obj, every piece as an object of its own, and every piece as a file of its own."""
-    (folder / "walls").mkdir()
-    lines: list[str] = []
-    first = 1
-    for part, piece in walls.items():
-        (folder / "walls" / f"{part}.obj").write_text("\n".join(_object(part, piece, 1)) + "\n", encoding="utf-8")
-        lines += _object(part, piece, first)
-        first += len(piece.vertices)
-    (folder / "walls.obj").write_text("\n".join(lines) + "\n", encoding="utf-8")
-
-
-def _object(part: str, piece: ConvexPiece, first: int) -> list[str]:
-    """Lines of an OBJ file for a piece of wall, whose vertices are numbered from `first`."""
-    vertices = [f"v {text(*corner)}" for corner in piece.vertices]
-    return [f"o {part}", *vertices, *("f {} {} {}".format(*(first + face)) for face in piece.faces)]

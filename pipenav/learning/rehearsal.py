@@ -6,9 +6,8 @@ from contextlib import closing
 
 import numpy as np
 
-from pipenav.backends.simulators import open_simulator
-from pipenav.disturbances.disturbed_backend import disturbed
 from pipenav.learning.config import TrainConfig
+from pipenav.learning.environment import open_training_batch
 from pipenav.policies.header import header_for
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.registry import task_of
@@ -25,8 +24,5 @@ def rehearse(config: TrainConfig) -> None:
     pipes = [pipe for name in config.pipes for pipe in task.parse_training_pipes([name])]
     starting = task_of(config.randomise.starts(config.task))
     episodes = starting.sample(robot, pipes, np.random.default_rng(config.seed))
-    segments = max(len(pipe.segments) for pipe in pipes)
-    with closing(open_simulator(config.backend, robot, 1, config.options, segments)) as simulator:
-        first = episodes.part(slice(1))
-        backend = disturbed(simulator, robot, 1, config.randomise, config.seed)
-        backend.reset(np.array([0]), first.pipes, first.q, first.base)
+    with closing(open_training_batch(config, 1, lambda _: episodes.part(slice(1)))) as batch:
+        batch.reset()

@@ -11,13 +11,13 @@ import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.logger import configure
 
-from pipenav.backends.simulators import open_simulator
-from pipenav.disturbances.disturbed_backend import disturbed
 from pipenav.envs.sb3_env import TaskVecEnv
 from pipenav.learning.callback import TrainingCallback
 from pipenav.learning.checkpoint import Checkpoint, load_checkpoint, load_weights
 from pipenav.learning.config import TrainConfig
+from pipenav.learning.environment import open_training_batch
 from pipenav.learning.progress import TrainingProgress
+from pipenav.learning.rollouts import DrivenRollouts
 from pipenav.learning.schedule import LearningRate
 from pipenav.learning.training_folder import TrainingFolder
 from pipenav.robots.robot import load_robot
@@ -98,13 +98,10 @@ def train(
 
 def _environment(config: TrainConfig, rng: np.random.Generator) -> TaskVecEnv:
     """The robots that a training steps together, in episodes that `rng` draws."""
-    robot, task, n = load_robot(config.robot), task_of(config.task), config.learner.robots
-    sets = [task.parse_training_pipes([name]) for name in config.pipes]
-    segments = max(len(pipe.segments) for pipes in sets for pipe in pipes)
-    simulator = open_simulator(config.backend, robot, n, config.options, segments)
-    backend = disturbed(simulator, robot, n, config.randomise, config.seed)
     starting = task_of(config.randomise.starts(config.task))
-    return TaskVecEnv(task.batch(robot, backend, n, random_episodes(starting, robot, sets, rng, EPISODE_STOCK)))
+    sets = [starting.parse_training_pipes([name]) for name in config.pipes]
+    source = random_episodes(starting, load_robot(config.robot), sets, rng, EPISODE_STOCK)
+    return TaskVecEnv(open_training_batch(config, config.learner.robots, source))
 
 
 def new_model(config: TrainConfig, env: TaskVecEnv) -> PPO:
@@ -127,5 +124,6 @@ def new_model(config: TrainConfig, env: TaskVecEnv) -> PPO:
             "activation_fn": torch.nn.Tanh,
         },
     )
+    model.rollout_buffer = DrivenRollouts(env.batch, model)
     model.policy.log_std.requires_grad_(False)  # the schedule of the configuration sets it
     return model

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from pydantic import ValidationError
 
-from pipenav.errors import ConfigError, PipenavError, UnknownName, described, first_problem
+from pipenav.errors import ConfigError, PipenavError, UnknownName, described, first_problem, shown
 from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
 from pipenav.motions.trajectory_table import (
     FORCE,
@@ -73,7 +73,9 @@ def read_trajectory(path: Path, robot: RobotSpec | None = None) -> Trajectory:
         try:
             robot = load_robot(header.robot)
         except UnknownName as error:
-            raise TrajectoryFileError(path, f"is of {error}", "give its robot.toml by --robot") from error
+            raise TrajectoryFileError(
+                path, f"is of the unknown robot {shown(header.robot)}", "give its robot.toml by --robot"
+            ) from error
     if header.robot != robot.name:
         raise TrajectoryFileError(
             path, f"is of robot {header.robot!r}, not of {robot.name!r}", "give one that this robot recorded"

@@ -12,6 +12,7 @@ from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.errors import PipenavError, shown
 from pipenav.robots.robot import RobotSpec
+from pipenav.storage.text_files import shown_path
 
 TIME, FORCE = "t_s", "contact_force_n"
 """Columns that every robot's table has, or may have."""
@@ -33,7 +34,7 @@ class TrajectoryFileError(PipenavError):
     """A trajectory file that cannot be used."""
 
     def __init__(self, path: Path, problem: str, remedy: str = "record it again") -> None:
-        super().__init__(f"trajectory {path} {problem}: {remedy}.")
+        super().__init__(f"trajectory {shown_path(path)} {problem}: {remedy}.")
 
 
 def coordinate_columns(robot: RobotSpec) -> list[str]:

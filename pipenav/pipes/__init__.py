@@ -13,6 +13,7 @@ from pipenav.pipes.route_checks import CrossesItself
 from pipenav.pipes.route_corner import Corner
 from pipenav.pipes.route_sets import NamedRoute, parse_pipes, parse_routes, route_set_names
 from pipenav.pipes.route_solids import route_boards_mesh, route_tube_mesh, wall_prisms
+from pipenav.pipes.solid_walls import WallSolids, wall_solids
 
 __all__ = [
     "Box",
@@ -30,6 +31,7 @@ __all__ = [
     "PipeRoute",
     "Turn",
     "WallSide",
+    "WallSolids",
     "about_x",
     "as_route",
     "boards_mesh",
@@ -43,4 +45,5 @@ __all__ = [
     "route_tube_mesh",
     "tube_mesh",
     "wall_prisms",
+    "wall_solids",
 ]

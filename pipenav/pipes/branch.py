@@ -52,8 +52,12 @@ class Branch(Table):
         return f"t{side}{angle}d{m_to_mm(self.diameter):g}{roll}{'c' if self.closed else ''}"
 
     @property
+    def course(self) -> str:
+        """Its direction in words."""
+        side = "straight on" if math.pi - self.angle < IN_LINE else f"{rad_to_deg(self.angle):g} deg {self.turn}"
+        return side + (f" rolled {rad_to_deg(self.roll):g} deg" if self.roll else "")
+
+    @property
     def label(self) -> str:
         """Description in words, for tables and messages."""
-        side = "straight on" if math.pi - self.angle < IN_LINE else f"{rad_to_deg(self.angle):g} deg {self.turn}"
-        roll = f" rolled {rad_to_deg(self.roll):g} deg" if self.roll else ""
-        return f"a {'capped ' if self.closed else ''}branch of {m_to_mm(self.diameter):g} mm {side}{roll}"
+        return f"a {'capped ' if self.closed else ''}branch of {m_to_mm(self.diameter):g} mm {self.course}"

@@ -222,7 +222,9 @@ def with_default_branches(corner: Corner, before: float, after: float, wall: flo
         after: diameter of the leg after [m].
         wall: wall thickness [m].
     """
-    if not all(math.isfinite(branch.angle) and branch.angle > 0 for branch in corner.branches):
+    numbers = [before, after, wall, corner.angle, corner.roll]
+    numbers += [number for branch in corner.branches for number in (branch.angle, branch.roll, branch.diameter)]
+    if not all(map(math.isfinite, numbers)):
         return corner  # the checks refuse it in words
     least = shortest_branches(corner, before, after, wall)
     branches = [

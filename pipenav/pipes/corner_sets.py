@@ -23,7 +23,7 @@ ROUTE_KEYS = {"corners", "s_bend", "reducers_mm", "nodes"}
 SINGLE = "give single corners, such as thesis or d=90,angle=60; only a whole robot passes routes"
 """Advice where routes are named and only single corners will do."""
 
-TYPED = "write it as d=90,angle=60[,turn=right], in mm and deg without the units"
+TYPED = "write it as d=90,angle=60[,turn=right] or d=90,tee=90[,way=into], in mm and deg without the units"
 """Advice on how a corner is typed."""
 
 

@@ -26,8 +26,8 @@ CORNER_KEYS = {
 ROUTE_KEYS = {"diameter": "diameter_m", "wall": "wall_m", "corners": "corners", "straights": "straights_m"}
 """Keys of run.json from which a `PipeRoute` is read, by field."""
 
-CAPPED = {"capped": "capped"}
-"""Key of run.json that a route with an open far end leaves out, by field."""
+OPTIONAL_ROUTE_KEYS = {"capped": "capped", "slope": "slope_rad"}
+"""Keys of run.json that a route with an open far end and a level first leg leaves out, by field."""
 
 ROUTE_CORNER_KEYS = {
     "turn": "turn",
@@ -60,7 +60,7 @@ Entry = Callable[[Any], Any]
 def route_fields(record: Mapping[str, Any]) -> Any:
     """The fields of a route from the keys of run.json; what is missing stays missing."""
     entries: dict[str, Entry] = {"straights": lambda entry: entry, "corners": _corner_fields}
-    return _fields(record, ROUTE_KEYS | CAPPED, entries)
+    return _fields(record, ROUTE_KEYS | OPTIONAL_ROUTE_KEYS, entries)
 
 
 def keys_of_pipe(pipe: Pipe) -> dict[str, Any]:
@@ -75,7 +75,12 @@ def keys_of_pipe(pipe: Pipe) -> dict[str, Any]:
         "corners": [_keys_of_corner(corner) for corner in route.corners],
         "straights_m": list(route.straights),
     }
-    return keys | ({"capped": True} if route.capped else {})
+    return keys | optional_route_keys(route)
+
+
+def optional_route_keys(route: PipeRoute) -> dict[str, Any]:
+    """The optional keys of run.json that a route needs."""
+    return {key: getattr(route, field) for field, key in OPTIONAL_ROUTE_KEYS.items() if getattr(route, field)}
 
 
 def keys_of_branches(branches: Sequence[Branch]) -> list[dict[str, Any]]:

@@ -29,6 +29,10 @@ SNAP = 1e-3
 """Angle within which two pipes of a tee, a cross or a reducer count as in line [rad]: 1 mm in a metre."""
 
 
+ROUNDING = 1e-9
+"""Angle that counts as none [rad]: rounding of directions."""
+
+
 class NetworkNode(Table):
     """A place where pipes end or meet.
 
@@ -81,6 +85,11 @@ class PipeNetwork(Table):
                 self.route(whole)  # it refuses what is not possible
         check_apart(self)
         return self
+
+    @property
+    def length(self) -> float:
+        """Length of all pipes, from node to node [m]."""
+        return sum(self._length(pipe.start, pipe.end) for pipe in self.pipes)
 
     def pipes_at(self, node: str) -> list[NetworkPipe]:
         """The pipes that meet in a node."""
@@ -135,9 +144,15 @@ class PipeNetwork(Table):
         pipes = [self.pipe_between(*pair) for pair in pairwise(way)]
         capped = self.nodes[way[-1]].capped and len(self.pipes_at(way[-1])) == 1
         straights = tuple(self._length(*pair) for pair in pairwise(way))
+        slope = math.asin(max(-1.0, min(float(directions[0][2]), 1.0)))
         try:
             return PipeRoute(
-                diameter=pipes[0].diameter, corners=tuple(corners), straights=straights, wall=self.wall, capped=capped
+                diameter=pipes[0].diameter,
+                corners=tuple(corners),
+                straights=straights,
+                wall=self.wall,
+                capped=capped,
+                slope=_rounded(slope),
             )
         except PipenavError as error:
             named = ", ".join(f"{number} is {shown(name)}" for number, name in enumerate(way[1:-1], 1))
@@ -248,14 +263,14 @@ def _turn_to(axes: Floats, direction: Floats, rolled: float, snap: bool) -> _Tur
     """
     along, left, up = (direction @ axes).tolist()
     turned = math.atan2(math.hypot(left, up), along)
-    if turned < (SNAP if snap else 1e-9):
+    if turned < (SNAP if snap else ROUNDING):
         return _Turning(math.pi, "left", 0.0)
     around = math.remainder(math.atan2(up, left) - rolled, 2 * math.pi)
-    if abs(around) <= math.pi / 2 + 1e-9:
+    if abs(around) <= math.pi / 2 + ROUNDING:
         return _Turning(math.pi - turned, "left", _rounded(around))
     return _Turning(math.pi - turned, "right", _rounded(math.remainder(around - math.pi, 2 * math.pi)))
 
 
 def _rounded(roll: float) -> float:
     """A roll without the rounding errors of a plane's own directions."""
-    return 0.0 if abs(roll) < 1e-9 else roll
+    return 0.0 if abs(roll) < ROUNDING else roll

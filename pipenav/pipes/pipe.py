@@ -102,6 +102,16 @@ class Pipe(Table, ABC):
         """The straight legs; the arrays are read-only."""
 
     @property
+    def in_space(self) -> bool:
+        """Whether robots move in space there: the pipe leaves the x-y plane, or its first leg is not level."""
+        return not self.planar
+
+    @property
+    def down(self) -> Floats:
+        """Direction of gravity in the pipe's frame where the pipe lies in space, a unit vector (3,)."""
+        return np.array([0.0, 0.0, -1.0])
+
+    @property
     @abstractmethod
     def interior_angles(self) -> Floats:
         """Interior angle between the legs at each corner, (corners,) [rad]; pi where the next leg goes straight on."""

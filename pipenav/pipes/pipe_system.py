@@ -168,6 +168,56 @@ def stations(legs: Legs, outside: float, around: Floats, tolerance: float, to_co
     return legs.lines((legs.radius + outside)[None] * to_corner, around, chords)
 
 
-def polygon_angles(facets: int) -> Floats:
-    """Angles of the corners of a regular polygon, whose first side faces the left, (facets,) [rad]."""
-    return np.asarray((np.arange(facets) - 0.5) * 2 * math.pi / facets)
+class Polygon(NamedTuple):
+    """Section of a bore of flat sides.
+
+    Attributes:
+        sides: number of sides.
+        turned: angle from where a side faces the left of the first leg, as a share of the angle of a side.
+        inside: distance by which the middles of the sides lie inside the round bore, as a share of its radius.
+    """
+
+    sides: int
+    turned: float = 0.0
+    inside: float = 0.0
+
+    @property
+    def corners(self) -> Floats:
+        """Angles of its corners around the axis, (sides,) [rad]; the first side lies between the first two."""
+        return np.asarray((np.arange(self.sides) - 0.5 + self.turned) * 2 * math.pi / self.sides)
+
+    @property
+    def middles(self) -> Floats:
+        """Angles of the middles of its sides, (sides,) [rad]."""
+        return np.asarray((np.arange(self.sides) + self.turned) * 2 * math.pi / self.sides)
+
+    @property
+    def to_corner(self) -> float:
+        """Distance of its corners from the axis, in radii of the bore."""
+        return (1 - self.inside) / math.cos(math.pi / self.sides)
+
+
+def bend_chords(legs: Legs, deviation: float) -> list[int]:
+    """Number of chords of each corner, which leave the bend by a share of the bore's radius at most."""
+    return legs.chords(float(legs.radius.max()), deviation * float(legs.radius.min()))
+
+
+def leg_rings(legs: Legs, polygon: Polygon, thickness: float, deviation: float) -> Floats:
+    """Sections of the prisms behind the sides of a polygon around legs, (stations, sides, 4, 3) [m].
+
+    The four corners lie on the bore and behind it, each time around the section. Walls end before the axis of the
+    tightest bend, so they can be thinner than asked.
+
+    Args:
+        legs: the legs.
+        polygon: section of the bore.
+        thickness: thickness of the wall [m].
+        deviation: see `bend_chords`.
+    """
+    bent = legs.bend > 0
+    before_axis = 0.99 / polygon.to_corner * legs.bend[bent] - legs.radius[:-1][bent]  # (bends,)
+    outside = legs.radius + min([thickness, *before_axis])
+    chords = bend_chords(legs, deviation)
+    near, far = (legs.lines(r[None] * polygon.to_corner, polygon.corners, chords) for r in (legs.radius, outside))
+    ring = np.stack([near, np.roll(near, -1, axis=0), np.roll(far, -1, axis=0), far], axis=2)  # (sides, stations, 4, 3)
+    return np.asarray(ring.swapaxes(0, 1))

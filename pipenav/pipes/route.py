@@ -10,46 +10,27 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import NamedTuple, Self, cast
+from typing import Self, cast
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from pipenav.arrays import Flags, Floats, Ints
 from pipenav.errors import PipenavError
+from pipenav.pipes import route_checks
 from pipenav.pipes.branch_pipes import BranchPipes, make_branches, meeting_branch, way_past
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.corner_checks import default_leg
+from pipenav.pipes.corner_checks import check_range, default_leg
 from pipenav.pipes.pipe import DEFAULT_WALL, LegFrames, Pipe, WallSide
 from pipenav.pipes.rotations import about_x, in_space
-from pipenav.pipes.route_checks import (
-    MAX_CORNERS,
-    BranchMeets,
-    StraightsMeet,
-    check_corner_count,
-    check_numbers,
-    check_straights,
-    shortest_straights,
-)
 from pipenav.pipes.route_corner import Corner, corner_of, leg_diameters
-from pipenav.pipes.route_legs import Legs, frozen, make_legs
+from pipenav.pipes.route_ends import PLAIN_ENDS, RouteEnds
+from pipenav.pipes.route_legs import Frames, Legs, frozen, make_legs
 from pipenav.pipes.route_walls import PlanarWalls, branched_walls, plain_walls
-from pipenav.units import m_to_mm, mm_to_m
+from pipenav.units import m_to_mm, mm_to_m, rad_to_deg
 
 FLAT = 1e-9
 """Angle below which a plane counts as the x-y plane [rad]: rounding of angles."""
-
-
-class Frames(NamedTuple):
-    """Frames of the legs, twisted with the corners: x along the leg, y to the left in the plane of the corner before.
-
-    Attributes:
-        origin: points where the legs begin on the centre line, (legs, 3) [m]: the open end, then every corner.
-        rotation: the frames' axes as columns, (legs, 3, 3).
-    """
-
-    origin: Floats
-    rotation: Floats
 
 
 class PipeRoute(Pipe):
@@ -64,11 +45,13 @@ class PipeRoute(Pipe):
             (corners + 1) [m].
         wall: wall thickness [m].
         capped: whether a cap closes the far end.
+        slope: angle by which the first leg climbs, where the route lies in space [rad]; its left stays level.
     """
 
-    corners: tuple[Corner, ...] = Field(min_length=1, max_length=MAX_CORNERS)
+    corners: tuple[Corner, ...] = Field(min_length=1, max_length=route_checks.MAX_CORNERS)
     straights: tuple[float, ...]
     capped: bool = False
+    slope: float = 0.0
 
     @classmethod
     def of(
@@ -91,7 +74,7 @@ class PipeRoute(Pipe):
             CrossesItself: legs that are no neighbours would meet, or nearly so.
             PipenavError: an unknown turn, a wrong number of corners or straights.
         """
-        check_corner_count(len(corners))
+        route_checks.check_corner_count(len(corners))
         made = tuple(corner_of(*corner) for corner in corners)
         given = [None] * (len(made) + 1) if straights_mm is None else straights_mm
         wall = DEFAULT_WALL if wall_mm is None else mm_to_m(wall_mm)
@@ -104,7 +87,7 @@ class PipeRoute(Pipe):
         corners: tuple[Corner, ...],
         straights_mm: Sequence[float | None],
         wall: float,
-        capped: bool = False,
+        ends: RouteEnds = PLAIN_ENDS,
     ) -> Self:
         """A route some of whose straights are not given: these are as long as the corners and a robot need.
 
@@ -113,19 +96,21 @@ class PipeRoute(Pipe):
             corners: corners in order.
             straights_mm: length of every leg, or None.
             wall: wall thickness [m].
-            capped: whether a cap closes the far end.
+            ends: the slope of its beginning, and whether it ends in a cap.
 
         Raises:
             PipenavError: as `of`.
         """
-        check_numbers(diameter, corners, len(straights_mm), wall)  # before the straights, whose defaults follow
-        least = shortest_straights(diameter, corners, wall)
+        route_checks.check_numbers(
+            diameter, corners, len(straights_mm), wall
+        )  # before the straights, whose defaults follow
+        least = route_checks.shortest_straights(diameter, corners, wall)
         diameters = leg_diameters(diameter, corners).tolist()
         straights = tuple(
             default_leg(shortest, own) if mm is None else mm_to_m(mm)
             for mm, shortest, own in zip(straights_mm, least, diameters, strict=True)
         )
-        return cls(diameter=diameter, corners=corners, straights=straights, wall=wall, capped=capped)
+        return cls(diameter=diameter, corners=corners, straights=straights, wall=wall, **ends._asdict())
 
     @classmethod
     def from_corner(cls, pipe: PipeCorner) -> Self:
@@ -139,20 +124,21 @@ class PipeRoute(Pipe):
 
     @model_validator(mode="after")
     def _possible(self) -> Self:
-        check_numbers(self.diameter, self.corners, len(self.straights), self.wall)
-        check_straights(self.straights, shortest_straights(self.diameter, self.corners, self.wall))
-        met = self.legs.meeting(self.legs.radius + self.wall)
-        if met:
-            raise StraightsMeet(met.first + 1, met.second + 1)
-        branch = meeting_branch(self.branches, self.legs.rods(self.legs.radius + self.wall), self.wall)
-        if branch:
-            raise BranchMeets(branch.corner + 1, branch.other)
+        route_checks.check_numbers(self.diameter, self.corners, len(self.straights), self.wall)
+        check_range("slope", rad_to_deg(self.slope), *route_checks.SLOPE_RANGE_DEG, "deg")
+        least = route_checks.shortest_straights(self.diameter, self.corners, self.wall)
+        route_checks.check_straights(self.straights, least)
+        outside = self.legs.radius + self.wall
+        if met := self.legs.meeting(outside):
+            raise route_checks.StraightsMeet(met.first + 1, met.second + 1)
+        if branch := meeting_branch(self.branches, self.legs.rods(outside), self.wall):
+            raise route_checks.BranchMeets(branch.corner + 1, branch.other)
         return self
 
     def __hash__(self) -> int:
         """Hash over all fields, faster than pydantic's: pipes are keys of caches."""
         corners = tuple(tuple(corner.__dict__.values()) for corner in self.corners)
-        return hash((self.diameter, corners, self.straights, self.wall, self.capped))
+        return hash((self.diameter, corners, self.straights, self.wall, self.capped, self.slope))
 
     @property
     def planar(self) -> bool:
@@ -161,15 +147,30 @@ class PipeRoute(Pipe):
         return flat and self.branches.in_plane
 
     @property
+    def ends(self) -> RouteEnds:
+        """Its cap and its slope."""
+        return RouteEnds(self.capped, self.slope)
+
+    @property
     def name(self) -> str:
         """`run-d100-L90-R75roll90`: diameter [mm], then turn, interior angle and roll [deg] of every corner."""
-        ends = ["cap"] if self.capped else []
-        return "-".join([f"run-d{m_to_mm(self.diameter):g}", *(corner.name for corner in self.corners), *ends])
+        return "-".join(
+            [f"run-d{m_to_mm(self.diameter):g}", *(corner.name for corner in self.corners), *self.ends.names]
+        )
 
     @property
     def label(self) -> str:
-        ends = ["a cap"] if self.capped else []
-        return ", ".join([f"{m_to_mm(self.diameter):g} mm", *(corner.label for corner in self.corners), *ends])
+        return ", ".join(
+            [f"{m_to_mm(self.diameter):g} mm", *(corner.label for corner in self.corners), *self.ends.labels]
+        )
+
+    @property
+    def in_space(self) -> bool:
+        return self.slope != 0 or not self.planar
+
+    @property
+    def down(self) -> Floats:
+        return np.array([-math.sin(self.slope), 0.0, -math.cos(self.slope)])
 
     @property
     def legs(self) -> Legs:
@@ -292,8 +293,8 @@ def _legs(route: PipeRoute) -> Legs:
 @lru_cache(maxsize=1024)
 def _with_straights(route: PipeRoute, straights: tuple[float, ...]) -> PipeRoute:
     """The route with other straights; cached, as it takes long to find out that a route does not cross itself."""
-    first, wall = route.diameter, route.wall
-    return PipeRoute(diameter=first, corners=route.corners, straights=straights, wall=wall, capped=route.capped)
+    fields = {name: getattr(route, name) for name in PipeRoute.model_fields}
+    return PipeRoute(**(fields | {"straights": straights}))
 
 
 @lru_cache(maxsize=4096)

@@ -31,6 +31,9 @@ LEAST_BEND = 0.75
 REDUCER_MAX_MM = 2000.0
 """Length of the longest reducer."""
 
+SLOPE_RANGE_DEG = (-90.0, 90.0)
+"""Angles by which the first leg can climb."""
+
 ROLL_MAX_DEG = 360.0
 """Largest roll to either side."""
 

@@ -16,6 +16,7 @@ from pipenav.pipes.pipe import DEFAULT_WALL
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_checks import MAX_CORNERS
 from pipenav.pipes.route_corner import Corner, corner_of, leg_diameters, reducer_corner
+from pipenav.pipes.route_ends import RouteEnds
 from pipenav.pipes.set_file import read_as
 from pipenav.storage.text_files import read_toml
 from pipenav.units import deg_to_rad, m_to_mm, mm_to_m
@@ -110,6 +111,7 @@ class RouteFile(BaseModel):
     wall_mm: float = m_to_mm(DEFAULT_WALL)
     first_straight_mm: float | None = None
     capped: bool = False
+    slope_deg: float = 0.0
     corners: list[CornerEntry] = Field(min_length=1, max_length=MAX_CORNERS)
 
     def route(self) -> PipeRoute:
@@ -124,7 +126,8 @@ class RouteFile(BaseModel):
             before = diameter if not corners else float(leg_diameters(diameter, corners)[-1])
             corners.append(entry.corner(before, wall))
         straights = [self.first_straight_mm, *(entry.straight_mm for entry in self.corners)]
-        return PipeRoute.with_default_straights(diameter, tuple(corners), straights, wall, self.capped)
+        ends = RouteEnds(self.capped, deg_to_rad(self.slope_deg))
+        return PipeRoute.with_default_straights(diameter, tuple(corners), straights, wall, ends)
 
 
 def read_route(path: Path) -> PipeRoute:

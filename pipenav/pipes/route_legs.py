@@ -42,6 +42,18 @@ class MeetingLegs(NamedTuple):
     second: int
 
 
+class Frames(NamedTuple):
+    """Frames of the legs, twisted with the corners: x along the leg, y to the left in the plane of the corner before.
+
+    Attributes:
+        origin: points where the legs begin on the centre line, (legs, 3) [m]: the open end, then every corner.
+        rotation: the frames' axes as columns, (legs, 3, 3).
+    """
+
+    origin: Floats
+    rotation: Floats
+
+
 class _Rod(NamedTuple):
     """Points around a leg's rod, (points, 3), and the length of the shortest line along it [m]."""
 

@@ -2,94 +2,22 @@
 
 from __future__ import annotations
 
-import random
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Literal, NamedTuple, TypeVar
-
-from pydantic import BaseModel, ConfigDict, Field
+from typing import NamedTuple
 
 from pipenav.errors import ConfigError, PipenavError, UnknownName, shown
 from pipenav.pipes.corner_sets import corner_set_names, parse_corners
+from pipenav.pipes.network_file import read_network_routes
 from pipenav.pipes.pipe import Pipe
 from pipenav.pipes.reducer import ReducerSetFile
 from pipenav.pipes.route import PipeRoute, as_route
-from pipenav.pipes.route_checks import MAX_CORNERS, CrossesItself
 from pipenav.pipes.route_file import read_route
+from pipenav.pipes.route_set_file import RouteSetFile
 from pipenav.pipes.s_bend import SBendSetFile
-from pipenav.pipes.set_file import MAX_TURNS, Values, read_as, values_of
+from pipenav.pipes.set_file import read_as
 from pipenav.storage import shipped
 from pipenav.storage.text_files import read_toml
-
-T = TypeVar("T")
-
-MAX_ROUTES = 1000
-"""Most routes of a set."""
-
-MAX_DRAWS = 1000
-"""Draws of a route that crosses itself, until its set is refused."""
-
-
-MAX_WORK = 100_000
-"""Draws of a whole set times the square of its corners, as the time of a draw grows: some seconds."""
-
-
-class RouteSetFile(BaseModel):
-    """A set of routes as TOML: a rule by which they are drawn, always the same ones."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    schema_: Literal[1, 2] = Field(alias="schema")
-    description: str
-    routes: int = Field(alias="runs", ge=1, le=MAX_ROUTES)
-    seed: int
-    corners: int = Field(ge=1, le=MAX_CORNERS)
-    diameters_mm: Values
-    angles_deg: Values
-    turns: list[str] = Field(["left", "right"], min_length=1, max_length=MAX_TURNS)
-    rolls_deg: Values = [0.0]
-    bend_radii_d: Values = [0.0]
-    straights_mm: Values
-    ends_mm: float
-
-    def draw(self) -> list[PipeRoute]:
-        """The routes of the set: diameters follow each other in order, all else is drawn.
-
-        A route that would cross itself is drawn anew.
-
-        Raises:
-            PipenavError: a number out of range, or routes that cross themselves again and again.
-        """
-        draw = random.Random(self.seed).random  # the one stream that Python promises never to change
-        diameters = values_of(self.diameters_mm)
-        draws = iter(range(MAX_WORK // self.corners**2))
-        return [self._draw_one(diameters[i % len(diameters)], draw, draws) for i in range(self.routes)]
-
-    def _draw_one(self, diameter_mm: float, draw: Callable[[], float], draws: Iterator[int]) -> PipeRoute:
-        def one_of(values: Sequence[T]) -> T:
-            return values[int(draw() * len(values))]
-
-        angles, rolls, straights = (values_of(given) for given in (self.angles_deg, self.rolls_deg, self.straights_mm))
-        radii_d = values_of(self.bend_radii_d)
-        for _ in range(MAX_DRAWS):
-            if next(draws, None) is None:
-                raise PipenavError(
-                    f"a set of {self.routes} routes of {self.corners} corners takes too many draws: choose fewer "
-                    "routes or corners, or wider angles, with which fewer routes cross themselves."
-                )
-            drawn = [(one_of(angles), one_of(self.turns), one_of(rolls)) for _ in range(self.corners)]
-            drawn[0] = (*drawn[0][:2], 0.0)  # the first corner's plane is the x-y plane
-            lengths = [self.ends_mm, *(one_of(straights) for _ in drawn[1:]), self.ends_mm]
-            # A single radius is not drawn, so that a set without bends has the routes that it always had.
-            times = [one_of(radii_d) if len(radii_d) > 1 else radii_d[0] for _ in drawn]
-            corners = [(*one, diameter_mm * bend) for one, bend in zip(drawn, times, strict=True)]
-            with suppress(CrossesItself):
-                return PipeRoute.of(diameter_mm, corners, lengths)
-        raise PipenavError(
-            f"{MAX_DRAWS} routes of {self.corners} corners drawn one after the other cross themselves: "
-            "choose wider angles, other straights or fewer corners."
-        )
 
 
 class NamedRoute(NamedTuple):
@@ -154,6 +82,8 @@ def _parse_one(text: str) -> Sequence[Pipe]:
         table = read_toml(Path(text))
         if "s_bend" in table or "reducers_mm" in table:
             return _read_set(Path(text))
+        if "nodes" in table:
+            return list(read_network_routes(Path(text)).values())
         if "corners" in table:
             return _read_set(Path(text)) if "runs" in table else [read_route(Path(text))]
     elif "=" not in text and text not in corner_set_names():

@@ -15,15 +15,15 @@ from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner_lines import ARC_TOLERANCE
 from pipenav.pipes.corner_solids import Mesh, boards_between, round_angles, tube_between
-from pipenav.pipes.pipe_system import system_of
+from pipenav.pipes.pipe_system import Polygon, bend_chords, leg_rings, system_of
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.system_solids import (
     PRISM_FACES,
     ConvexPiece,
     fitting_boards_mesh,
-    system_tube_mesh,
     system_wall_pieces,
 )
+from pipenav.pipes.system_tubes import system_tube_mesh
 from pipenav.units import m_to_mm
 
 FACETS = 16
@@ -50,23 +50,24 @@ def wall_prisms(route: PipeRoute, facets: int = FACETS, thickness: float | None 
     Raises:
         PipenavError: a wall so thick that those of the legs before and after a short one would meet.
     """
-    thickness = route.wall if thickness is None else thickness
-    edges = (np.arange(facets) - 0.5) * 2 * math.pi / facets
-    to_corner = 1 / math.cos(math.pi / facets)
-    radius = route.legs.radius
-    chords = route.legs.chords(float(radius.max()), BEND_DEVIATION * float(radius.min()))
-    bent = route.legs.bend > 0
-    before_axis = 0.99 / to_corner * route.legs.bend[bent] - radius[:-1][bent]  # (bends,)
-    outside = radius + min([thickness, *before_axis])
-    near, far = (route.legs.lines(r[None] * to_corner, edges, chords) for r in (radius, outside))  # (facets, p, 3)
-    legs = np.cumsum([0, *(count + 1 for count in chords)])  # the pieces that are legs
-    if (np.sum(np.diff(far, axis=1)[:, legs] * route.legs.axes[:, :, 0], axis=-1) <= 0).any():
+    return prisms_behind(Polygon(facets), route, route.wall if thickness is None else thickness)
+
+
+def prisms_behind(polygon: Polygon, route: PipeRoute, thickness: float) -> Floats:
+    """The wall as `wall_prisms`, behind a polygon of one's own.
+
+    Raises:
+        PipenavError: a wall so thick that those of the legs before and after a short one would meet.
+    """
+    rings = leg_rings(route.legs, polygon, thickness, BEND_DEVIATION)
+    legs = np.cumsum([0, *(count + 1 for count in bend_chords(route.legs, BEND_DEVIATION))])  # the pieces that are legs
+    far = rings[:, :, 3]
+    if (np.sum(np.diff(far, axis=0)[legs] * route.legs.axes[:, None, :, 0], axis=-1) <= 0).any():
         raise PipenavError(
             f"walls of {m_to_mm(thickness):g} mm do not fit behind the short straights of {route.name}: "
             "choose thinner ones."
         )
-    ring = np.stack([near, np.roll(near, -1, axis=0), np.roll(far, -1, axis=0), far], axis=2)  # (facets, p, 4, 3)
-    return np.concatenate([ring[:, :-1], ring[:, 1:]], axis=2).swapaxes(0, 1)
+    return np.concatenate([rings[:-1], rings[1:]], axis=2)
 
 
 def wall_pieces(route: PipeRoute, thickness: float | None = None) -> dict[str, ConvexPiece]:
@@ -81,7 +82,7 @@ def wall_pieces(route: PipeRoute, thickness: float | None = None) -> dict[str, C
     """
     if route.has_fittings:
         behind = route.wall if thickness is None else thickness
-        parts = system_wall_pieces(system_of(route), FACETS, behind, BEND_DEVIATION)
+        parts = system_wall_pieces(system_of(route), Polygon(FACETS), behind, BEND_DEVIATION)
         return {f"wall_{number}": part for number, part in enumerate(parts, 1)}
     prisms = wall_prisms(route, thickness=thickness)
     return {

@@ -1,8 +1,7 @@
-"""Systems of pipes with tees, crosses or caps as solids: their tube, their boards, and their wall as convex pieces."""
+"""Walls of systems of pipes with tees, crosses or caps: their boards in the plane, and convex pieces in space."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
@@ -10,17 +9,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from pipenav.arrays import Floats
-from pipenav.pipes.corner_lines import ARC_TOLERANCE
-from pipenav.pipes.corner_solids import MESH_GRID_MM, Faces, Mesh, mesh_of, round_angles
-from pipenav.pipes.pipe_system import Fitting, PipeSystem, Strand, StrandEnd, polygon_angles, stations
+from pipenav.pipes.corner_solids import Faces, Mesh
+from pipenav.pipes.pipe_system import Fitting, PipeSystem, Polygon, Strand, StrandEnd, leg_rings
 from pipenav.pipes.route import PipeRoute
-from pipenav.units import mm_to_m
+from pipenav.pipes.system_tubes import welded
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
-
-BEYOND = 1e-3
-"""Length by which bores run on past open ends before they are cut out [m]."""
 
 LEAST_VOLUME = 1e-12
 """Volume of a piece of wall below which it is dropped [m3]: a thousandth of a cubic millimetre."""
@@ -44,13 +39,6 @@ PRISM_FACES: Faces = np.array(
 """Triangles of a prism between two quadrilaterals, counter-clockwise seen from outside, (12, 3)."""
 
 
-def system_tube_mesh(system: PipeSystem) -> Mesh:
-    """The hollow tube of a system: the union of all outsides without the union of all bores."""
-    around = round_angles(max(float(strand.legs.radius.max()) for strand in system.strands) + system.wall)
-    outside = _union(system, system.wall, around, 0.0, system.wall)
-    return _mesh(outside - _union(system, 0.0, around, BEYOND, 0.0))
-
-
 def fitting_boards_mesh(route: PipeRoute) -> Mesh:
     """The boards of a planar route with branches or a cap: its walls, as high as the first diameter.
 
@@ -61,81 +49,62 @@ def fitting_boards_mesh(route: PipeRoute) -> Mesh:
 
     outlines = [np.concatenate([face, back[::-1]]) for face, back in route.wall_sides]
     boards = CrossSection(outlines, FillRule.NonZero).extrude(route.diameter)
-    return _mesh(boards.translate((0.0, 0.0, -route.diameter / 2)))
+    return welded(boards.translate((0.0, 0.0, -route.diameter / 2)))
 
 
-def system_wall_pieces(system: PipeSystem, facets: int, thickness: float, deviation: float) -> list[ConvexPiece]:
-    """The wall of a system as convex pieces: each pipe's prisms without the bores of its fittings' other pipes.
+class StrandWall(NamedTuple):
+    """The wall of a strand.
+
+    Attributes:
+        prisms: whole prisms, (pieces, sides, 8, 3) [m], one piece after the other along the strand.
+        uncut: prisms beside a fitting that reach into no other pipe's bore, (n, 8, 3) [m].
+        cut: what other pipes' bores leave of the prisms beside a fitting, and the discs of caps.
+    """
+
+    prisms: Floats
+    uncut: Floats
+    cut: list[ConvexPiece]
+
+
+def strand_walls(system: PipeSystem, polygon: Polygon, thickness: float, deviation: float) -> list[StrandWall]:
+    """The wall of every strand: its prisms without the bores of its fittings' other pipes.
 
     Args:
         system: the system.
-        facets: sides of the polygon that stands for the bore.
+        polygon: section of the bore.
         thickness: thickness of the wall [m].
-        deviation: largest distance between a bend and the chords of its prisms, as a share of the bore's radius.
+        deviation: see `bend_chords`.
     """
-    bores = [_bores(fitting, facets) for fitting in system.fittings]
-    around, to_corner = polygon_angles(facets), 1 / math.cos(math.pi / facets)
-    pieces: list[ConvexPiece] = []
+    bores = [_bores(fitting, polygon) for fitting in system.fittings]
+    walls = []
     for strand in system.strands:
-        legs = strand.legs
-        chords = legs.chords(float(legs.radius.max()), deviation * float(legs.radius.min()))
-        near, far = (legs.lines(r[None] * to_corner, around, chords) for r in (legs.radius, legs.radius + thickness))
-        ring = np.stack([near, np.roll(near, -1, 0), np.roll(far, -1, 0), far], axis=2)
-        rings = ring.swapaxes(0, 1)  # (stations, facets, 4, 3)
+        rings = leg_rings(strand.legs, polygon, thickness, deviation)
+        whole, uncut, cut = [], [], []
         for prisms, ends in _prisms(system, strand, rings, thickness):
+            if not ends:
+                whole.append(prisms)
+                continue
             for prism in prisms:
-                pieces += _without(prism, [bore for end in ends for bore in _others(bores, end)])
-        for end, edge in ((strand.start, far[:, 0]), (strand.end, far[:, -1])):
+                parts = _without(prism, [bore for end in ends for bore in _others(bores, end)])
+                if len(parts) == 1 and parts[0].vertices is prism:
+                    uncut.append(prism)
+                else:
+                    cut += parts
+        for end, edge in ((strand.start, rings[0, :, 3]), (strand.end, rings[-1, :, 3])):
             if end.closed:
-                pieces.append(_hull(np.concatenate([edge, edge + thickness * end.direction])))
+                cut.append(_hull(np.concatenate([edge, edge + thickness * end.direction])))
+        shape = (-1, *rings.shape[1:2], 8, 3)
+        walls.append(StrandWall(np.array(whole).reshape(shape), np.array(uncut).reshape(-1, 8, 3), cut))
+    return walls
+
+
+def system_wall_pieces(system: PipeSystem, polygon: Polygon, thickness: float, deviation: float) -> list[ConvexPiece]:
+    """The wall of a system as convex pieces, see `strand_walls`."""
+    pieces: list[ConvexPiece] = []
+    for wall in strand_walls(system, polygon, thickness, deviation):
+        prisms = [*wall.prisms.reshape(-1, 8, 3), *wall.uncut]
+        pieces += [*(ConvexPiece(prism, PRISM_FACES) for prism in prisms), *wall.cut]
     return pieces
-
-
-def _union(system: PipeSystem, outside: float, around: Floats, past_open: float, past_closed: float) -> Manifold:
-    """The union of all strands as solids, so much wider than their bores [m], and longer at open and closed ends."""
-    from manifold3d import Manifold, OpType
-
-    solids = []
-    for strand in system.strands:
-        lines = stations(strand.legs, outside, around, ARC_TOLERANCE / 4)
-        for end, station in ((strand.start, 0), (strand.end, -1)):
-            if end.fitting is None:
-                lines[:, station] += (past_closed if end.closed else past_open) * end.direction
-        solids.append(_solid(lines))
-    return Manifold.batch_boolean(solids, OpType.Add)
-
-
-def _mesh(made: Manifold) -> Mesh:
-    mesh = made.simplify(2 * MESH_GRID_MM * mm_to_m(1.0)).to_mesh64()
-    return mesh_of(np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts).astype(np.int64), mirrored=False)
-
-
-def _solid(lines: Floats) -> Manifold:
-    """The solid within lines (lines, stations, 3), which run counter-clockwise seen from its start."""
-    from manifold3d import Manifold, Mesh64
-
-    points = lines.swapaxes(0, 1)  # (stations, lines, 3)
-    stations, count = points.shape[:2]
-    middles = points[[0, -1]].mean(axis=1)
-    vertices, index = np.unique(
-        np.round(np.concatenate([points.reshape(-1, 3), middles]), 9) + 0.0, axis=0, return_inverse=True
-    )
-    grid = np.arange(stations * count).reshape(stations, count)
-    a, b = grid[:-1], grid[1:]
-    c, d = np.roll(b, -1, axis=1), np.roll(a, -1, axis=1)
-    first, last, after = grid[0], grid[-1], stations * count
-    faces: Faces = np.concatenate(
-        [
-            *(np.stack(corners, axis=-1).reshape(-1, 3) for corners in ((a, d, c), (a, c, b))),
-            np.stack([np.full(count, after), np.roll(first, -1), first], axis=1),
-            np.stack([np.full(count, after + 1), last, np.roll(last, -1)], axis=1),
-        ]
-    )
-    faces = index.reshape(-1)[faces]
-    faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
-    made = Manifold(Mesh64(np.ascontiguousarray(vertices), np.ascontiguousarray(faces.astype(np.uint64))))
-    assert not made.is_empty() and made.volume() > 0, made.status()
-    return made
 
 
 def _prisms(
@@ -182,15 +151,20 @@ class _Bore(NamedTuple):
     offsets: Floats
 
 
-def _bores(fitting: Fitting, facets: int) -> list[_Bore]:
+def _bores(fitting: Fitting, polygon: Polygon) -> list[_Bore]:
     """Bores of the pipes of a fitting."""
-    around = np.arange(facets) * 2 * math.pi / facets
+    around = polygon.middles
     bores = []
     for axes, radius in zip(fitting.axes, fitting.radius.tolist(), strict=True):
         along, left, up = axes.T
         sides = np.cos(around)[:, None] * left + np.sin(around)[:, None] * up
         normals = np.concatenate([-along[None], sides])
-        bores.append(_Bore(normals, normals @ fitting.centre + np.append(0.0, np.full(facets, radius))))
+        bores.append(
+            _Bore(
+                normals,
+                normals @ fitting.centre + np.append(0.0, np.full(polygon.sides, radius * (1 - polygon.inside))),
+            )
+        )
     return bores
 
 

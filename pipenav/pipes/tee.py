@@ -11,7 +11,7 @@ from pipenav.errors import PipenavError, shown
 from pipenav.pipes.branch import IN_LINE, Branch
 from pipenav.pipes.branch_pipes import reaches_of, with_default_branches
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.corner_checks import check_turn, default_leg
+from pipenav.pipes.corner_checks import check_corner, check_turn, default_leg
 from pipenav.pipes.pipe import DEFAULT_WALL, Turn
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_corner import Corner
@@ -80,7 +80,8 @@ def tee(
         PipenavError: an unknown way or turn.
     """
     diameter, wall = mm_to_m(diameter_mm), _wall(wall_mm)
-    corner = _corner(diameter, diameter, deg_to_rad(angle_deg), passage, wall)
+    check_corner(diameter, math.pi, 0.0, wall)  # before the lengths, which follow from these
+    corner = tee_corner(TeeSize(diameter, diameter, deg_to_rad(angle_deg), wall), passage)
     shortest = float(reaches_of(corner, diameter, diameter, wall)[:2].max()) + 0.1 * diameter
     leg = default_leg(shortest, diameter) if leg_mm is None else mm_to_m(leg_mm)
     return PipeCorner(
@@ -107,7 +108,7 @@ def tee_route(
         PipenavError: as `tee`.
     """
     run, branch, wall = mm_to_m(diameter_mm), mm_to_m(branch_diameter_mm), _wall(wall_mm)
-    corner = _corner(run, branch, deg_to_rad(angle_deg), passage, wall)
+    corner = tee_corner(TeeSize(run, branch, deg_to_rad(angle_deg), wall), passage)
     first = branch if passage.way == "out" else run
     return PipeRoute.with_default_straights(first, (corner,), [leg_mm, leg_mm], wall)
 
@@ -138,21 +139,39 @@ def _wall(wall_mm: float | None) -> float:
     return DEFAULT_WALL if wall_mm is None else mm_to_m(wall_mm)
 
 
-def _corner(run: float, branch: float, angle: float, passage: TeePassage, wall: float) -> Corner:
-    """The tee as the robot comes to it, from diameters [m] and an interior angle [rad]."""
+class TeeSize(NamedTuple):
+    """Numbers of a tee: diameters of its run and its branch [m], interior angle [rad], wall thickness [m]."""
+
+    run: float
+    branch: float
+    angle: float
+    wall: float
+
+
+def tee_corner(size: TeeSize, passage: TeePassage, roll: float = 0.0) -> Corner:
+    """The tee as a corner of a route.
+
+    Args:
+        size: its numbers; the angle is that of `tee`.
+        passage: the robot's passage through it.
+        roll: angle from the plane of the corner before to its plane [rad].
+
+    Raises:
+        PipenavError: an unknown way or turn.
+    """
+    run, branch, angle, wall = size
     way, turn = check_way(passage.way), check_turn(passage.turn)
     other: Turn = "right" if turn == "left" else "left"
     if way == "straight":
-        corner = Corner(
-            angle=math.pi, turn=turn, branches=(Branch(angle=angle, turn=turn, diameter=branch, length=0.0),)
-        )
+        side = Branch(angle=angle, turn=turn, roll=roll, diameter=branch, length=0.0)
+        corner = Corner(angle=math.pi, turn=turn, branches=(side,))
     elif way == "into":
         to = branch if branch != run else None
         side = Branch(angle=math.pi, diameter=run, length=0.0)
-        corner = Corner(angle=angle, turn=turn, to_diameter=to, branches=(side,))
+        corner = Corner(angle=angle, turn=turn, roll=roll, to_diameter=to, branches=(side,))
     else:
         to = run if branch != run else None
-        side = Branch(angle=math.pi - angle, turn=other, diameter=run, length=0.0)
-        corner = Corner(angle=angle, turn=turn, to_diameter=to, branches=(side,))
+        side = Branch(angle=math.pi - angle, turn=other, roll=roll, diameter=run, length=0.0)
+        corner = Corner(angle=angle, turn=turn, roll=roll, to_diameter=to, branches=(side,))
     before, after = (branch if way == "out" else run), (branch if way == "into" else run)
     return with_default_branches(corner, before, after, wall)

@@ -15,7 +15,7 @@ from pydantic import BaseModel, ValidationError
 
 from pipenav.errors import ConfigError, PipenavError, dotted, first_problem
 from pipenav.policies.header import FORMAT_VERSION, RATE_HZ, PolicyHeader, action_parts, observation_parts
-from pipenav.storage.text_files import as_text, checked_json
+from pipenav.storage.text_files import as_text, checked_json, shown_path
 from pipenav.tasks.registry import task_of
 
 Array32 = NDArray[np.float32]
@@ -35,7 +35,7 @@ class PolicyFileError(PipenavError):
         # The text may quote the file, and the file may come from a stranger: no control characters, no flood.
         shown = "".join(c if c.isprintable() else "?" for c in problem)
         shown = shown if len(shown) <= 300 else f"{shown[:300]}..."
-        super().__init__(f"policy file {path} {shown}: {remedy}.")
+        super().__init__(f"policy file {shown_path(path)} {shown}: {remedy}.")
 
 
 class Layer(NamedTuple):

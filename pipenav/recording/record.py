@@ -77,14 +77,14 @@ class Tracking(NamedTuple):
 
 
 class Weight(NamedTuple):
-    """What a window says about weight: words, and the unit vector downwards in the pipe's frame, (x, y, z), if any."""
+    """Weight as a window shows it: words, and the unit vector downwards in the pipe's frame, (x, y, z), if any."""
 
     words: str
     down: tuple[float, float, float] | None
 
     @classmethod
     def of(cls, gravity: tuple[float, float, float] | None) -> Weight:
-        """What is said of gravity in the pipe's frame (x, y, z) [m/s^2]; None is not known."""
+        """Weight under gravity in the pipe's frame (x, y, z) [m/s^2]; None is not known."""
         if gravity is None or not any(gravity):
             return cls("" if gravity is None else "level: nothing weighs", None)
         x, y, z = (np.array(gravity) / np.linalg.norm(gravity)).tolist()

@@ -14,14 +14,13 @@ from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.simulators import open_space
 from pipenav.backends.viewer import Sight
 from pipenav.evaluation.episode_runner import random_start
-from pipenav.evaluation.rolling_stage import check_in_space, gravity_of
 from pipenav.evaluation.stage import TaskStage
 from pipenav.pipes.route import PipeRoute
 from pipenav.policies.controller import AnyController
 from pipenav.recording.record import RecordingSettings, Weight, live_text
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.outcome import Outcome
-from pipenav.tasks.rolling.batch import RollingBatch
+from pipenav.tasks.rolling.batch import RollingBatch, check_in_space
 from pipenav.tasks.traverse.config import TraverseConfig
 
 
@@ -41,7 +40,7 @@ class SpaceRecording:
         doing: what drives the robot in each row, a `Mode` in words.
         options: settings of the backend.
         seed: seed of the episode; None where it is not known.
-        gravity: gravity along -z [m/s^2]; None where it is not known.
+        gravity: gravity in the route's frame, (3,) [m/s^2]; None where it is not known.
     """
 
     route: PipeRoute
@@ -55,7 +54,7 @@ class SpaceRecording:
     doing: tuple[str, ...]
     options: Mapping[str, Any] = field(default_factory=dict)
     seed: int | None = None
-    gravity: float | None = None
+    gravity: Floats | None = None
 
     @property
     def time(self) -> Floats:
@@ -81,11 +80,11 @@ def record_in_space(
     check_in_space(robot, simulator.backend)
     assert isinstance(task, TraverseConfig)  # no other task takes such routes
     one = random_start(robot, task, [route], episode + 1, seed)(episode)
-    given = simulator.options.get("gravity")  # a backend's own setting may override the task's
-    weight = gravity_of(task) if given is None else float(given)
-    world = open_space(simulator.backend, robot, 1, simulator.options, weight)
-    said = Weight.of((0.0, 0.0, -weight))
-    label = f"{route.label}, {said.words}"
+    world = open_space(simulator.backend, robot, 1, simulator.options)
+    given = simulator.options.get("gravity")  # a backend's own setting overrules the episode's
+    weight = one.gravity_in_space[0] if given is None else np.array([0.0, 0.0, -float(given)])
+    said = Weight.of((float(weight[0]), float(weight[1]), float(weight[2])))
+    label = ", ".join(part for part in (route.label, said.words) if part)
     batch = RollingBatch(robot, task, world, 1, lambda _: one)
     look, outcome = simulator.watch or (lambda _, __: None), Outcome.RUNNING
     with closing(TaskStage(batch, controller)) as stage:
@@ -103,6 +102,7 @@ def record_in_space(
             line = live_text(label, CONTROL_PERIOD * (len(points) - 1), force[-1], outcome)
             look(world, Sight(f"{line}, {doing[-1]}", down=said.down))
     long = batch.pipes[0]
+    assert long is not None
     arrays = np.array(points), np.array(normals), np.array(force)
     settings = simulator.options, seed, weight
     return SpaceRecording(long, robot, name, simulator.backend, outcome.label, *arrays, tuple(doing), *settings)

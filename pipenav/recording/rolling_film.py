@@ -199,7 +199,7 @@ def _caption(recording: SpaceRecording, width: float, view: View, speed: str = "
     acted = details_of(recording.controller, recording.robot.name, recording.backend, recording.options, recording.seed)
     parts = (acted, "rear half blue, front half orange", speed)
     title, details = f"{recording.route.label}: whole robot", " · ".join(part for part in parts if part)
-    gravity = None if recording.gravity is None else recording.gravity * view.down
+    gravity = None if recording.gravity is None else view.seen(recording.gravity)
     return caption_of(title, details, width, gravity)
 
 

@@ -114,6 +114,11 @@ class TaskBatch(ABC):
 class TrainingBatch(TaskBatch):
     """A batch that a policy can be trained on."""
 
+    @property
+    def driven(self) -> Flags:
+        """Whether each robot's action counted in the last step, (n,); all do where nobody else drives."""
+        return np.ones(self.n, bool)
+
     @abstractmethod
     def stagger(self, rng: np.random.Generator) -> None:
         """Let the next episodes start at random ages, so that their time-outs do not all fall into one step."""

@@ -10,6 +10,8 @@ import numpy as np
 
 from pipenav.arrays import Floats, Ints, Table
 from pipenav.backends.backend import Simulator
+from pipenav.backends.spatial import SpaceBackend
+from pipenav.errors import PipenavError
 from pipenav.pipes.pipe import Pipe
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.batch import TrainingBatch
@@ -98,6 +100,20 @@ class Task(ABC, Generic[ConfigT, EpisodesT]):
     @abstractmethod
     def batch(self, robot: RobotSpec, simulator: Simulator, n: int, source: EpisodeSource[EpisodesT]) -> TrainingBatch:
         """A batch of n episodes on a simulator; the source says how each episode starts."""
+
+    def batch_in_space(
+        self,
+        robot: RobotSpec,  # noqa: ARG002  # the signature of the interface
+        backend: SpaceBackend,  # noqa: ARG002
+        n: int,  # noqa: ARG002
+        source: EpisodeSource[EpisodesT],  # noqa: ARG002
+    ) -> TrainingBatch:
+        """A batch of n episodes on robots in space, for pipes of which some leave the plane.
+
+        Raises:
+            PipenavError: the task is done in a plane alone.
+        """
+        raise PipenavError(f"the stage {self.stage} is done in a plane alone: choose pipes without rolls.")
 
     def observation_scale(self, robot: RobotSpec) -> Floats:
         """Number that each value of the observation is divided by, (size,)."""

@@ -7,8 +7,10 @@ import math
 import time
 from collections.abc import Mapping
 
+from pydantic import ValidationError
+
 from pipenav.backends import Calibrator, Stopped, TorqueUnconfirmed
-from pipenav.errors import PipenavError
+from pipenav.errors import ConfigError, PipenavError
 from pipenav.robots import RobotSpec
 from pipenav.units import m_to_mm, mm_to_m, rad_to_deg
 from pipenav_hardware import table
@@ -43,10 +45,13 @@ class Calibration(Calibrator):
     """Calibration of an AX-12A arm, see `pipenav.backends.Calibrator`. Servos have the ids 1, 2, ... in joint order."""
 
     def __init__(self, robot: RobotSpec, ports: Mapping[str, str], may_write: bool) -> None:
-        scanner = ScannerConfig(driver="scip2", port=ports["scanner"])
-        front = FrontSensorConfig(port=ports["front"]) if "front" in ports else None
         self._robot = robot
-        self._arm = default_arm(robot, ports["servos"], scanner, front)
+        try:
+            scanner = ScannerConfig(driver="scip2", port=ports["scanner"])
+            front = FrontSensorConfig(port=ports["front"]) if "front" in ports else None
+            self._arm = default_arm(robot, ports["servos"], scanner, front)
+        except ValidationError as error:  # a name that no device can have
+            raise ConfigError.from_validation("an arm at these ports", error) from error
         self.joints = [servo.joint for servo in self._arm.servos]
         self._bus = Bus(self._arm.port, self._arm.baud)
         self._torque, self._turned = False, NUDGE * table.COUNT

@@ -28,7 +28,8 @@ from pipenav.backends import (
 from pipenav.pipes import Pipe
 from pipenav.robots import BASE, RobotSpec, kinematics, laser
 from pipenav_mujoco.model import Contact, build_spec, compiled
-from pipenav_mujoco.space import MujocoSpace, SpaceSettings
+from pipenav_mujoco.space import MujocoSpace
+from pipenav_mujoco.space_batch import SpaceSettings
 from pipenav_mujoco.viewer import FROM_ABOVE, Marks, MujocoViewer
 
 Impedance = Annotated[float, Field(ge=1e-4, le=0.9999)]
@@ -79,12 +80,11 @@ class MujocoBackend(Simulator):
         self._bind(n)
 
     @classmethod
-    def in_space(cls, robot: RobotSpec, n: int, options: BackendOptions, gravity: float) -> MujocoSpace:
+    def in_space(cls, robot: RobotSpec, n: int, options: BackendOptions) -> MujocoSpace:
         assert isinstance(options, MujocoOptions)
         physics_steps(options.timestep)
         contact = Contact(options.contact_time_constant, options.contact_impedance)
-        weight = gravity if options.gravity is None else options.gravity
-        return MujocoSpace(robot, n, SpaceSettings(options.timestep, contact, weight, options.threads))
+        return MujocoSpace(robot, n, SpaceSettings(options.timestep, contact, options.gravity, options.threads))
 
     def _bind(self, n: int) -> None:
         """Bind live views of the batch's state, and allocate the record of the physics steps."""

@@ -1,4 +1,4 @@
-"""MuJoCo model of a robot in space, in one route of pipe: walls of prisms, a free base, the roll joint."""
+"""MuJoCo model of a robot in space, in one route of pipe: walls of boxes, a free base, the roll joint."""
 
 from __future__ import annotations
 
@@ -6,15 +6,12 @@ import math
 from typing import Any, NamedTuple
 
 import mujoco
-import numpy as np
 
-from pipenav.backends import OUTER_THICKNESS
-from pipenav.pipes import PipeRoute, wall_prisms
+from pipenav.pipes import PipeRoute
 from pipenav.robots import Actuator, BoxPart, Link, RobotSpec, Roll, Wheel
 from pipenav_mujoco.model import (
     HIDDEN_GROUP,
     ROBOT_TOUCHES,
-    WALL_TOUCHES,
     Contact,
     add_driven_joint,
     add_sensors,
@@ -22,9 +19,7 @@ from pipenav_mujoco.model import (
     new_spec,
     surface,
 )
-
-WALL_GROUP = 2
-"""Geom group of the walls, which beams see."""
+from pipenav_mujoco.space_walls import Layout, add_walls
 
 FRONT = "_front"
 """Suffix of the divided link's name for its front half."""
@@ -38,14 +33,13 @@ class Stretch(NamedTuple):
     origin: float = 0.0
 
 
-def space_spec(robot: RobotSpec, route: PipeRoute, timestep: float, contact: Contact, gravity: float) -> Any:
-    """MjSpec of the robot in the route; gravity [m/s^2] pulls along -z."""
+def space_spec(robot: RobotSpec, route: PipeRoute, layout: Layout, timestep: float, contact: Contact) -> Any:
+    """MjSpec of the robot in the route, with room for the walls of a layout; nothing weighs."""
     assert robot.roll is not None
     spec = new_spec(robot, timestep)
     midphase = mujoco.mjtDisableBit.mjDSBL_MIDPHASE
-    spec.option.disableflags &= ~int(midphase)  # a single body, the world, has the geoms of all walls
-    spec.option.gravity = [0.0, 0.0, -gravity]
-    _add_walls(spec, robot, route, contact)
+    spec.option.disableflags &= ~int(midphase)  # the body of a leg has many geoms
+    spec.option.jacobian = mujoco.mjtJacobian.mjJAC_SPARSE  # a contact moves part of the chain: a tenth faster
     parent, offset = spec.worldbody, 0.0
     for link in robot.links:
         body = parent.add_body(name=link.name, pos=[offset, 0, 0])
@@ -65,6 +59,7 @@ def space_spec(robot: RobotSpec, route: PipeRoute, timestep: float, contact: Con
     add_servo(spec, robot.roll.joint, roll_actuator(robot))
     parent.add_site(name="tip", pos=[offset, 0, 0])
     _add_gyroscopes(spec, [robot.roll.link, robot.roll.link + FRONT])
+    add_walls(spec, robot, route, contact, layout)
     add_sensors(spec, [*(link.name for link in robot.links), robot.roll.link + FRONT, *(w.name for w in robot.wheels)])
     return spec
 
@@ -80,22 +75,6 @@ def roll_actuator(robot: RobotSpec) -> Actuator:
     """Motor of the roll joint."""
     assert robot.roll is not None
     return robot.actuators[robot.roll.joint.actuator]
-
-
-def _add_walls(spec: Any, robot: RobotSpec, route: PipeRoute, contact: Contact) -> None:
-    prisms = wall_prisms(route, thickness=OUTER_THICKNESS)
-    for leg, side in np.ndindex(prisms.shape[:2]):
-        name = f"wall{leg}_{side}"
-        spec.add_mesh(name=name, uservert=prisms[leg, side].ravel())
-        spec.worldbody.add_geom(
-            name=name,
-            type=mujoco.mjtGeom.mjGEOM_MESH,
-            meshname=name,
-            material="wall",
-            group=WALL_GROUP,
-            **WALL_TOUCHES,
-            **surface(robot.friction, contact),
-        )
 
 
 def _add_halves(body: Any, link: Link, roll: Roll, robot: RobotSpec, contact: Contact) -> Any:
@@ -130,7 +109,7 @@ def _add_boxes(body: Any, link: Link, stretch: Stretch, surface: dict[str, Any])
 def _add_wheel(link: Any, wheel: Wheel, robot: RobotSpec, radius: float, contact: Contact) -> None:
     """Add a wheel as a body that meets the wall with two balls on its axle: they keep it upright, as a tread does.
 
-    The balls lie so far apart that they touch the bore where the tread's edges would.
+    The balls touch a round bore of this radius [m] where the edges of the tread do, which stand on a chord of it.
     """
     actuator = robot.actuators[wheel.actuator]
     body = link.add_body(name=wheel.name, pos=[wheel.x, 0, 0])
@@ -138,13 +117,15 @@ def _add_wheel(link: Any, wheel: Wheel, robot: RobotSpec, radius: float, contact
     size = [wheel.radius, wheel.height / 2, 0]
     seen = {"contype": 0, "conaffinity": 0}
     body.add_geom(name=f"{wheel.name}_seen", type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=size, mass=wheel.mass, **seen)
-    away = wheel.height / 2 * math.sqrt(1 - wheel.radius / radius)
+    half = wheel.height / 2
+    chord = math.sqrt(radius**2 - half**2)  # from the axis to the chord
+    away, ball = half * (1 - wheel.radius / chord), wheel.radius * radius / chord
     for sign in (-1, 1):
         body.add_geom(
             name=f"{wheel.name}_{sign}",
             type=mujoco.mjtGeom.mjGEOM_SPHERE,
             pos=[0, 0, sign * away],
-            size=[wheel.radius, 0, 0],
+            size=[ball, 0, 0],
             mass=0,
             group=HIDDEN_GROUP,
             **ROBOT_TOUCHES,

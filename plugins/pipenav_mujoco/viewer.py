@@ -86,7 +86,7 @@ class MujocoViewer:
         self._copy()
         # The camera shows nothing nearer than a share of the model's extent, which parked walls make a hundred metres.
         model.stat.extent = 1.0
-        robot = (model.geom_bodyid > 0) & (model.body_mocapid[model.geom_bodyid] < 0)
+        robot = model.body_weldid[model.geom_bodyid] != 0  # walls are welded to the world, mocap bodies too
         model.geom_rgba[robot] = ROBOT
         self._window = mujoco.viewer.launch_passive(model, self._data, show_left_ui=False, show_right_ui=False)
         with self._window.lock():

@@ -13,9 +13,24 @@ from pipenav.errors import PipenavError
 from pipenav.export.corner_folder import FILES, read_pipe
 from pipenav.export.route_folder import read_route_folder, route_files
 from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.network_file import read_network
 from pipenav.pipes.reducer import reducer
 from pipenav.pipes.route_sets import parse_routes, read_route
 from pipenav.pipes.s_bend import s_bend
+from pipenav.pipes.tee import TeePassage, tee_route
+
+NETWORK = """
+schema = 1
+nodes.a.at_mm = [0, 0]
+nodes.b.at_mm = [700, 0]
+nodes.c.at_mm = [1300, 0]
+nodes.d.at_mm = [700, 600]
+pipes = [
+    { from = "a", to = "b", diameter_mm = 100 },
+    { from = "b", to = "c", diameter_mm = 100 },
+    { from = "b", to = "d", diameter_mm = 80 },
+]
+"""
 
 app = typer.Typer()
 app.command("gen-pipe")(gen_pipe)
@@ -131,6 +146,27 @@ def test_makes_a_reducer(tmp_path: Path) -> None:
     assert read_route_folder(tmp_path / "reducer-d100-to80") == reducer(100, 80, 0)
 
 
+def test_makes_a_tee_in_every_way(tmp_path: Path) -> None:
+    for way in ("straight", "into", "out"):
+        options = ("--tee", 60, "--branch-d", 80, "--way", way, "--turn", "right", "--out", tmp_path)
+        result = run("--d", 100, *options)
+        assert result.exit_code == 0, result.output
+        made = read_route_folder(tmp_path / f"tee-d100-b80-a60-{way}-right")
+        assert made == tee_route(100, 80, 60, TeePassage(way, "right"))
+        assert "branch" in result.output
+
+
+def test_makes_a_network_and_a_route_through_it(tmp_path: Path) -> None:
+    file = tmp_path / "town.toml"
+    file.write_text(NETWORK)
+    result = run("--network", file, "--out", tmp_path)
+    assert result.exit_code == 0, result.output
+    assert {path.name for path in (tmp_path / "town").iterdir()} >= {"network.json", "tube.stl", "pipe.xml"}
+    assert "1.90 m  of 3 pipes, from node to node" in result.output
+    assert run("--network", file, "--through", "a, b ,d", "--out", tmp_path).exit_code == 0
+    assert read_route_folder(tmp_path / "town-a-b-d") == read_network(file).route(["a", "b", "d"])
+
+
 def test_makes_an_s_bend_of_a_corner(tmp_path: Path) -> None:
     corner = ("--d", 100, "--angle", 135, "--turn", "right", "--bend-radius", "1.5D", "--leg", 700)
     assert run(*corner, "--s-bend", "--out", tmp_path).exit_code == 0
@@ -147,11 +183,18 @@ def test_makes_an_s_bend_of_a_corner(tmp_path: Path) -> None:
         (("--run", "runs-level:1", "--wall", 3), "leave out --wall."),
         (("--run", "runs-level:1", "--s-bend"), "leave out --s-bend."),
         (("--d", 100, "--to-d", 80, "--angle", 90), "a reducer goes straight on: leave out --angle."),
+        (("--d", 100, "--to-d", 80, "--tee", 90), "a tee has an angle of its own and no bend: leave out --to-d."),
+        (("--d", 100, "--angle", 90, "--branch-d", 80), "belong to a tee, which --tee makes: leave out --branch-d."),
+        (("--tee", 90), "--d missing: give the diameter of the tee's run too."),
+        (("--network", "x.toml", "--d", 100), "--network reads all pipes from its file: leave out --d."),
+        (("--through", "a,b"), "--through names nodes of a network: give --network FILE too."),
         (("--d", 100, "--angle", 90, "--over", 50), "--over is the length of a reducer, which --to-d makes: leave out"),
+        (("--d", 100, "--to-d", 100), "--to-d 100 is the diameter before the reducer too: give another one."),
+        (("--d", 100, "--angle", 180, "--s-bend"), "an angle of 180 deg makes no S-bend: give a smaller one"),
         (("--to-d", 80), "--d missing: give the diameter before the reducer too."),
         (
             ("--d", 100),
-            "--angle missing: give --d and --angle for one corner, --d and --to-d for a reducer, or",
+            "--angle missing: give --d and --angle for one corner, --d and --to-d for a reducer, --d and --tee",
         ),
         ((), "--d and --angle missing"),
     ],

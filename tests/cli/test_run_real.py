@@ -260,6 +260,10 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         (("--policy", "arm", "--target", "somewhere"), "target 'somewhere' is not X,Y"),
         (("--policy", "arm", "--target", "10000,0"), "target 10000,0 mm is out of the arm's reach: x must lie between"),
         (("--policy", "arm", "--target", "0.42,0.08"), "out of the arm's reach (is it in metres?)"),
+        (("--emulate", "--d", "0"), "diameter 0 mm is out of range: choose 40 to 300 mm."),
+        (("--emulate", "--robot", "pirate"), "approach I drives a slide followed by hinges, and robot 'pirate' has"),
+        (("--emulate", "--stop-file", "odd.json"), "the stop file odd.json is there already: remove it"),
+        (("--emulate", "--stop-file", "nowhere/STOP"), "there is no folder nowhere for the stop file STOP"),
         (("--policy", "arm", "--patience", "2"), "would delay the stops of a real arm"),
         (("--policy", "arm", "--seed", "2"), "--seed would be ignored here: it is the seed of an emulated arm"),
         (
@@ -283,7 +287,7 @@ def test_what_cannot_be_driven_is_refused_in_a_sentence(
     assert run("run-real", *args) == 1
     shown = capsys.readouterr().err
     assert words in shown and "Traceback" not in shown
-    assert not list(Path().glob("runs/*")), "a run that did not begin leaves no folder"
+    assert not Path("runs").exists(), "a run that did not begin leaves no folder"
 
 
 def test_a_robot_without_a_shipped_policy_is_refused(tmp_path: Path) -> None:
@@ -358,6 +362,22 @@ def test_answers_are_kept_although_the_servos_cannot_be_given_their_settings(
     said = capsys.readouterr().err
     assert "its EEPROM is locked" in said and f"store them by pipenav calibrate --store-only --arm {arm}" in said
     assert arm.read_text().count("sign = -1") == 1
+
+
+@pytest.mark.parametrize(
+    ("args", "words"),
+    [
+        (
+            ("--store-only", "--port", "/dev/ttyUSB0"),
+            "--port would be ignored here: --store-only stores what",
+        ),
+        (("--port", "/dev/tty\udcff"), "port: input should be a valid string"),
+        (("--port", "/dev/" + "x" * 2000), "port: string should have at most 1000 characters"),
+    ],
+)
+def test_what_cannot_be_calibrated(args: tuple[str, ...], words: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("calibrate", *args) == 1
+    assert words in capsys.readouterr().err
 
 
 def test_calibrate_without_a_port_is_wrong_usage() -> None:

@@ -132,7 +132,14 @@ def test_runs_can_be_trained_in(tmp_path: Path) -> None:
         (["train", "--robot", "pirate"], "robot 'pirate' stands free"),
         (["train", "--preset", "pirate", "--set", "task.alfa=1"], "did you mean 'task.alpha'"),
         (["eval", "--policy", "arm", "--stage", "traverse"], "reaches a target around the corner"),
-        (["train", "--preset", "pirate", "--pipes", "runs-rolled"], "leaves the plane, in which robots are trained"),
+        (
+            ["train", "--preset", "pirate-gravity-runs", "--pipes", "runs-rolled", "--backend", "pybullet"],
+            "backend 'pybullet' moves robots only in a plane: choose --backend mujoco",
+        ),
+        (
+            ["train", "--preset", "pirate", "--pipes", "runs-rolled", "--set", "randomise.noise=[0.0, 0.01]"],
+            "randomise disturbs robots in a plane",
+        ),
         (["eval", "--policy", "arm", "--pipes", "runs-level"], "unknown pipe set 'runs-level'"),
         (["eval", "--stage", "locate", "--robot", "pirate"], "drives a slide followed by hinges"),
         (["eval", "--policy", "baseline:centreline", "--robot", "pirate"], "drives a slide followed by hinges"),

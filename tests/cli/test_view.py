@@ -140,6 +140,9 @@ def test_what_cannot_be_mirrored(front: Path, capsys: pytest.CaptureFixture[str]
     assert "line 7, t_s: 0.5 instead of 0.4" in capsys.readouterr().err
     assert run("mirror-rear", "--trajectory", "front.csv", "--record", "done.csv") == 1
     assert "--record writes what --replay runs: give both." in capsys.readouterr().err
+    assert run("mirror-rear", "--trajectory", "front.csv", "--replay", "--backend", "hardware") == 1
+    assert "it is not a simulator; choose one that is" in capsys.readouterr().err
+    assert not Path("rear.csv").exists(), "it was written before the replay was refused"
     assert run("mirror-rear", "--trajectory", "front.csv", "--option", "timestep=0.001") == 1
     assert "--option would be ignored here: only --replay runs a simulator; leave it out." in capsys.readouterr().err
     assert not Path("rear.csv").exists()

@@ -15,6 +15,8 @@ from matplotlib.patches import Circle, FancyArrowPatch
 from pipenav.drawing.down import down_sign
 from pipenav.drawing.projection import View
 
+DOWN = np.array([0.0, 0.0, -1.0])
+
 
 def sign(down: np.ndarray) -> Figure:
     figure = Figure()
@@ -44,5 +46,5 @@ def test_down_into_the_picture_is_a_crossed_circle_and_out_of_it_a_dotted_one(
 @pytest.mark.parametrize("view", [View.from_above(), View.towards(1.0)])
 def test_down_in_a_view_is_where_lower_things_are_drawn(view: View) -> None:
     drop = view.flat(np.array([0.0, 0.0, -1.0]))
-    np.testing.assert_allclose(view.down[:2], drop, atol=1e-12)
-    assert view.down[2] < 0
+    np.testing.assert_allclose(view.seen(DOWN)[:2], drop, atol=1e-12)
+    assert view.seen(DOWN)[2] < 0

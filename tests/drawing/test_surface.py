@@ -14,6 +14,8 @@ from pipenav.pipes.pipe_system import PipeSystem, network_system, system_of
 from pipenav.pipes.route import PipeRoute, as_route
 from pipenav.pipes.tee import TeePassage, tee
 
+DOWN = np.array([0.0, 0.0, -1.0])
+
 SYSTEMS = {
     "plane": system_of(PLANE),
     "space": system_of(SPACE),
@@ -73,5 +75,5 @@ def test_what_is_cut_open_shows_no_outside(name: str) -> None:
 def test_what_lies_in_a_level_plane_is_seen_from_above(height: float) -> None:
     view = View.of(network_system(network(height)))
     assert (view.to_viewer[2] == 1.0) == (height == 0.0)
-    np.testing.assert_allclose(view.down @ view.down, 1.0)
-    assert view.down[1] < 0 or height == 0.0
+    np.testing.assert_allclose(view.seen(DOWN) @ view.seen(DOWN), 1.0)
+    assert view.seen(DOWN)[1] < 0 or height == 0.0

@@ -186,7 +186,7 @@ def test_what_is_not_a_route_folder_stays(tmp_path: Path) -> None:
         ({"schema": 4}, ConfigError, "schema 4: this version of pipenav reads schema 1, 2 and 3"),
         ({"diameter_mm": 90}, ConfigError, "diameter_mm 90 contradicts"),
         ({"straights_mm": [1, 2]}, ConfigError, r"straights_mm \[1, 2\] contradicts"),
-        ({"corners": []}, ConfigError, "corners: tuple should have at least 1 item"),
+        ({"corners": []}, ConfigError, "corners: list should have at least 1 item"),
         ({"corners": 3}, ConfigError, "corners: input should be a list"),
         ({"corners": [3]}, ConfigError, "corners.0: input should be"),
         ({"straights_m": ["long"]}, ConfigError, "straights.0: input should be a valid number"),

@@ -35,15 +35,38 @@ HEAVY = (
 )
 """Modules that commands import where they need them."""
 
+LONG = 20
+"""Letters of a part of an input from which on a message may leave out its middle."""
+
 MOST_LETTERS = 600
 """Most characters of a message: lists of known names are the longest."""
 
 ADVICE = re.compile(
     r"\b(choose|give|write|leave out|try|make|train|name|did you mean|must|should|at most|at least|needs?|copy|move|"
-    r"record it|one of|between|missing|see|remove|use|say|write|written|leave|make|correct|check|it needs|plug)\b",
+    r"record it|one of|between|missing|see|remove|use|say|write|written|leave|make|correct|check|it needs|plug|"
+    r"set it|replay it|shows)\b",
     re.IGNORECASE,
 )
 """Words by which a sentence says what is allowed or what to do."""
+
+
+ODD = {"<byte>": "\udcff", "<line>": "\n", "<escape>": "\x1b[31m", "<long>": "x" * 5000}
+"""Letters that cannot be seen in a list: a byte that is no UTF-8, as Python decodes it, and the like."""
+
+UNNAMED = (
+    "''",
+    "issing",
+    "no pipe is named",
+    "see above",
+    "name the device",
+    "one route",
+    "the passage",
+    "fault 1",
+    "there is no",
+    "leaves the plane",
+    "measures a policy",
+)
+"""Words of messages about what is not in the input: an empty text, an option that is missing, a part of a file."""
 
 
 class Answer(NamedTuple):
@@ -65,7 +88,14 @@ class Answer(NamedTuple):
 def inputs() -> list[list[str]]:
     """The wrong inputs: words after `pipenav`."""
     lines = (HERE / "wrong_inputs.txt").read_text().splitlines()
-    return [shlex.split(line) for line in lines if line.strip() and not line.startswith("#")]
+    return [list(map(_unfolded, shlex.split(line))) for line in lines if line.strip() and not line.startswith("#")]
+
+
+def _unfolded(word: str) -> str:
+    """A word with the letters that <...> stands for."""
+    for sign, letters in ODD.items():
+        word = word.replace(sign, letters)
+    return word
 
 
 class Bench:
@@ -144,17 +174,25 @@ def problems(words: Sequence[str], answer: Answer) -> Iterator[str]:
         yield f"{len(message)} characters"
     if not ADVICE.search(message):
         yield "no advice"
-    if not any(part in message for part in (*_given(words), "missing", "there is no")):
+    if not any(sign in message for sign in UNNAMED) and not any(_named(part, message) for part in _given(words)):
         yield "does not name what was given"
+
+
+def _named(part: str, message: str) -> bool:
+    """Whether a message names a part of an input, as a word of its own, or the beginning of a long one."""
+    if len(part) > LONG:
+        return part[:LONG] in message
+    return re.search(rf"(?<!\w){re.escape(part)}(?!\w)", message) is not None
 
 
 def _given(words: Sequence[str]) -> Iterator[str]:
     """Parts of an input that a message can name: options, values, and numbers without their zeros."""
-    for word in words[1:] or words:
-        option, _, value = word.partition("=")
-        for part in filter(None, (word, option, option.removeprefix("--"), value)):
+    for word in words:
+        for part in filter(None, (word, word.removeprefix("--"), *re.split("[=,]", word))):
             yield part
             yield repr(part)[1:-1]
+            yield part.replace("-", " ")
+            yield "".join(letter if letter.isprintable() else "?" for letter in part.replace("\n", " "))
             try:
                 yield f"{float(part):g}"
             except ValueError:

@@ -22,6 +22,7 @@ CORNERS = {
     "thesis": "d=100,angle=90",
     "thesis-real": "d=130,angle=90",
     "elbows": "d=100,angle=90,bend_radius=1.5D",
+    "tees": "d=100,tee=90,way=into",
 }
 """Corners that stand for sets of many."""
 
@@ -30,6 +31,12 @@ ROUTES = {
     "runs-rolled": "my-rolled-route.toml",
     "s-bends": "s-bends:1",
     "reducers": "reducers:1",
+    "town": "town-train:1",
+    "space-elbows": "space-train:1",
+    "space-tees": "space-train:1",
+    "space-reducers": "space-train:1",
+    "space-s-bends": "space-train:1",
+    "space-town": "space-train:1",
 }
 """A short route in place of a set."""
 
@@ -143,7 +150,8 @@ def _as_it_stands(options: Options) -> Options:
 def _train(options: Options) -> Options:
     if options.has("--resume"):
         return options.plus(("--steps", "128"))
-    settings = [("--set", setting) for setting in TRAINING]
+    given = {value.partition("=")[0] for option, value in options.given if option == "--set" and value}
+    settings = [("--set", setting) for setting in TRAINING if setting.partition("=")[0] not in given]
     return options.without(DROPPED).plus(("--steps", "64"), *settings, ("--out", "trained"))
 
 

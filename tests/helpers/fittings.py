@@ -8,6 +8,7 @@ from pipenav.pipes.branch import Branch
 from pipenav.pipes.network import NetworkNode, NetworkPipe, PipeNetwork
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_corner import Corner, corner_of, reducer_corner
+from pipenav.pipes.route_ends import RouteEnds
 
 
 def fitted(roll_deg: float, capped: bool = True) -> PipeRoute:
@@ -23,7 +24,9 @@ def fitted(roll_deg: float, capped: bool = True) -> PipeRoute:
         Corner(angle=math.pi / 2, turn="right", roll=roll, branches=(on, left)),
         corner_of(75, "left"),
     )
-    return PipeRoute.with_default_straights(0.1, corners, [500, 610, 520, 530, 440, 550], 0.003, capped)
+    return PipeRoute.with_default_straights(
+        0.1, corners, [500, 610, 520, 530, 440, 550], 0.003, RouteEnds(capped=capped)
+    )
 
 
 PLANE, SPACE = fitted(0), fitted(90)

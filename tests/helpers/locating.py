@@ -46,7 +46,8 @@ def search(name: str, pipe: PipeCorner, gap: float, bend: Floats, variant: Varia
     base = np.array([-pipe.inner_edge - gap - robot.length])
     q = np.concatenate([[0.0], bend])[None]
     start = ReachEpisodes((pipe,), q, base, np.array([pipe.turn_sign]), np.zeros((1, 2)), np.zeros((1, 2)))
-    backend, rows, outcome = KinematicBackend(robot, 1, KinematicOptions()), [q[0]], Outcome.RUNNING
+    backend = KinematicBackend(robot, 1, KinematicOptions(), wall_segments=len(pipe.segments))
+    rows, outcome = [q[0]], Outcome.RUNNING
     locator = LOCATORS[variant](robot, LocateConfig(), 1)
     with closing(LocateStage(robot, locator, ReachConfig(), backend, lambda _: start)) as stage:
         stage.start(ONE)

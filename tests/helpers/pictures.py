@@ -1,4 +1,4 @@
-"""What a figure says, and whether its texts can be read."""
+"""Texts of figures, and whether they can be read."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from helpers.doc_pages import PAGES, ROOT, blocks
-from helpers.documented import pipenav, tiny
+from helpers.documented import Options, pipenav, tiny
 
 FIRST_TRAININGS = {"runs/arm": "arm", "runs/pirate-gravity": "pirate-gravity"}
 """Training folders that a command goes on with, and the preset of each."""
@@ -85,7 +85,8 @@ def workshop(shown_files: Path, tmp_path_factory: pytest.TempPathFactory) -> Pat
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         for place, preset in FIRST_TRAININGS.items():
-            assert pipenav(*tiny(("pipenav", "train", "--preset", preset)), "--out", place) == 0
+            words = Options.of(("pipenav", *tiny(("pipenav", "train", "--preset", preset))))
+            assert pipenav(*words.without({"--out"}).plus(("--out", place)).argv) == 0
         assert pipenav("view", "--policy", "arm", "--out", "front.csv") == 0
         assert pipenav("mirror-rear", "--trajectory", "front.csv", "--out", "rear.csv") == 0
     return folder

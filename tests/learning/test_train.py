@@ -6,16 +6,14 @@ import csv
 import json
 import math
 import shutil
-import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-import safetensors.numpy
 import torch
-from helpers.tiny_training import tiny
+from helpers.tiny_training import tiny, weights
 from safetensors import safe_open
 from safetensors.torch import save
 
@@ -44,13 +42,6 @@ def progress(folder: TrainingFolder) -> list[dict[str, str]]:
         rows = list(csv.DictReader(file))
     assert all(tuple(row) == PROGRESS_COLUMNS and None not in row.values() for row in rows)
     return rows
-
-
-def weights(path: Path) -> dict[str, list[float]]:
-    """The actor's tensors, to the bit."""
-    with zipfile.ZipFile(path) as policy:
-        tensors = safetensors.numpy.load(policy.read("policy.safetensors"))
-    return {name: values.ravel().tolist() for name, values in tensors.items()}
 
 
 @pytest.fixture(autouse=True)
@@ -311,6 +302,21 @@ def test_a_start_that_does_not_fit_is_refused_before_anything_is_written(
     assert "holds no training" in refused(capsys, "--from", str(tmp_path), "--out", str(new))
     assert "only --steps" in refused(capsys, *begin, "--resume", str(run.path))
     assert not new.exists()
+
+
+@pytest.mark.parametrize(
+    "options",
+    [("--set", "seed=1", "--set", " seed = 2"), ("--set", "seed=1", "--seed", "2")],
+    ids=["two", "and-option"],
+)
+def test_a_key_is_set_once(options: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
+    assert "seed is set twice, again by --set" in refused(capsys, *options)
+
+
+def test_resume_refuses_fewer_steps_than_are_done(run: TrainingFolder, capsys: pytest.CaptureFixture[str]) -> None:
+    before = run.config.read_bytes()
+    assert "steps behind it, given --steps 7: give more" in refused(capsys, "--resume", str(run.path), "--steps", "7")
+    assert run.config.read_bytes() == before
 
 
 def test_resume_checks_its_steps(run: TrainingFolder, capsys: pytest.CaptureFixture[str]) -> None:

@@ -258,7 +258,7 @@ def test_a_route_in_space_is_shown_in_a_window_too(handles: list[Handle]) -> Non
     task = TraverseConfig(kind="traverse")
     one = random_start(robot, task, [route], 1, 0)(0)
     long = one.pipes[0]
-    world = open_space("mujoco", robot, 1, {}, 9.81)
+    world = open_space("mujoco", robot, 1, {})
     world.reset(np.arange(1), [long], one.q, one.base, np.array([long.corners[0].roll]))
     with live.live_window() as window:
         window._sleep = lambda _: None
@@ -269,7 +269,7 @@ def test_a_route_in_space_is_shown_in_a_window_too(handles: list[Handle]) -> Non
         marks = drawn(handle.user_scn)
         assert len(marks[mujoco.mjtGeom.mjGEOM_LINE]) == robot.laser.beams
         assert handle.cam.lookat == pytest.approx(world.truth().points[0, -1])
-        walls = handle.model.geom_bodyid == 0
+        walls = handle.model.geom_group == 2
         assert (handle.model.geom_rgba[walls, 3] < 0.5).all() and (handle.model.geom_rgba[~walls, 3] == 1.0).all()
         handle.open = False
     world.close()

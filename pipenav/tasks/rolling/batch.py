@@ -1,23 +1,24 @@
 """The traverse task in space: n robots, each in a route of its own, that roll before corners in other planes.
 
-A policy of the plane takes a robot through each corner. Between corners its `Pilot` drives, and the policy's actions
-are ignored.
+The policy takes a robot through each corner. Between corners its `Pilot` drives, and the policy's actions are ignored.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from pipenav.arrays import Floats, Ints
+from pipenav.arrays import Flags, Floats, Ints
+from pipenav.backends.simulators import load_spatial
 from pipenav.backends.spatial import SpaceBackend, SpaceReading, SpaceTruth
+from pipenav.errors import PipenavError
 from pipenav.pipes.centre_lines import CentreLines
 from pipenav.pipes.route import PipeRoute, as_route
 from pipenav.robots.robot import BASE, RobotSpec
-from pipenav.tasks.batch import StepResult, TaskBatch
+from pipenav.tasks.batch import StepResult, TrainingBatch
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.rolling.clamp import check_robot
 from pipenav.tasks.rolling.manoeuvre import FRONT
-from pipenav.tasks.rolling.pilot import Mode, Pilot
+from pipenav.tasks.rolling.pilot import Pilot
 from pipenav.tasks.task import EpisodeSource
 from pipenav.tasks.traverse import observation
 from pipenav.tasks.traverse.batch import ANYWHERE
@@ -29,7 +30,24 @@ LIMIT_FACTOR = 2
 """Factor on the time limit of the plane: straights are longer, and rolling takes 10 to 20 s."""
 
 
-class RollingBatch(TaskBatch):
+def check_in_space(robot: RobotSpec, backend: str, disturbed_by: str | None = None) -> None:
+    """Refuse what cannot be done in routes that leave the plane.
+
+    Args:
+        robot: the robot.
+        backend: name of a simulator.
+        disturbed_by: option or setting that disturbs the robots, None where none does.
+
+    Raises:
+        PipenavError: a robot that cannot roll, a backend of the plane alone, or a disturbance.
+    """
+    check_robot(robot)
+    load_spatial(backend)
+    if disturbed_by is not None:
+        raise PipenavError(f"{disturbed_by} disturbs robots in a plane: choose routes without rolls, or leave it out.")
+
+
+class RollingBatch(TrainingBatch):
     """n episodes of the traverse task in space; the first reset must start all of them.
 
     Raises:
@@ -48,17 +66,17 @@ class RollingBatch(TaskBatch):
         self.robot, self.config, self.n = robot, config, n
         self._backend, self._source = backend, source
         self._scale = np.concatenate([part.scale for part in observation.layout(robot, config)])
-        self._pilots: dict[int, Pilot] = {}
-        self._routes: dict[int, PipeRoute] = {}
+        self._pilot = Pilot(robot, n)
+        self._routes: list[PipeRoute | None] = [None] * n
         self._lines = CentreLines.of([ANYWHERE] * n, 3)
-        self.steps = np.zeros(n, int)
+        self.steps, self._ages = np.zeros(n, int), np.zeros(n, int)
+        self._driven = np.ones(n, bool)
         self._tracker = OutcomeTracker(robot, config, n)
         self._action, self._end, self._limit = np.zeros((n, len(robot.driven_actuators))), np.zeros(n), np.zeros(n, int)
 
     @property
-    def pipes(self) -> list[PipeRoute]:
-        """Route of each robot, once all have one."""
-        return [self._routes[i] for i in range(self.n)]
+    def pipes(self) -> list[PipeRoute | None]:
+        return self._routes
 
     @property
     def q(self) -> Floats:
@@ -68,7 +86,11 @@ class RollingBatch(TaskBatch):
     @property
     def doing(self) -> list[str]:
         """Description of who drives each robot, in words."""
-        return [self._pilots[i].doing for i in range(self.n)]
+        return self._pilot.doing
+
+    @property
+    def driven(self) -> Flags:
+        return self._driven
 
     def truth(self) -> SpaceTruth:
         """Quantities that only the simulator knows, such as where the robots are."""
@@ -79,32 +101,37 @@ class RollingBatch(TaskBatch):
         episodes = self._source(indices)
         routes = [as_route(pipe) for pipe in episodes.pipes]
         planes = np.array([route.corners[0].roll for route in routes])
+        self._backend.incline(indices, episodes.gravity_in_space)
         reading = self._backend.reset(indices, routes, episodes.q, episodes.base, planes)
         self._lines = self._lines.put(indices, CentreLines.of(routes, 3))
-        for i, route, q in zip(indices, routes, reading.body.q, strict=True):
+        q = reading.body.q
+        self._pilot.start(indices, routes, q + self.config.start_press * np.sign(q))
+        for i, route in zip(indices, routes, strict=True):
             self._routes[i] = route
-            self._pilots[i] = Pilot(self.robot, route, q + self.config.start_press * np.sign(q))
             self._end[i] = route.distances[-2] + route.inner_edges[-1]
             self._limit[i] = LIMIT_FACTOR * self.config.max_steps * len(route.corners)
-        self.steps[indices], self._action[indices] = 0, 0.0
-        self._tracker.start(indices, self._distances()[indices])
+        self.steps[indices], self._ages[indices] = self._ages[indices], 0
+        self._action[indices] = 0.0
+        self._tracker.start(indices, self._distances(self._backend.truth())[indices])
         return self._observe(self._backend.read())
 
+    def stagger(self, rng: np.random.Generator) -> None:
+        self._ages = rng.integers(0, self.config.max_steps // 2, self.n)
+
     def step(self, action: Floats) -> StepResult:
-        reading, pilots = self._backend.read(), [self._pilots[i] for i in range(self.n)]
-        held = np.array([pilot.set_points for pilot in pilots])
-        wanted = observation.to_command(self.robot, self.config, action, reading.body.q, held, self._turn_sign).values
-        commands = [pilot.command(reading.row(i), wanted[i]) for i, pilot in enumerate(pilots)]
-        policy_drives = np.array([pilot.mode is Mode.CORNER for pilot in pilots])
-        self._action = np.where(policy_drives[:, None], np.clip(action, -1.0, 1.0), 0.0)
-        set_points, rolls = (np.array(column) for column in zip(*commands, strict=True))
-        self._backend.step(set_points, rolls)
+        reading, pilot = self._backend.read(), self._pilot
+        joints, turn_sign = reading.body.q, pilot.turn_sign
+        wanted = observation.to_command(self.robot, self.config, action, joints, pilot.set_points, turn_sign)
+        self._driven = pilot.policy_drives
+        self._action = np.where(self._driven[:, None], np.clip(action, -1.0, 1.0), 0.0)
+        self._backend.step(*pilot.command(reading, wanted.values))
         self.steps += 1
         reading, truth = self._backend.read(), self._backend.truth()
-        for i, pilot in enumerate(pilots):
-            pilot.sense(reading.row(i))
-        self._tracker.reset_patience(np.array([pilot.mode in (Mode.ROLL, Mode.BACK_OUT) for pilot in pilots]))
-        facts, outcome = self._tracker.step(self.steps, self._limit, self._distances(), self._end, reading.body, truth)
+        pilot.sense(reading)
+        self._action = observation.mirror_action(self.robot, self._action, pilot.turn_sign * turn_sign)
+        self._tracker.reset_patience(pilot.busy)
+        distances = self._distances(truth)
+        facts, outcome = self._tracker.step(self.steps, self._limit, distances, self._end, reading.body, truth)
         gained, min_range = reward(self.config.reward, facts), reading.body.ranges.min(axis=1)
         cut_off = (outcome != Outcome.RUNNING) & ~facts.passed & ~facts.failed
         return StepResult(self._observe(reading), gained, outcome, min_range, truth, cut_off)
@@ -112,16 +139,12 @@ class RollingBatch(TaskBatch):
     def close(self) -> None:
         self._backend.close()
 
-    @property
-    def _turn_sign(self) -> Floats:
-        return np.array([self._pilots[i].turn_sign for i in range(self.n)])
-
     def _observe(self, reading: SpaceReading) -> Floats:
-        alone = np.zeros((self.n, 2))  # the policy takes every corner as if it had no neighbours
         down = None if self.config.inclination_deg is None else reading.down[:, FRONT, :2]
-        seen = observation.observe(self.robot, reading.body, self._action, self._turn_sign, alone, down)
+        turns = self._pilot.turn_sign, self._pilot.neighbours
+        seen = observation.observe(self.robot, reading.body, self._action, *turns, down)
         return np.asarray(seen / self._scale)
 
-    def _distances(self) -> Floats:
+    def _distances(self, truth: SpaceTruth) -> Floats:
         """Distances of rear ends, joints and tips along the pipe, (n, links + 1) [m]."""
-        return self._lines.distance(self._backend.truth().points)
+        return self._lines.distance(truth.points)

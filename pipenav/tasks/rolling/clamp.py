@@ -7,11 +7,9 @@ tells them apart: +1 where wheel 3 stands on the left wall, -1 where it stands o
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
-from pipenav.arrays import Floats
+from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.errors import PipenavError
 from pipenav.robots.robot import RobotSpec
@@ -52,73 +50,88 @@ def check_robot(robot: RobotSpec) -> None:
         )
 
 
-def axle_offset(robot: RobotSpec, radius: float) -> float:
-    """Distance from the axis of a round bore to the axle of a wheel whose tread's edges stand on the wall [m]."""
+def axle_offset(robot: RobotSpec, radius: Floats | float) -> Floats:
+    """Distance from the axis of a round bore to the axle of a wheel whose tread's edges stand on the wall, (...) [m].
+
+    Args:
+        robot: the robot.
+        radius: radius of the bore, (...) [m].
+    """
     wheel = robot.wheels[0]
-    return math.sqrt(radius**2 - (wheel.height / 2) ** 2) - wheel.radius
+    return np.asarray(np.sqrt(np.square(radius) - (wheel.height / 2) ** 2) - wheel.radius)
 
 
-def steepness(robot: RobotSpec, radius: float) -> float:
-    """Angle between the links of a clamped robot and the pipe's axis [rad]."""
-    return math.asin(min(2 * axle_offset(robot, radius) / float(robot.lengths[HALF]), 0.999))
+def steepness(robot: RobotSpec, radius: Floats | float) -> Floats:
+    """Angle between the links of a clamped robot and the pipe's axis, (...) [rad]; `radius` as for `axle_offset`."""
+    return np.asarray(np.arcsin(np.minimum(2 * axle_offset(robot, radius) / float(robot.lengths[HALF]), 0.999)))
 
 
-def nearest_zigzag(bends: Floats) -> float:
-    """Sign of the zigzag that the joints are nearer to."""
-    return 1.0 if float(bends @ ZIGZAG) >= 0 else -1.0
+def nearest_zigzag(bends: Floats) -> Floats:
+    """Sign of the zigzag that each robot's joints, (n, 6) [rad], are nearer to, (n,)."""
+    return np.where((bends * ZIGZAG).sum(axis=1) >= 0, 1.0, -1.0)
 
 
 def forward_directions(bends: Floats) -> Floats:
-    """Directions in which the wheels roll forwards, (6,), in [-1, 1]: a bend presses its wheel to the outside wall."""
+    """Directions in which the wheels roll forwards, (n, 6), in [-1, 1]: a bend presses its wheel outwards."""
     return -np.clip(bends / STRAIGHT, -1.0, 1.0)
 
 
-def rolled_distance(robot: RobotSpec, bends: Floats, wheel_speeds: Floats) -> float:
-    """Distance that the wheels rolled forwards in a control period: their median, as some may slip [m]."""
-    directions = forward_directions(bends)
-    return CONTROL_PERIOD * robot.wheels[0].radius * float(np.median(wheel_speeds * directions))
+def rolled_distance(robot: RobotSpec, bends: Floats, wheel_speeds: Floats) -> Floats:
+    """Distance that the wheels rolled forwards in a control period: their median, as some may slip, (n,) [m]."""
+    rolled = np.median(wheel_speeds * forward_directions(bends), axis=1)
+    return np.asarray(CONTROL_PERIOD * robot.wheels[0].radius * rolled)
 
 
 class RollForward:
-    """Motion of one robot that clamps and rolls along a straight.
+    """Motion of n robots that clamp and roll along a straight, each from when it begins.
 
     Args:
         robot: the robot, as `check_robot` accepts it.
-        radius: radius of the bore [m].
-        bends: joint positions now, (6,) [rad].
-        set_points: set-points of the joints now, (6,) [rad].
-        direction: +1 to roll forwards, -1 to roll backwards.
+        n: number of robots.
 
     Attributes:
-        zigzag_sign: sign of the zigzag in which the robot clamps.
-        distance: distance rolled so far, by the odometry of the wheels; negative backwards [m].
+        zigzag_sign: sign of the zigzag in which each robot clamps, (n,).
+        distance: distance rolled so far, by the odometry of the wheels; negative backwards, (n,) [m].
+        clamped: whether the set-points have reached the zigzag, and the joints are near it, (n,).
     """
 
-    def __init__(
-        self, robot: RobotSpec, radius: float, bends: Floats, set_points: Floats, direction: float = 1.0
-    ) -> None:
-        self._robot, self.zigzag_sign, self.distance = robot, nearest_zigzag(bends), 0.0
-        self._zigzag = self.zigzag_sign * steepness(robot, radius) * ZIGZAG
-        self._press = self.zigzag_sign * PRESS * PRESSING
-        self._set_points, self._near = set_points - self._press, False
+    def __init__(self, robot: RobotSpec, n: int) -> None:
+        self._robot = robot
+        self.zigzag_sign, self.distance, self.clamped = np.ones(n), np.zeros(n), np.zeros(n, bool)
+        self._zigzag, self._press, self._set_points = np.zeros((3, n, 2 * HALF))
         self._step = SPEED * robot.speed_limits * CONTROL_PERIOD
-        self._speed = direction * SPEED * robot.actuators[robot.wheels[0].actuator].speed_limit
+        self._speed = np.zeros(n)
 
-    @property
-    def clamped(self) -> bool:
-        """Whether the set-points have reached the zigzag, and the joints are near it."""
-        return self._near and bool(np.allclose(self._set_points, self._zigzag))
-
-    def act(self, bends: Floats, wheel_speeds: Floats) -> Floats:
-        """Set-points of joints and wheels for one control period, (12,) [rad, then rad/s].
+    def begin(self, rows: Ints, radius: Floats, bends: Floats, set_points: Floats, direction: float = 1.0) -> None:
+        """Let some robots begin.
 
         Args:
-            bends: joint positions, (6,) [rad].
-            wheel_speeds: wheel speeds, (6,) [rad/s].
+            rows: which robots, (k,).
+            radius: radius of the bore, (k,) [m].
+            bends: joint positions now, (k, 6) [rad].
+            set_points: set-points of the joints now, (k, 6) [rad].
+            direction: +1 to roll forwards, -1 to roll backwards.
         """
-        self.distance += rolled_distance(self._robot, bends, wheel_speeds)
-        self._set_points = self._set_points + np.clip(self._zigzag - self._set_points, -self._step, self._step)
-        away = float(np.abs(self._zigzag - bends).max())
-        self._near = away < LAG
-        speed = self._speed * max(CREEP, 1.0 - (1.0 - CREEP) * away / LAG)
-        return np.concatenate([self._set_points + self._press, speed * forward_directions(bends)])
+        sign = nearest_zigzag(bends)
+        self.zigzag_sign[rows], self.distance[rows], self.clamped[rows] = sign, 0.0, False
+        self._zigzag[rows] = (sign * steepness(self._robot, radius))[:, None] * ZIGZAG
+        self._press[rows] = (sign * PRESS)[:, None] * PRESSING
+        self._set_points[rows] = set_points - self._press[rows]
+        self._speed[rows] = direction * SPEED * self._robot.actuators[self._robot.wheels[0].actuator].speed_limit
+
+    def act(self, rows: Ints, bends: Floats, wheel_speeds: Floats) -> Floats:
+        """Set-points of joints and wheels of some robots for one control period, (k, 12) [rad, then rad/s].
+
+        Args:
+            rows: which robots, (k,).
+            bends: joint positions, (k, 6) [rad].
+            wheel_speeds: wheel speeds, (k, 6) [rad/s].
+        """
+        self.distance[rows] += rolled_distance(self._robot, bends, wheel_speeds)
+        zigzag, before = self._zigzag[rows], self._set_points[rows]
+        set_points = before + np.clip(zigzag - before, -self._step, self._step)
+        away = np.abs(zigzag - bends).max(axis=1)
+        self.clamped[rows] = (away < LAG) & np.isclose(set_points, zigzag).all(axis=1)
+        self._set_points[rows] = set_points
+        speed = self._speed[rows] * np.maximum(CREEP, 1.0 - (1.0 - CREEP) * away / LAG)
+        return np.concatenate([set_points + self._press[rows], speed[:, None] * forward_directions(bends)], axis=1)

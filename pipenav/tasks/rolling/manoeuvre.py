@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipenav.arrays import Flags, Floats
+from pipenav.arrays import Flags, Floats, Ints
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.rolling.clamp import HALF, PRESS, SPEED, forward_directions, nearest_zigzag, steepness
@@ -58,138 +58,157 @@ class RollPhase(IntEnum):
 
 
 class RollCommand(NamedTuple):
-    """Set-points of one robot for one control period.
+    """Set-points of n robots for one control period.
 
     Attributes:
-        values: set-points of joints and wheels, (12,) [rad, then rad/s].
-        roll: set-point of the roll joint [rad].
+        values: set-points of joints and wheels, (n, 12) [rad, then rad/s].
+        roll: set-points of the roll joints, (n,) [rad].
     """
 
     values: Floats
-    roll: float
+    roll: Floats
 
 
 class _Pose(NamedTuple):
-    """Pose of the joints in one phase.
+    """Pose that each of n robots goes to in its phase.
 
     Attributes:
-        bends: joint positions that fit the bore, (6,) [rad].
-        press: distance of the set-points beyond them, 0 where a joint does not press, (6,) [rad].
+        bends: joint positions that fit the bore, (n, 6) [rad].
+        press: distance of the set-points beyond them, 0 where a joint does not press, (n, 6) [rad].
+        roll: position of the roll joint, (n,) [rad].
     """
 
     bends: Floats
     press: Floats
+    roll: Floats
 
 
 class Roll:
-    """The manoeuvre of one robot.
+    """The manoeuvre of n robots, each from when it begins.
 
     Args:
         robot: the robot, as `check_robot` accepts it.
-        radius: radius of the bore [m].
-        roll_angle: angle by which to roll the plane, by the right-hand rule about the direction of travel [rad].
-        bends: joint positions now, (6,) [rad].
-        down: direction of down in each half's frame, as `SpaceReading.down`, (halves, 3).
+        n: number of robots.
 
     Attributes:
-        phase: the phase now.
+        phase: each robot's phase, a `RollPhase`, (n,).
     """
 
-    def __init__(self, robot: RobotSpec, radius: float, roll_angle: float, bends: Floats, down: Floats) -> None:
-        self._roll_angle = roll_angle
+    def __init__(self, robot: RobotSpec, n: int) -> None:
+        self._robot = robot
         self._speed = SPEED * np.append(robot.speed_limits, robot.speed_limits[0]) * CONTROL_PERIOD
-        self._steepness = steepness(robot, radius)
-        sign = nearest_zigzag(bends)
-        self._inner_walls = np.array([sign, -sign])  # +1 where a half's inner wheel, 3 or 4, stands on the left wall
-        # The first half is stretched along the wall on which the other half's inner wheel stands: the lower one.
-        self._first = REAR if lower_side(down[REAR]) == -sign else FRONT
-        self.phase, self._since = RollPhase.CLAMP, 0
-        self._from, self._roll_from = np.array(bends), 0.0
-        self._to = self._pose()
-        self._odometer = np.zeros(2)  # angle that each half's wheels have rolled forwards since it was put down [rad]
+        self.phase, self._since = np.full(n, RollPhase.DONE.value), np.zeros(n, int)
+        self._roll_angle, self._steepness = np.zeros((2, n))
+        self._inner_walls = np.ones((n, 2))  # +1 where a half's inner wheel, 3 or 4, stands on the left wall
+        self._first = np.full(n, FRONT)
+        self._odometer = np.zeros((n, 2))  # angle that each half's wheels rolled forwards since it was put down [rad]
+        joints = len(robot.joints)
+        self._from = _Pose(np.zeros((n, joints)), np.zeros((n, joints)), np.zeros(n))
+        self._to = _Pose(np.zeros((n, joints)), np.zeros((n, joints)), np.zeros(n))
 
-    @property
-    def _second(self) -> int:
-        return 1 - self._first
-
-    def act(self, bends: Floats, roll: float, wheel_speeds: Floats, down: Floats) -> RollCommand:
-        """Set-points for one control period.
+    def begin(self, rows: Ints, radius: Floats, roll_angle: Floats, bends: Floats, down: Floats) -> None:
+        """Let some robots begin.
 
         Args:
-            bends: joint positions, (6,) [rad].
-            roll: position of the roll joint [rad].
-            wheel_speeds: wheel speeds, (6,) [rad/s].
-            down: direction of down in each half's frame, as `SpaceReading.down`, (halves, 3).
+            rows: which robots, (k,).
+            radius: radius of the bore, (k,) [m].
+            roll_angle: angle by which to roll the plane, by the right-hand rule about the direction of travel, (k,)
+                [rad].
+            bends: joint positions now, (k, 6) [rad].
+            down: direction of down in each half's frame, as `SpaceReading.down`, (k, halves, 3).
+        """
+        self._roll_angle[rows], self._steepness[rows] = roll_angle, steepness(self._robot, radius)
+        sign = nearest_zigzag(bends)
+        self._inner_walls[rows] = np.stack([sign, -sign], axis=1)
+        # The first half is stretched along the wall on which the other half's inner wheel stands: the lower one.
+        self._first[rows] = np.where(lower_side(down[:, REAR]) == -sign, REAR, FRONT)
+        self.phase[rows], self._since[rows], self._odometer[rows] = RollPhase.CLAMP, 0, 0.0
+        self._from.bends[rows], self._from.roll[rows] = bends, 0.0
+        self._set_out(rows)
+
+    def act(self, rows: Ints, bends: Floats, roll: Floats, wheel_speeds: Floats, down: Floats) -> RollCommand:
+        """Set-points of some robots for one control period.
+
+        Args:
+            rows: which robots, (k,).
+            bends: joint positions, (k, 6) [rad].
+            roll: positions of the roll joints, (k,) [rad].
+            wheel_speeds: wheel speeds, (k, 6) [rad/s].
+            down: direction of down in each half's frame, as `SpaceReading.down`, (k, halves, 3).
         """
         directions = forward_directions(bends)
-        self._odometer += CONTROL_PERIOD * (wheel_speeds * directions).reshape(2, HALF).mean(axis=1)
-        if self._arrived(bends, roll):
-            self._begin_next_phase(down)
-        self._since += 1
-        share = min(1.0, self._since / max(1.0, self._duration))
-        back = np.repeat(np.where(self._holds, -HOLD * self._odometer, 0.0), HALF) * directions
-        set_points = self._from + share * (self._to.bends - self._from) + self._to.press
-        roll_set_point = self._roll_from + share * (self._roll_to - self._roll_from)
-        return RollCommand(np.concatenate([set_points, back]), roll_set_point)
+        self._odometer[rows] += CONTROL_PERIOD * (wheel_speeds * directions).reshape(-1, 2, HALF).mean(axis=2)
+        arrived = self._arrived(rows, bends, roll)
+        self._begin_next_phase(rows[arrived], down[arrived])
+        self._since[rows] += 1
+        start, to = (_Pose(*(column[rows] for column in pose)) for pose in (self._from, self._to))
+        share = np.minimum(1.0, self._since[rows] / np.maximum(1.0, self._duration(rows)))
+        back = np.where(self._holds(rows), -HOLD * self._odometer[rows], 0.0).repeat(HALF, axis=1) * directions
+        set_points = start.bends + share[:, None] * (to.bends - start.bends) + to.press
+        roll_set_points = start.roll + share * (to.roll - start.roll)
+        return RollCommand(np.concatenate([set_points, back], axis=1), roll_set_points)
 
-    @property
-    def _duration(self) -> float:
-        """Control steps in which the set-points of this phase arrive, not rounded."""
-        changes = np.append(self._to.bends - self._from, self._roll_to - self._roll_from)
-        return float(np.abs(changes / self._speed).max())
+    def _duration(self, rows: Ints) -> Floats:
+        """Control steps in which the set-points of the phase arrive, not rounded, (k,)."""
+        bends, roll = self._to.bends[rows] - self._from.bends[rows], self._to.roll[rows] - self._from.roll[rows]
+        changes = np.concatenate([bends, roll[:, None]], axis=1)
+        return np.asarray(np.abs(changes / self._speed).max(axis=1))
 
-    def _arrived(self, bends: Floats, roll: float) -> bool:
-        after = self._since - self._duration
-        away = np.where(self._to.press == 0, np.abs(self._to.bends - bends), 0.0).max()
-        settled = max(away, abs(self._roll_to - roll)) <= SETTLED
-        return after >= PATIENCE or (after >= DWELL and bool(settled))
+    def _arrived(self, rows: Ints, bends: Floats, roll: Floats) -> Flags:
+        after, to = self._since[rows] - self._duration(rows), self._to.bends[rows]
+        away = np.where(self._to.press[rows] == 0, np.abs(to - bends), 0.0).max(axis=1)
+        settled = np.maximum(away, np.abs(self._to.roll[rows] - roll)) <= SETTLED
+        return np.asarray((after >= PATIENCE) | ((after >= DWELL) & settled))
 
-    def _begin_next_phase(self, down: Floats) -> None:
-        held = self._holds
-        self._from, self._roll_from = self._to.bends, self._roll_to
-        self.phase, self._since = RollPhase(self.phase + 1), 0
-        if self.phase is RollPhase.CLAMP_FIRST:
-            lower = lower_side(down[self._first])
-            self._inner_walls[self._first] = lower or self._inner_walls[self._first]
-        elif self.phase is RollPhase.CLAMP_BOTH:
-            self._inner_walls[self._second] = -self._inner_walls[self._first]
-        self._to = self._pose()
-        self._odometer[self._holds & ~held] = 0.0
+    def _begin_next_phase(self, rows: Ints, down: Floats) -> None:
+        if not len(rows):
+            return
+        held, first, k = self._holds(rows), self._first[rows], np.arange(len(rows))
+        self._from.bends[rows], self._from.roll[rows] = self._to.bends[rows], self._to.roll[rows]
+        self.phase[rows] += 1
+        self._since[rows] = 0
+        phase, walls = self.phase[rows], self._inner_walls[rows]
+        lower = lower_side(down[k, first])
+        clamps_first = (phase == RollPhase.CLAMP_FIRST) & (lower != 0)
+        walls[k, first] = np.where(clamps_first, lower, walls[k, first])
+        walls[k, 1 - first] = np.where(phase == RollPhase.CLAMP_BOTH, -walls[k, first], walls[k, 1 - first])
+        self._inner_walls[rows] = walls
+        self._set_out(rows)
+        self._odometer[rows] = np.where(self._holds(rows) & ~held, 0.0, self._odometer[rows])
 
-    @property
-    def _roll_to(self) -> float:
-        turned = RollPhase.TURN_FIRST <= self.phase < RollPhase.TURN_SECOND
-        return self._roll_angle * (1 if self._first == FRONT else -1) * turned
+    def _holds(self, rows: Ints) -> Flags:
+        """Whether the wheels of each half keep their positions, (k, halves)."""
+        phase, first = self.phase[rows, None], self._first[rows, None]
+        one = np.arange(2) == np.where(phase < RollPhase.STRETCH_SECOND, 1 - first, first)
+        return np.asarray(one | (phase <= RollPhase.CLAMP) | (phase >= RollPhase.CLAMP_BOTH))
 
-    @property
-    def _holds(self) -> Flags:
-        """Whether the wheels of each half keep their positions, (halves,)."""
-        one = np.arange(2) == (self._second if self.phase < RollPhase.STRETCH_SECOND else self._first)
-        return one if RollPhase.CLAMP < self.phase < RollPhase.CLAMP_BOTH else np.ones(2, bool)
-
-    def _pose(self) -> _Pose:
-        """Pose of this phase."""
-        steep, phase = self._steepness, self.phase
-        clamp = np.array([-steep, 2 * steep, -steep])  # from the middle outwards, inner wheel on the left wall
+    def _set_out(self, rows: Ints) -> None:
+        """Set the pose that some robots go to in their phases."""
+        steep, phase, first = self._steepness[rows], self.phase[rows, None], self._first[rows, None] == np.arange(2)
+        both = (phase == RollPhase.CLAMP) | (phase >= RollPhase.CLAMP_BOTH)
+        stretched = first & ((phase == RollPhase.STRETCH_FIRST) | (phase == RollPhase.TURN_FIRST))
+        stretched |= ~first & ((phase == RollPhase.STRETCH_SECOND) | (phase == RollPhase.TURN_SECOND))
+        lean = np.where(first & (phase == RollPhase.CLAMP_FIRST), 0.0, -TILT)
+        inner = np.where(both, -steep[:, None], lean)  # bend of the joint beside the divided link, (k, halves)
+        walls = np.where(stretched, 0.0, self._inner_walls[rows])
+        bends = np.zeros((len(rows), 2, HALF))  # from the middle outwards, inner wheel on the left wall
+        bends[:, :, 0], bends[:, :, 1], bends[:, :, 2] = inner - steep[:, None], 2 * steep[:, None], -steep[:, None]
         press = np.array([0.0, PRESS, 0.0])
-        both = phase in (RollPhase.CLAMP, RollPhase.CLAMP_BOTH, RollPhase.DONE)
-        bends, presses = np.zeros((2, HALF)), np.zeros((2, HALF))
-        for half in (REAR, FRONT):
-            stretched = half == self._first and phase in (RollPhase.STRETCH_FIRST, RollPhase.TURN_FIRST)
-            stretched |= half == self._second and phase in (RollPhase.STRETCH_SECOND, RollPhase.TURN_SECOND)
-            if stretched:
-                continue
-            inner = -steep if both else 0.0 if half == self._first and phase is RollPhase.CLAMP_FIRST else -TILT
-            bends[half] = self._inner_walls[half] * (clamp + np.array([inner, 0.0, 0.0]))
-            presses[half] = self._inner_walls[half] * press
-        order = np.concatenate([bends[REAR, ::-1], bends[FRONT]])
-        return _Pose(order, np.concatenate([presses[REAR, ::-1], presses[FRONT]]))
+        self._to.bends[rows] = _in_order(walls[:, :, None] * bends)
+        self._to.press[rows] = _in_order(walls[:, :, None] * press)
+        turned = (phase[:, 0] >= RollPhase.TURN_FIRST) & (phase[:, 0] < RollPhase.TURN_SECOND)
+        self._to.roll[rows] = self._roll_angle[rows] * np.where(first[:, FRONT], 1.0, -1.0) * turned
 
 
-def lower_side(down: Floats) -> float:
-    """Side of a half that hangs low: +1 the left, -1 the right, 0 neither.
+def _in_order(halves: Floats) -> Floats:
+    """Values of the joints from the rear to the front, (k, 6), from those of the halves outwards, (k, halves, 3)."""
+    return np.concatenate([halves[:, REAR, ::-1], halves[:, FRONT]], axis=1)
+
+
+def lower_side(down: Floats) -> Floats:
+    """Side of a half that hangs low: +1 the left, -1 the right, 0 neither, (k,).
 
     Args:
-        down: direction of down in the half's frame, (3,).
+        down: direction of down in the half's frame, (k, 3).
     """
-    return float(np.sign(down[1])) if abs(down[1]) > LEVEL else 0.0
+    return np.where(np.abs(down[:, 1]) > LEVEL, np.sign(down[:, 1]), 0.0)

@@ -10,7 +10,6 @@ import numpy as np
 from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.pipe import Pipe
-from pipenav.pipes.route_sets import parse_pipes
 from pipenav.robots import kinematics
 from pipenav.robots.robot import BASE, RobotSpec
 from pipenav.tasks.traverse.config import TraverseConfig
@@ -32,13 +31,15 @@ class TraverseEpisodes(NamedTuple):
         pipes: pipe of each episode, with ends long enough for the robot, k of them.
         q: start configurations in the robot's own frame, (k, coordinates).
         base: x of the robot's frame in the pipe's frame, (k,) [m].
-        gravity: gravity's part in the pipe's plane, axes of the pipe's frame, (k, 2) [m/s^2].
+        gravity: gravity's part in the pipe's plane, where robots move in it, axes of the pipe's frame, (k, 2) [m/s^2].
+        gravity_in_space: gravity where robots move in space, axes of the route's frame, (k, 3) [m/s^2].
     """
 
     pipes: tuple[Pipe, ...]
     q: Floats
     base: Floats
     gravity: Floats
+    gravity_in_space: Floats
 
     def part(self, rows: slice) -> TraverseEpisodes:
         """Episodes of some rows."""
@@ -81,12 +82,13 @@ def sample(
     zigzag = _zigzag(robot, first_side * spread * (radius - robot.width / 2))
     q[:, 1 : len(BASE)], q[:, len(BASE) :] = zigzag.first_link, zigzag.bends
     base = -inner - gap - kinematics.forward(robot, q).tip[:, 0]
-    gravity = np.zeros((k, 2))
+    gravity, in_space = np.zeros((k, 2)), np.zeros((k, 3))
     if config.inclination_deg is not None:
         low, high = np.deg2rad(config.inclination_deg)
         direction = low + (high - low) * inclination
         gravity = GRAVITY * np.stack([np.cos(direction), np.sin(direction)], axis=1)
-    return TraverseEpisodes(roomy, q, base, gravity)
+        in_space = GRAVITY * np.array([pipe.down for pipe in pipes]).reshape(k, 3)
+    return TraverseEpisodes(roomy, q, base, gravity, in_space)
 
 
 def check_robot(robot: RobotSpec) -> None:
@@ -97,22 +99,6 @@ def check_robot(robot: RobotSpec) -> None:
     """
     if not (robot.free and robot.wheels):
         raise PipenavError(f"robot {robot.name!r} hangs on a mount and cannot traverse a pipe: choose --robot pirate.")
-
-
-def parse_planar(given: Sequence[str]) -> list[Pipe]:
-    """Corners and routes in the plane, from texts as `pipenav.pipes.route_sets.parse_pipes` takes them.
-
-    Raises:
-        PipenavError: something unknown or impossible, or a route that leaves the plane in which robots are trained.
-    """
-    pipes = parse_pipes(given)
-    for pipe in pipes:
-        if not pipe.planar:
-            raise PipenavError(
-                f"{pipe.name} leaves the plane, in which robots are trained: choose a route without rolls, "
-                "such as runs-level."
-            )
-    return pipes
 
 
 def with_room(robot: RobotSpec, config: TraverseConfig, pipe: Pipe) -> Pipe:

@@ -8,11 +8,13 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.backends.backend import Simulator
+from pipenav.backends.spatial import SpaceBackend
 from pipenav.pipes.pipe import Pipe
 from pipenav.pipes.route_sets import parse_pipes
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.layout import ObservationField
 from pipenav.tasks.outcome import PassageStage
+from pipenav.tasks.rolling.batch import RollingBatch
 from pipenav.tasks.task import EpisodeSource, Task
 from pipenav.tasks.traverse import episode, observation
 from pipenav.tasks.traverse.batch import TraverseBatch
@@ -26,7 +28,7 @@ class TraverseTask(Task[TraverseConfig, TraverseEpisodes]):
     stage = PassageStage.TRAVERSE
 
     def parse_training_pipes(self, given: Sequence[str]) -> list[Pipe]:
-        return episode.parse_planar(given)
+        return parse_pipes(given)
 
     def parse_pipes(self, given: Sequence[str]) -> list[Pipe]:
         return parse_pipes(given)
@@ -47,3 +49,8 @@ class TraverseTask(Task[TraverseConfig, TraverseEpisodes]):
         self, robot: RobotSpec, simulator: Simulator, n: int, source: EpisodeSource[TraverseEpisodes]
     ) -> TraverseBatch:
         return TraverseBatch(robot, self.config, simulator, n, source)
+
+    def batch_in_space(
+        self, robot: RobotSpec, backend: SpaceBackend, n: int, source: EpisodeSource[TraverseEpisodes]
+    ) -> RollingBatch:
+        return RollingBatch(robot, self.config, backend, n, source)

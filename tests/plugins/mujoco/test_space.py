@@ -27,7 +27,9 @@ ONE = np.arange(1)
 
 
 def world(n: int = 1, gravity: float = GRAVITY, **options: float) -> SpaceBackend:
-    return open_space("mujoco", ROBOT, n, options, gravity)
+    backend = open_space("mujoco", ROBOT, n, options)
+    backend.incline(np.arange(n), np.tile([0.0, 0.0, -gravity], (n, 1)))
+    return backend
 
 
 @contextmanager
@@ -63,7 +65,7 @@ def test_where_nothing_weighs_nothing_is_down() -> None:
 def test_an_option_overrules_the_tasks_gravity() -> None:
     with (
         placed(RUN, gravity=0.0) as (_, q, base),
-        closing(open_space("mujoco", ROBOT, 1, {"gravity": 9.81}, 0.0)) as other,
+        closing(open_space("mujoco", ROBOT, 1, {"gravity": 9.81})) as other,
     ):
         assert other.reset(ONE, [RUN], q, np.array([base]), np.zeros(1)).down.any()
 
@@ -80,19 +82,20 @@ def test_the_laser_reads_in_the_corners_plane_what_it_reads_in_the_plane() -> No
 def test_a_clamped_robot_drives_and_stays_in_its_plane_and_out_of_the_wall(diameter: int, plane: float) -> None:
     route = PipeRoute.of(diameter, [(90, "left", 0)], [1500, 900])
     with placed(route, plane) as (backend, *_):
-        q = backend.read().body.q[0]
-        rolling = RollForward(ROBOT, route.radius, q, q)
+        q = backend.read().body.q
+        rolling = RollForward(ROBOT, 1)
+        rolling.begin(ONE, np.array([route.radius]), q, q)
         start, deepest = backend.truth().points[0, :, 0].mean(), 0.0
         for _ in range(30):
             body = backend.read().body
             assert body.wheel_speeds is not None
-            backend.step(rolling.act(body.q[0], body.wheel_speeds[0])[None], np.zeros(1))
+            backend.step(rolling.act(ONE, body.q, body.wheel_speeds), np.zeros(1))
             deepest = max(deepest, backend.truth().penetration[0])
         truth = backend.truth()
         gone = truth.points[0, :, 0].mean() - start
         assert gone > 0.1
-        assert rolling.clamped and rolling.distance == pytest.approx(gone, abs=0.02)
-        zigzag = rolling.zigzag_sign * steepness(ROBOT, route.radius) * ZIGZAG
+        assert rolling.clamped[0] and rolling.distance[0] == pytest.approx(gone, abs=0.02)
+        zigzag = rolling.zigzag_sign[0] * steepness(ROBOT, np.array([route.radius]))[0] * ZIGZAG
         np.testing.assert_allclose(backend.read().body.q[0], zigzag, atol=0.1)
         assert deepest < 1e-3
         upright = about_x(plane) @ np.array([0, 0, 1])
@@ -117,7 +120,7 @@ def test_robots_do_not_depend_on_each_other_nor_on_threads() -> None:
 
 def test_a_backend_of_the_plane_says_so() -> None:
     with pytest.raises(PipenavError, match="'pybullet' moves robots only in a plane: choose --backend mujoco"):
-        open_space("pybullet", ROBOT, 1, {}, GRAVITY)
+        open_space("pybullet", ROBOT, 1, {})
 
 
 def test_a_timestep_must_divide_the_control_period_in_space_too() -> None:

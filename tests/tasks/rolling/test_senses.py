@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from helpers.rolling import ROBOT, clamped, reading
+from helpers.rolling import ROBOT, clamped
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -21,10 +21,9 @@ from pipenav.tasks.rolling.clamp import axle_offset, nearest_zigzag
 @pytest.mark.parametrize("diameter", [0.07, 0.12])
 def test_in_a_zigzag_the_rear_half_heads_along_the_pipe(diameter: float, third: float) -> None:
     bends = clamped(diameter / 2, third)
-    first = senses.link_vectors(ROBOT, bends)[0]  # the first link lies along the axis
-    rear = senses.link_vectors(ROBOT, bends)[1:3].sum(axis=0)
-    assert senses.angle_between(first, rear) == pytest.approx(0.0, abs=1e-9)
-    assert nearest_zigzag(bends) == third
+    links = senses.link_vectors(ROBOT, bends[None])  # the first one lies along the axis
+    assert senses.angle_between(links[:, 0], links[:, 1:3].sum(axis=1)) == pytest.approx(0.0, abs=1e-9)
+    assert nearest_zigzag(bends[None]) == third
 
 
 @given(st.floats(-1.0, 1.0), st.lists(st.floats(-2.0, 2.0), min_size=6, max_size=6))
@@ -32,8 +31,8 @@ def test_the_divided_links_heading_counts_from_the_rear_half(turn: float, bends:
     """A bend of the third joint turns the divided link and leaves the rear half, however the robot is bent."""
     before = np.array(bends)
     after = before + np.array([0, 0, turn, 0, 0, 0])
-    change = senses.heading_from_rear_half(ROBOT, after) - senses.heading_from_rear_half(ROBOT, before)
-    assert change == pytest.approx(turn, abs=1e-9)
+    first, second = senses.heading_from_rear_half(ROBOT, np.array([before, after]))
+    assert second - first == pytest.approx(turn, abs=1e-9)
 
 
 @given(st.floats(-math.pi, math.pi), st.floats(-1.2, 1.2), st.floats(-0.6, 0.6))
@@ -44,16 +43,17 @@ def test_a_plane_is_known_from_the_weight_unless_the_straight_is_too_steep(
     c, s = math.cos(slope), math.sin(slope)
     axes = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])  # climbs by the slope
     bends = clamped(0.045, 1.0) + np.array([0, 0, swing, -swing, 0, 0])
-    axes_of_links = senses.link_vectors(ROBOT, bends)
-    heading = senses.angle_between(axes_of_links[1:-1].sum(axis=0), axes_of_links[3])
+    links = senses.link_vectors(ROBOT, bends[None])
+    heading = float(senses.angle_between(links[:, 1:-1].sum(axis=1), links[:, 3])[0])
     turn = np.array([[math.cos(heading), -math.sin(heading), 0], [math.sin(heading), math.cos(heading), 0], [0, 0, 1]])
     link = axes @ about_x(plane) @ turn
-    seen = senses.plane_angle(ROBOT, reading(bends, down=np.array([[0, 0, -1.0] @ link] * 2)), axes)
+    down = np.array([[[0, 0, -1.0] @ link] * 2])
+    (seen,) = senses.plane_angle(ROBOT, bends[None], down, axes[None])
     if math.cos(slope) < senses.STEEPEST:
-        assert seen is None
-    elif seen is not None:
+        assert np.isnan(seen)
+    else:
         assert math.remainder(seen - plane, 2 * math.pi) == pytest.approx(0.0, abs=1e-6)
-    assert senses.plane_angle(ROBOT, reading(bends), axes) is None
+    assert np.isnan(senses.plane_angle(ROBOT, bends[None], np.zeros((1, 2, 3)), axes[None]))
 
 
 @pytest.mark.parametrize("turn", ["left", "right"])
@@ -68,7 +68,8 @@ def test_a_clamped_robot_sees_a_straight_end_in_time_and_not_before(
     def sees(gap: float) -> bool:
         tip = np.array([[-pipe.inner_edge - gap, -third * axle_offset(ROBOT, pipe.radius)]])
         distances = laser.cast(tip, ROBOT.laser.angles[None], pipe.segments[None])
-        return senses.sees_end(ROBOT, reading(bends, laser.measure(ROBOT.laser, distances)[0]), pipe.radius, third)
+        ranges, radius = laser.measure(ROBOT.laser, distances), np.array([pipe.radius])
+        return bool(senses.sees_end(ROBOT, bends[None], ranges, radius, np.array([third]))[0])
 
     seen = [gap for gap in np.arange(0.0, 0.4, 0.005) if sees(gap)]
     assert 0.05 <= max(seen) <= 0.215

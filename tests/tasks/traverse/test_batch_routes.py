@@ -17,7 +17,6 @@ from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.backends.simulators import open_simulator
 from pipenav.disturbances.disturbance import load_disturbance
 from pipenav.disturbances.disturbed_backend import disturbed
-from pipenav.errors import PipenavError
 from pipenav.evaluation.episode_runner import random_start
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.pipe import Pipe
@@ -32,7 +31,7 @@ from pipenav.tasks.registry import task_of
 from pipenav.tasks.traverse import observation
 from pipenav.tasks.traverse.batch import TraverseBatch
 from pipenav.tasks.traverse.config import TraverseConfig
-from pipenav.tasks.traverse.episode import parse_planar, sample, with_room
+from pipenav.tasks.traverse.episode import sample, with_room
 
 ROBOT = load_robot("pirate")
 CONFIG = TraverseConfig(kind="traverse", set_points="held", start_press=0.1)
@@ -239,14 +238,8 @@ def test_ends_that_are_too_short_are_made_longer_or_refused_where_the_route_woul
         with_room(ROBOT, CONFIG, spiral)
 
 
-def test_a_route_that_leaves_the_plane_is_refused() -> None:
-    with pytest.raises(
-        PipenavError, match="leaves the plane, in which robots are trained: choose a route without rolls"
-    ):
-        parse_planar(["runs-rolled"])
-    assert len(parse_planar(["runs-level", "d=90,angle=90"])) == 25
-    rolled_over = PipeRoute.of(100, [(90, "left", 180)])
-    assert rolled_over.turn_signs == [-1.0]
+def test_a_corner_that_is_rolled_over_turns_to_the_other_side() -> None:
+    assert PipeRoute.of(100, [(90, "left", 180)]).turn_signs == [-1.0]
 
 
 def test_what_goes_wrong_in_a_route_is_drawn_by_its_corners() -> None:

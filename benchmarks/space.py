@@ -1,0 +1,144 @@
+"""Speed of robots in space, as ratios measured in one go: `python benchmarks/space.py`.
+
+(a) bare physics: the same models in MuJoCo's Batch on all cores, nothing else
+(b) the backend: sensors and truth as well
+(c) the traverse task in space: pilots, outcomes and resets as well
+
+64 robots move in the 24 routes of `runs-rolled`, driven by the shipped policy `pirate`, whose own time does not count.
+In every control step (a) steps the states from which (b) and (c) go on, so that all three share the machine alike.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import statistics
+import time
+from collections.abc import Sequence
+from typing import Any
+
+for variable in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+    os.environ[variable] = "1"  # before numpy is imported; physics has the cores
+
+import mujoco.batch
+import numpy as np
+
+from pipenav.arrays import Floats, Ints
+from pipenav.backends.simulators import open_space
+from pipenav.backends.spatial import SpaceBackend, SpaceReading, SpaceTruth
+from pipenav.pipes.route import PipeRoute
+from pipenav.pipes.route_sets import parse_routes
+from pipenav.policies.controller import actions_of
+from pipenav.policies.named import open_controller
+from pipenav.tasks.outcome import Outcome
+from pipenav.tasks.rolling.batch import RollingBatch
+from pipenav.tasks.traverse.episode import TraverseEpisodes, sample
+
+ROBOTS = 64
+
+
+class Timed(SpaceBackend):
+    """A backend that knows how long its calls took, but for resets.
+
+    Attributes:
+        seconds: duration of all calls so far [s].
+    """
+
+    def __init__(self, inner: SpaceBackend) -> None:
+        self.inner, self.seconds = inner, 0.0
+
+    def incline(self, indices: Ints, gravity: Floats) -> None:
+        self.inner.incline(indices, gravity)
+
+    def reset(self, indices: Ints, routes: Sequence[PipeRoute], q: Floats, base: Floats, plane: Floats) -> SpaceReading:
+        return self.inner.reset(indices, routes, q, base, plane)
+
+    def step(self, set_points: Floats, roll: Floats) -> None:
+        begin = time.perf_counter()
+        self.inner.step(set_points, roll)
+        self.seconds += time.perf_counter() - begin
+
+    def read(self) -> SpaceReading:
+        begin = time.perf_counter()
+        reading = self.inner.read()
+        self.seconds += time.perf_counter() - begin
+        return reading
+
+    def truth(self) -> SpaceTruth:
+        begin = time.perf_counter()
+        truth = self.inner.truth()
+        self.seconds += time.perf_counter() - begin
+        return truth
+
+    def close(self) -> None:
+        self.inner.close()
+
+
+class Bare:
+    """Physics alone of the robots of a backend: their models, states and commands in a batch of their own."""
+
+    def __init__(self, backend: Any) -> None:
+        self._live, self._batch = backend._batch, None
+
+    def seconds(self, substeps: int) -> float:
+        """Duration of a control period from where the robots are now [s]."""
+        live = self._live.views.batch
+        if self._batch is None or self._batch.nstate != live.nstate:
+            self._batch = mujoco.batch.Batch(live.model, live.nsim)
+        self._batch.set_models(live.models)
+        self._batch.state[:] = live.state
+        begin = time.perf_counter()
+        self._batch.rollout(substeps, record=())
+        return time.perf_counter() - begin
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--steps", type=int, default=300, help="control steps that are measured")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    arguments = parser.parse_args()
+    measured = measure(arguments.steps)
+    if arguments.json:
+        print(json.dumps(measured))
+    else:
+        print("\n".join(f"{name:34} {value:g}" for name, value in measured.items()))
+
+
+def measure(steps: int) -> dict[str, float]:
+    """Rates of (a) to (c) and their ratios, by their names in the output."""
+    controller, rng = open_controller("pirate"), np.random.default_rng(0)
+    robot, task, routes = controller.robot, controller.task, parse_routes(["runs-rolled"])
+    drawn = iter(range(10**9))
+
+    def source(indices: Ints) -> TraverseEpisodes:
+        return sample(robot, task, [routes[next(drawn) % len(routes)] for _ in indices], rng)
+
+    backend = Timed(open_space("mujoco", robot, ROBOTS, {}))
+    batch, bare = RollingBatch(robot, task, backend, ROBOTS, source), Bare(backend.inner)
+    observation, seconds = batch.reset(), []
+    substeps = backend.inner._settings.substeps  # type: ignore[attr-defined]
+    for _ in range(steps):
+        actions = actions_of(controller, observation, batch)
+        alone, before = bare.seconds(substeps), backend.seconds
+        begin = time.perf_counter()
+        step = batch.step(actions)
+        observation, ended = step.observation, np.flatnonzero(step.outcome != Outcome.RUNNING)
+        if len(ended):
+            observation = batch.reset(ended)
+        seconds.append((alone, backend.seconds - before, time.perf_counter() - begin))
+    batch.close()
+    a, b, c = (ROBOTS / statistics.median(column) for column in zip(*seconds[10:], strict=True))
+    whole = sum(row[0] for row in seconds[10:]) / sum(row[2] for row in seconds[10:])
+    return {
+        "bare physics [control steps/s]": round(a),
+        "backend [control steps/s]": round(b),
+        "task [control steps/s]": round(c),
+        "b/a": round(b / a, 3),
+        "c/a": round(c / a, 3),
+        "c/a with all resets": round(whole, 3),
+    }
+
+
+if __name__ == "__main__":
+    main()
