@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 DOWN = "#8e1f6a"
 """Colour of the sign, which nothing else in a picture has."""
 
-WORD, LEVEL = "down", "level: nothing weighs"
+WORD, LEVEL, WEIGHTLESS = "down", "level: nothing weighs", "nothing weighs"
+"""Words of the sign, and for what has none: in a level plane, and in space."""
 
 SIGN_PT = 38.0
 """Side of the square that the sign takes [pt]."""

@@ -83,10 +83,12 @@ class Labels:
         return np.asarray(self.distance(points) < 0.4 * GAP * self.unit)
 
     def _near_texts(self, points: Floats) -> Flags:
-        if not len(self._taken):
+        gap = GAP * self.unit
+        low, high = points.min(axis=0) - gap, points.max(axis=0) + gap
+        near = self._taken[((self._taken > low) & (self._taken < high)).all(axis=1)]
+        if not len(near):
             return np.zeros(len(points), bool)
-        gaps = np.linalg.norm(points[:, None] - self._taken, axis=2).min(axis=1)
-        return np.asarray(gaps < GAP * self.unit)
+        return np.asarray(np.linalg.norm(points[:, None] - near, axis=2).min(axis=1) < gap)
 
 
 def around(point: Floats, distance: float, first: Floats, count: int = 12) -> list[Place]:

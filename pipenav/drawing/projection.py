@@ -32,6 +32,12 @@ WALL_RGB, BORE_RGB, SHADOW = (0.50, 0.57, 0.64), (0.30, 0.34, 0.38), "#e6e9ed"
 OPEN_RGB, RIM_RGB, SEAM_RGB = (0.88, 0.91, 0.94), (0.29, 0.33, 0.38), (0.36, 0.40, 0.44)
 """Colours of a tube that is cut open: its bore, the wall's cut, and lines where parts join."""
 
+MOST_PIECES = 2500
+"""Pieces of one strip of the longest networks; their pipes are too thin for more to be seen."""
+
+THIN = 0.001
+"""Radius below which a pipe would be thinner than a line, as a share of the picture."""
+
 LEVEL = 1e-6
 """Component of a direction along z below which it is level: rounding."""
 
@@ -112,7 +118,11 @@ def draw_tube(axes: Axes, system: PipeSystem, view: View) -> Floats:
     """Draw the tube and its shadow, in millimetres of the picture; return all their points, (k, 2) [mm]."""
     from matplotlib.collections import PolyCollection
 
-    quads, normal, *_ = surface(system, system.wall)
+    straights = straights_of(system)
+    length = float(np.linalg.norm(straights[:, 1] - straights[:, 0], axis=1).sum())
+    quads, normal, *_ = surface(system, system.wall, max(PIECE, length / MOST_PIECES))
+    thin = system.strands[0].legs.radius[0] < THIN * float(np.ptp(quads, axis=(0, 1)).max())
+    edge = 1.2 if thin else 0.3
     shade = 0.72 + 0.4 * np.clip(normal @ _light(view), 0, 1)
     outside = normal @ view.to_viewer > 0
     colours = np.where(outside[:, None], np.minimum(shade[:, None] * WALL_RGB, 1.0), BORE_RGB)
@@ -120,9 +130,9 @@ def draw_tube(axes: Axes, system: PipeSystem, view: View) -> Floats:
     ground = quads.copy()
     ground[..., 2] = quads[..., 2].min() - 2 * system.strands[0].legs.radius[0]
     shadow, tube = (m_to_mm(1.0) * view.flat(part) for part in (ground, quads[order]))
-    axes.add_collection(PolyCollection(list(shadow), facecolors=SHADOW, edgecolors=SHADOW, linewidths=0.3, zorder=0))
+    axes.add_collection(PolyCollection(list(shadow), facecolors=SHADOW, edgecolors=SHADOW, linewidths=edge, zorder=0))
     axes.add_collection(
-        PolyCollection(list(tube), facecolors=colours[order], edgecolors=colours[order], linewidths=0.3, zorder=2)
+        PolyCollection(list(tube), facecolors=colours[order], edgecolors=colours[order], linewidths=edge, zorder=2)
     )
     return np.concatenate([shadow, tube]).reshape(-1, 2)
 

@@ -44,9 +44,15 @@ class Surface(NamedTuple):
         return self.outwards @ direction > 0, self.seams_outwards @ direction > 0
 
 
-def surface(system: PipeSystem, outside: float) -> Surface:
-    """The surface at a distance from the bore [m], without what lies in another pipe: 0 is the bore itself."""
-    parts = [_strand_surface(system, strand, outside) for strand in system.strands]
+def surface(system: PipeSystem, outside: float, piece: float = PIECE) -> Surface:
+    """The surface of pipes, without what lies in another pipe.
+
+    Args:
+        system: the pipes.
+        outside: distance from the bore [m]; 0 is the bore itself.
+        piece: longest piece of a strip [m].
+    """
+    parts = [_strand_surface(system, strand, outside, piece) for strand in system.strands]
     return Surface(*map(np.concatenate, zip(*parts, strict=True)))
 
 
@@ -57,7 +63,7 @@ class _Opening(NamedTuple):
     far: Floats
 
 
-def _strand_surface(system: PipeSystem, strand: Strand, outside: float) -> Surface:
+def _strand_surface(system: PipeSystem, strand: Strand, outside: float, piece: float) -> Surface:
     legs = strand.legs
     around = np.arange(AROUND) * 2 * math.pi / AROUND
     radius = legs.radius + outside
@@ -80,7 +86,7 @@ def _strand_surface(system: PipeSystem, strand: Strand, outside: float) -> Surfa
             rings[at] = rings[at] - outside * inwards
             caps.append(_cap(rings[at], end.direction))
     rows += [(*pair, axis) for pair, axis in zip(pairwise(rings), axes, strict=True)]
-    parts = [*(_strip(*row) for row in rows), *caps]
+    parts = [*(_strip(*row, piece) for row in rows), *caps]
     seams = [_seam(rings, axes, at) for at in sorted(joints)]
     none = [np.zeros((0, 2, 3)), np.zeros((0, 3))]
     lines = [np.concatenate([none[i], *(seam[i] for seam in seams)]) for i in (0, 1)]
@@ -112,10 +118,10 @@ def _opening(fitting: Fitting, end: StrandEnd, ring: Floats, outside: float) -> 
     return _Opening(near, far)
 
 
-def _strip(before: Floats, after: Floats, axis: Floats) -> tuple[Floats, Floats, Floats]:
+def _strip(before: Floats, after: Floats, axis: Floats, piece: float) -> tuple[Floats, Floats, Floats]:
     """Pieces between two rings (lines, 3) around an axis, their normals, and their directions from the axis."""
     length = float(np.linalg.norm(after - before, axis=1).max())
-    share = np.linspace(0, 1, max(math.ceil(length / PIECE), 1) + 1)[:, None, None]
+    share = np.linspace(0, 1, max(math.ceil(length / piece), 1) + 1)[:, None, None]
     rings = before + share * (after - before)  # (pieces + 1, lines, 3)
     beside = np.roll(rings, -1, axis=1)
     quads = np.stack([rings[:-1], beside[:-1], beside[1:], rings[1:]], axis=2).reshape(-1, 4, 3)

@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 
 from pipenav.arrays import Floats
 from pipenav.drawing.dimensions import INK
+from pipenav.drawing.down import LEVEL
 from pipenav.drawing.scene import Scene, draw_scene, legend_handles
 from pipenav.drawing.style import heading
 from pipenav.recording.caption import details_of
@@ -38,7 +39,7 @@ def locate_figure(located: Located) -> Figure:
     axes.set(xlim=(box.left, box.right), ylim=(box.bottom, box.top), aspect="equal", xticks=[], yticks=[])
     said = "no target found" if located.found is None else f"target found after {trajectory.time[row]:.1f} s"
     details = details_of(header.controller, header.robot, header.backend, header.options, header.seed)
-    heading(axes, f"{header.pipe.label}: {said}", details)
+    heading(axes, f"{header.pipe.label}: {said}", f"{details} · {LEVEL}")
     met = Line2D([], [], linestyle="", color=MET, marker=".", markersize=7, label="met by earlier scans")
     handles = [*legend_handles(target=target is not None, forces=False), met]
     axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=4, frameon=False, labelcolor=INK)

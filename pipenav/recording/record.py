@@ -13,6 +13,7 @@ from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD, Simulator
 from pipenav.backends.simulators import open_simulator
 from pipenav.backends.viewer import HasWindow, Sight
+from pipenav.drawing import down
 from pipenav.evaluation.episode_runner import random_start
 from pipenav.evaluation.locate_stage import LocateStage
 from pipenav.evaluation.rear_stage import RearStage
@@ -86,7 +87,7 @@ class Weight(NamedTuple):
     def of(cls, gravity: tuple[float, float, float] | None) -> Weight:
         """Weight under gravity in the pipe's frame (x, y, z) [m/s^2]; None is not known."""
         if gravity is None or not any(gravity):
-            return cls("" if gravity is None else "level: nothing weighs", None)
+            return cls("" if gravity is None else down.LEVEL, None)
         x, y, z = (np.array(gravity) / np.linalg.norm(gravity)).tolist()
         return cls("violet arrow: down", (x, y, z))
 

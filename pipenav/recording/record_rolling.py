@@ -13,6 +13,7 @@ from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.simulators import open_space
 from pipenav.backends.viewer import Sight
+from pipenav.drawing.down import WEIGHTLESS
 from pipenav.evaluation.episode_runner import random_start
 from pipenav.evaluation.stage import TaskStage
 from pipenav.pipes.route import PipeRoute
@@ -84,7 +85,7 @@ def record_in_space(
     given = simulator.options.get("gravity")  # a backend's own setting overrules the episode's
     weight = one.gravity_in_space[0] if given is None else np.array([0.0, 0.0, -float(given)])
     said = Weight.of((float(weight[0]), float(weight[1]), float(weight[2])))
-    label = ", ".join(part for part in (route.label, said.words) if part)
+    label = f"{route.label}, {said.words if weight.any() else WEIGHTLESS}"
     batch = RollingBatch(robot, task, world, 1, lambda _: one)
     look, outcome = simulator.watch or (lambda _, __: None), Outcome.RUNNING
     with closing(TaskStage(batch, controller)) as stage:

@@ -14,6 +14,7 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.drawing.dimensions import INK
+from pipenav.drawing.down import WEIGHTLESS
 from pipenav.drawing.labels import around
 from pipenav.drawing.projection import CutOpen, View
 from pipenav.drawing.scene import FORCE
@@ -197,10 +198,12 @@ def _overview(axes: Axes, recording: SpaceRecording, pipe: CutOpen, row: int, ma
 def _caption(recording: SpaceRecording, width: float, view: View, speed: str = "") -> Caption:
     """Route, what acted and with which settings, colours, and a film's speed, in lines of a width [in]."""
     acted = details_of(recording.controller, recording.robot.name, recording.backend, recording.options, recording.seed)
-    parts = (acted, "rear half blue, front half orange", speed)
+    gravity = recording.gravity
+    weightless = WEIGHTLESS if gravity is not None and not gravity.any() else ""
+    parts = (acted, "rear half blue, front half orange", weightless, speed)
     title, details = f"{recording.route.label}: whole robot", " · ".join(part for part in parts if part)
-    gravity = None if recording.gravity is None else view.seen(recording.gravity)
-    return caption_of(title, details, width, gravity)
+    down = None if gravity is None or weightless else view.seen(gravity)
+    return caption_of(title, details, width, down)
 
 
 def _close_up(axes: Axes, recording: SpaceRecording, pipe: CutOpen, row: int) -> None:

@@ -10,6 +10,8 @@ from helpers.pictures import overlapping, texts
 
 from pipenav.drawing.down import WORD
 from pipenav.drawing.network import draw_network, network_figure
+from pipenav.drawing.projection import MOST_PIECES
+from pipenav.drawing.surface import AROUND
 from pipenav.pipes.network import NetworkNode, NetworkPipe, PipeNetwork
 
 
@@ -32,6 +34,14 @@ def test_texts_without_room_are_left_out_and_counted() -> None:
     figure = network_figure(PipeNetwork(nodes=comb, pipes=tuple(pipes)), "row")
     assert any("texts without room left out" in text for text in texts(figure))
     assert overlapping(figure, figure.axes[0]) == []
+
+
+def test_a_long_network_is_drawn_from_few_pieces_as_thick_as_a_line() -> None:
+    nodes = {f"n{i}": NetworkNode(position=(20.0 * i, 0.0, 0.0)) for i in range(11)}
+    pipes = tuple(NetworkPipe(start=f"n{i}", end=f"n{i + 1}", diameter=0.1) for i in range(10))
+    tube = network_figure(PipeNetwork(nodes=nodes, pipes=pipes), "long").axes[0].collections[-1]
+    assert len(tube.get_paths()) < 1.2 * AROUND * MOST_PIECES
+    assert tube.get_linewidths()[0] > 1
 
 
 def test_a_picture_is_written(tmp_path: Path) -> None:
