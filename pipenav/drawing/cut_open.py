@@ -23,7 +23,7 @@ TITLE = "Cut open towards the viewer"
 THIN = 0.045
 """Diameter below which the inside of a pipe is too small to be seen in the whole route, as a share of its length."""
 
-MOST = 12
+MOST = 8
 """Most corners that are shown one by one."""
 
 PER_ROW, CORNER_IN = 4, 2.2

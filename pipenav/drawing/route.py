@@ -45,6 +45,9 @@ LABELLED = 8
 STRAIGHT = 1e-6
 """Reach of a mitre, and sine of a wall's turn, below which a corner or a wall counts as straight."""
 
+TALLEST_IN_SPACE = 6.8
+"""Height of the picture in space at most [in]: with what stands below it, a page still holds it."""
+
 OPEN_SHARE = 0.7
 """Size of the picture that is cut open, as a share of the one with dimensions."""
 
@@ -62,7 +65,7 @@ def route_figure(route: PipeRoute, name: str) -> Figure:
     parts = 3 - route.planar - (route.planar and len(route.corners) <= LABELLED)
     first, *others = figure.subplots(parts, 1, squeeze=False)[:, 0]
     tall = _plan(route, first) if route.planar else _in_space(route, first)
-    shrink = min(1.0, TALLEST_IN / tall)
+    shrink = min(1.0, (TALLEST_IN if route.planar else TALLEST_IN_SPACE) / tall)
     heights = [tall * shrink]
     if not route.planar:
         heights.append(cut_open_height(route, OPEN_SHARE * tall * shrink))
