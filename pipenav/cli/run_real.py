@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from pipenav.deployment.emulation import Emulation
     from pipenav.deployment.plan import MissionPlan
     from pipenav.deployment.session import Ending
+    from pipenav.locating.locator import Exit
     from pipenav.pipes.corner import PipeCorner
-    from pipenav.pipes.pipe import Turn
     from pipenav.robots.robot import RobotSpec
 
 ARM_FILE = Path("arm.toml")
@@ -69,14 +69,14 @@ def run_real(
         refuse_ignored({"--arm": arm_options.arm}, "--emulate needs no real arm")
     loaded = policy_for(policy, arm_options.robot)
     pipe = _pipe(pipe_options, emulation_options.emulate)
-    target, turn = _target(pipe_options.target, loaded.header.robot), _turn(pipe_options.turn)
+    target, exit_ = _target(pipe_options.target, loaded.header.robot), _exit(pipe_options)
     emulation = _emulation(emulation_options, loaded.header.robot, pipe)
     folder = free_folder(out)
     if stopping.stop_file is not None:
         check_stop_file(stopping.stop_file)
     stop_file = stopping.stop_file or folder / "STOP"
     most_ticks = stopping.ticks or (DRY_RUN_TICKS if arm_options.dry_run else None)
-    plan = MissionPlan(loaded, turn, target, stopping.retreat, folder, stop_file, most_ticks)
+    plan = MissionPlan(loaded, exit_, target, stopping.retreat, folder, stop_file, most_ticks)
     console = Console()
     with contextlib.ExitStack() as opened:
         opened.enter_context(used_folder(folder))
@@ -91,22 +91,27 @@ def run_real(
 def _pipe(given: PipeOptions, emulate: bool) -> PipeCorner | None:
     """The pipe around the arm; None where it is not known."""
     from pipenav.pipes.corner import PipeCorner
+    from pipenav.pipes.tee import TeePassage, tee
 
-    if emulate:
-        return PipeCorner.of(
-            130.0 if given.d is None else given.d, 90.0 if given.angle is None else given.angle, given.turn
-        )
-    if given.d is None and given.angle is None:
+    if given.d is None and given.angle is None and not emulate:
         return None
-    if given.d is None or given.angle is None:
+    if not emulate and (given.d is None or given.angle is None):
         raise PipenavError("a pipe is known by its diameter and its angle: give --d and --angle, or neither.")
-    return PipeCorner.of(given.d, given.angle, given.turn)
+    diameter, angle = (130.0 if given.d is None else given.d), (90.0 if given.angle is None else given.angle)
+    if given.tee:
+        return tee(diameter, angle, TeePassage("straight" if given.straight_on else "into", given.turn))
+    return PipeCorner.of(diameter, angle, given.turn)
 
 
-def _turn(text: str) -> Turn:
-    if text not in ("left", "right"):
-        raise PipenavError(f"turn {text!r} is neither left nor right: give the side that the pipe turns to.")
-    return "left" if text == "left" else "right"
+def _exit(given: PipeOptions) -> Exit:
+    """The exit that the arm is told to take."""
+    from pipenav.locating.locator import Exit
+
+    if given.turn not in ("left", "right"):
+        raise PipenavError(f"turn {given.turn!r} is neither left nor right: give the side that the pipe turns to.")
+    if given.straight_on and not given.tee:
+        raise PipenavError("--straight-on is an exit of a tee: give --tee too, and the side of its branch as --turn.")
+    return Exit("left" if given.turn == "left" else "right", given.tee, given.straight_on)
 
 
 def _target(text: str | None, robot: RobotSpec) -> Floats | None:
@@ -177,7 +182,7 @@ def _announce(console: Console, plan: MissionPlan, dry_run: bool) -> None:
     where = "a target that it looks for" if plan.target is None else "the given target"
     what = "would move" if dry_run else "is going to move"
     say(
-        f"The arm {what}: {where} around a {plan.turn} turn, policy {plan.policy.path}, then back out. "
+        f"The arm {what}: {where} {plan.exit_.label}, policy {plan.policy.path}, then back out. "
         f"Keep clear of it. Space, Ctrl-C, SIGUSR1 or the file {plan.stop_file} stop it; the power switch always does.",
         console=console,
     )

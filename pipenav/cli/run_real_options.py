@@ -33,6 +33,12 @@ class PipeOptions(OptionGroup):
 
     panel: ClassVar[str] = "The pipe"
     turn: Annotated[str, typer.Option(help="Side that the pipe turns to: left or right.")] = "left"
+    tee: Annotated[bool, typer.Option("--tee", help="The pipe ahead is a tee or a cross: take its exit at --turn.")] = (
+        False
+    )
+    straight_on: Annotated[
+        bool, typer.Option("--straight-on", help="Go straight on in the tee, past its branch at --turn.")
+    ] = False
     target: Annotated[
         str | None, typer.Option(metavar="X,Y", help="Target in the robot's frame in mm, instead of looking for one.")
     ] = None

@@ -10,7 +10,7 @@ from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.messages import Reading
 from pipenav.deployment.stages import Back, Decision, Locate, Reach
-from pipenav.locating.locator import LocateConfig
+from pipenav.locating.locator import Exit, LocateConfig
 from pipenav.pipes.pipe import Turn
 from pipenav.policies.policy import Policy
 
@@ -19,6 +19,7 @@ class Mission:
     """A mission: its stages one after another.
 
     Attributes:
+        exit_: the exit that the arm takes.
         target: target in the robot's own frame, (2,) [m]; None before one is known.
         outcome: empty while the mission goes on; `passed` where the arm reached the target and came back.
     """
@@ -26,7 +27,7 @@ class Mission:
     def __init__(
         self,
         policy: Policy,
-        turn_sign: float,
+        exit_: Exit,
         period: float,
         target: Floats | None,
         locate: LocateConfig,
@@ -35,19 +36,20 @@ class Mission:
         """
         Args:
             policy: the policy that reaches the target.
-            turn_sign: +1 for a left turn, -1 for a right one.
+            exit_: the exit that the arm takes.
             period: length of a tick [s].
             target: target in the robot's own frame, (2,) [m]; None to look for one.
             locate: how to look for it.
             retreat: whether to back out as well when the target was not found or not reached.
         """
-        self._policy, self._turn_sign, self._period = policy, turn_sign, period
+        self.exit_ = exit_
+        self._policy, self._turn_sign, self._period = policy, exit_.turn_sign, period
         self._robot, self._retreat = policy.header.robot, retreat
         self._path: list[Floats] = []
         self.target, self.outcome, self._failure = target, "", ""
-        self._stage: Locate | Reach | Back | None = Locate(self._robot, locate, turn_sign)
+        self._stage: Locate | Reach | Back | None = Locate(self._robot, locate, exit_)
         if target is not None:
-            self._stage = Reach(policy, turn_sign, target)
+            self._stage = Reach(policy, self._turn_sign, target)
 
     def decide(self, reading: Reading) -> Decision:
         """Decide what to do after a reading."""
@@ -83,16 +85,18 @@ class Mission:
             self._stage, self.outcome = None, ended
 
 
-def mission_settings(turn: Turn, target: Floats | None, retreat: bool) -> dict[str, Any]:
+def mission_settings(exit_: Exit, target: Floats | None, retreat: bool) -> dict[str, Any]:
     """The settings of a mission, as a telemetry's header holds them and `mission_of` takes them.
 
     Args:
-        turn: the side that the pipe turns to.
+        exit_: the exit that the arm takes.
         target: target in the robot's own frame, (2,) [m]; None to look for one.
         retreat: whether to back out when it is not found or not reached.
     """
     return {
-        "side": 1.0 if turn == "left" else -1.0,
+        "side": exit_.turn_sign,
+        "tee": exit_.tee,
+        "straight_on": exit_.straight,
         "period_s": CONTROL_PERIOD,
         "goal_m": None if target is None else [float(x) for x in target],
         "locate": LocateConfig().model_dump(),
@@ -104,4 +108,6 @@ def mission_of(policy: Policy, settings: dict[str, Any]) -> Mission:
     """The mission that `mission_settings` describes."""
     target = None if settings["goal_m"] is None else np.array(settings["goal_m"], float)
     locate = LocateConfig.model_validate(settings["locate"])
-    return Mission(policy, settings["side"], settings["period_s"], target, locate, settings["retreat"])
+    turn: Turn = "left" if settings["side"] > 0 else "right"
+    exit_ = Exit(turn, bool(settings.get("tee")), bool(settings.get("straight_on")))  # missions of before know no tees
+    return Mission(policy, exit_, settings["period_s"], target, locate, settings["retreat"])

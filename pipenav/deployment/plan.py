@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
-from pipenav.pipes.pipe import Turn
+from pipenav.locating.locator import Exit
 from pipenav.policies.policy import Policy
 
 TELEMETRY, PICTURE = "telemetry.jsonl", "run.png"
@@ -20,7 +20,7 @@ class MissionPlan(NamedTuple):
 
     Attributes:
         policy: the policy that reaches the target.
-        turn: the side that the pipe turns to.
+        exit_: the exit that the arm takes.
         target: target in the robot's own frame, (2,) [m]; None to look for one.
         retreat: whether to back out when it is not found or not reached.
         folder: mission folder, where telemetry, policy and picture go.
@@ -29,7 +29,7 @@ class MissionPlan(NamedTuple):
     """
 
     policy: Policy
-    turn: Turn
+    exit_: Exit
     target: Floats | None
     retreat: bool
     folder: Path

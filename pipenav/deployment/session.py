@@ -52,7 +52,7 @@ def execute(
         show: called with the record of every tick.
         released: with `--hold-on-stop`: whether someone holds the arm now; None to switch off at once.
     """
-    settings = mission_settings(plan.turn, plan.target, plan.retreat)
+    settings = mission_settings(plan.exit_, plan.target, plan.retreat)
     mission = mission_of(plan.policy, settings)
     policy_bytes = plan.policy.path.read_bytes()
     atomic_write(plan.folder / POLICY_COPY, policy_bytes)

@@ -11,7 +11,7 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.backends.messages import Command, Reading
-from pipenav.locating.locator import LocateConfig, Told
+from pipenav.locating.locator import Exit, LocateConfig
 from pipenav.locating.map_locator import MapLocator
 from pipenav.motions.follower import Follower
 from pipenav.policies.policy import Policy
@@ -60,15 +60,15 @@ class Locate:
         target: target in the robot's own frame, (2,) [m]; None before one is found.
     """
 
-    def __init__(self, robot: RobotSpec, config: LocateConfig, turn_sign: float) -> None:
-        self._locator, self._turn_sign = MapLocator(robot, config, 1), np.array([turn_sign])
+    def __init__(self, robot: RobotSpec, config: LocateConfig, exit_: Exit) -> None:
+        self._locator, self._exit = MapLocator(robot, config, 1), exit_
         self._ticks = 0
         self.target: Floats | None = None
 
     def decide(self, reading: Reading) -> Decision | str:
         """A command, or the outcome: `located` or `not-located`."""
         if not self._ticks:
-            self._locator.start(np.array([0]), reading, Told.corner(self._turn_sign))
+            self._locator.start(np.array([0]), reading, self._exit.told)
         decision = self._locator.act(reading)
         self._ticks += 1
         if decision.done[0]:

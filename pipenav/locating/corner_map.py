@@ -53,8 +53,9 @@ class CornerEstimate(NamedTuple):
         radius: radius of the pipe, (n,) [m].
         edge: end of the inner wall along the first leg, (n,) [m].
         heading: heading of the second leg, (n,) [rad].
-        target: middle of the second leg at the wanted depth, (n, 2) [m].
-        spread: largest distance of the target from the target of another possible corner, (n,) [m].
+        target: middle of the second leg at the wanted depth, (n, 2) [m]; straight on it counts from the farthest of
+            the possible edges, so that it lies past the crossing whichever is right.
+        spread: largest distance of the possible corners' targets from their mean, (n,) [m].
         votes: votes of the beams that agree on the second leg's outer wall, (n,).
         agreement: share of `votes` in all beams that ended past the first leg's walls, (n,).
     """
@@ -167,6 +168,8 @@ def _best(radii: Floats, edges: Floats, votes: Floats, second_leg: SecondLegVote
     tried = grid.reshape(3, *flat.shape)
     radius, edge, heading = (weight * tried).sum(axis=-1)
     target = _target(radius, edge, heading, wanted)
+    farthest = np.where(weight > 0, tried[1], -np.inf).max(axis=1)
+    surely = _target(radius, np.where(known, farthest, 0.0), heading, wanted)
     robot, corner = np.nonzero(weight)
     radius_tried, edge_tried, heading_tried = tried[:, robot, corner]
     wanted_there = wanted._replace(straight=wanted.straight[robot])
@@ -178,7 +181,7 @@ def _best(radii: Floats, edges: Floats, votes: Floats, second_leg: SecondLegVote
         radius=radius + unknown,
         edge=edge + unknown,
         heading=heading + unknown,
-        target=target + unknown[:, None],
+        target=np.where(wanted.straight[:, None], surely, target) + unknown[:, None],
         spread=np.where(known, away.max(axis=1), np.inf),
         votes=np.where(known, pick(second_leg.agree.reshape(flat.shape), best), 0.0),
         agreement=np.where(known, pick(second_leg.share.reshape(flat.shape), best), 0.0),

@@ -17,6 +17,7 @@ from pipenav.arrays import Flags, Floats, Ints, Table
 from pipenav.backends.messages import Reading
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.pipe import Turn
 from pipenav.robots.robot import RobotSpec
 
 Variant = Literal["map", "thesis"]
@@ -86,6 +87,37 @@ class Told(NamedTuple):
         """Knowledge of corners that have no exit but one, to these sides, (k,)."""
         none = np.zeros(len(turn_sign), bool)
         return cls(turn_sign, none, none)
+
+
+class Exit(NamedTuple):
+    """The exit that one arm takes, in words that a person gives.
+
+    Attributes:
+        turn: side on which it lies; straight on, the side of the branch that the arm passes.
+        tee: whether the fitting is a tee or a cross.
+        straight: whether the exit is straight on.
+    """
+
+    turn: Turn
+    tee: bool = False
+    straight: bool = False
+
+    @property
+    def turn_sign(self) -> float:
+        """+1 for left, -1 for right."""
+        return 1.0 if self.turn == "left" else -1.0
+
+    @property
+    def told(self) -> Told:
+        """Knowledge of this exit, for k = 1 robots."""
+        return Told(np.array([self.turn_sign]), np.array([self.tee]), np.array([self.straight]))
+
+    @property
+    def label(self) -> str:
+        """The exit in words."""
+        if self.straight:
+            return f"straight on past a branch to the {self.turn}"
+        return f"to the {self.turn} in a tee" if self.tee else f"around a {self.turn} turn"
 
 
 class SearchStep(NamedTuple):

@@ -24,6 +24,14 @@ STOPPED = 0.001
 """Advance below which a scan shows nothing new [m]."""
 
 
+STRAIGHT_SPREAD = 0.6
+"""Largest spread of possible targets straight on, as a share of their depth: a hidden edge leaves half of it."""
+
+
+LAST_SPREAD = 2.0
+"""Factor on the spread with which a robot in a tee is content on its way back, when it will see no more."""
+
+
 class MapLocator:
     """A straight arm that advances until only one corner fits what the beams have met, and goes back.
 
@@ -34,7 +42,7 @@ class MapLocator:
     def __init__(self, robot: RobotSpec, config: LocateConfig, n: int) -> None:
         self._robot, self._config, self.n = robot, config, n
         self._map = CornerMap(robot.laser, n, config.tolerance)
-        self._straight = np.zeros(n, bool)
+        self._straight, self._tee = np.zeros((2, n), bool)
         self._advance, self._turn_sign, self._home = np.full(n, config.v0), np.ones(n), np.zeros(n)
         self._agreed, self._back = np.zeros(n, int), np.zeros(n, bool)
         self._wall = np.full((n, robot.laser.beams), -np.inf)
@@ -42,7 +50,7 @@ class MapLocator:
 
     def start(self, indices: Ints, reading: Reading, told: Told) -> None:
         self._map.forget(indices, told.tee)
-        self._straight[indices] = told.straight
+        self._straight[indices], self._tee[indices] = told.straight, told.tee
         self._advance[indices], self._turn_sign[indices], self._home[indices] = (
             self._config.v0,
             told.turn_sign,
@@ -58,7 +66,9 @@ class MapLocator:
             self._look(looking, reading.part(looking))
         found, at_home = self._beam >= 0, reading.q[:, 0] <= self._home + HOME
         self._advance = advance(robot, config, self._advance, self._without_dropouts(reading))
-        self._back = found | np.where(self._back, ~at_home, self._advance < STOPPED)
+        # No wall ahead stops a robot whose exit leaves an open run: it turns back before the end of its slide.
+        at_end = self._tee & (reading.q[:, 0] >= robot.upper[0] - 2 * config.v0)
+        self._back = found | np.where(self._back, ~at_home, (self._advance < STOPPED) | at_end)
         ahead = np.minimum(reading.q[:, 0] + self._advance, robot.upper[0])
         set_points = np.zeros_like(reading.q)
         set_points[:, 0] = np.where(self._back, np.maximum(reading.q[:, 0] - config.v0, self._home), ahead)
@@ -85,7 +95,10 @@ class MapLocator:
         )
         corner = self._map.corner(indices, config.depth, self._straight[indices])
         second_leg = (corner.votes >= config.votes) & (corner.agreement >= config.agreement)
-        known = (corner.spread <= config.spread) & (second_leg | self._straight[indices])
+        # Straight on, the pipe has room for a target that is too deep.
+        room = np.where(self._straight[indices], STRAIGHT_SPREAD * config.depth, config.spread)
+        room[self._tee[indices] & self._back[indices]] *= LAST_SPREAD  # it has seen what there is
+        known = (corner.spread <= room) & (second_leg | self._straight[indices])
         self._agreed[indices] = np.where(known, self._agreed[indices] + 1, 0)
         sure = self._agreed[indices] >= config.scans
         target = frames.canonical_to_robot(corner.target, turn_sign)[sure]

@@ -24,6 +24,7 @@ from pipenav.pipes.pipe import DEFAULT_WALL, Turn
 from pipenav.pipes.rotations import about_x, about_z
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_corner import Corner
+from pipenav.units import m_to_mm
 
 SNAP = 1e-3
 """Angle within which two pipes of a tee, a cross or a reducer count as in line [rad]: 1 mm in a metre."""
@@ -31,6 +32,9 @@ SNAP = 1e-3
 
 ROUNDING = 1e-9
 """Angle that counts as none [rad]: rounding of directions."""
+
+MISPLACED = 2e-3
+"""Distance from its place at which the last node of a route may be laid [m]."""
 
 
 class NetworkNode(Table):
@@ -54,6 +58,8 @@ class NetworkNode(Table):
 class NetworkPipe(Table):
     """A straight pipe between two nodes, given by their names, with an inner diameter [m]."""
 
+    model_config = ConfigDict(allow_inf_nan=True)  # as above
+
     start: str
     end: str
     diameter: float
@@ -72,6 +78,8 @@ class PipeNetwork(Table):
         wall: wall thickness of all pipes [m].
     """
 
+    model_config = ConfigDict(allow_inf_nan=True)  # as above
+
     nodes: Mapping[str, NetworkNode]
     pipes: tuple[NetworkPipe, ...]
     wall: float = DEFAULT_WALL
@@ -80,9 +88,14 @@ class PipeNetwork(Table):
     def _possible(self) -> Self:
         check_pipes(self)
         for way in self.strands:
+            if way[0] == way[-1]:
+                raise PipenavError(
+                    f"a ring leads from {shown(way[0])} by {', '.join(way[1:-1])} back to {shown(way[0])}: "
+                    "let it end in another tee or cross."
+                )
             whole = self._prolonged(way)
             if len(whole) > 2:
-                self.route(whole)  # it refuses what is not possible
+                self.laid(whole)  # it refuses what is not possible
         check_apart(self)
         return self
 
@@ -127,13 +140,19 @@ class PipeNetwork(Table):
         """The route from node to node, in a frame of its own whose z lies as near to the network's as it can.
 
         Args:
-            way: names of the nodes, three or more.
+            way: names of the nodes, three or more; no cap may close the first one.
 
         Raises:
-            PipenavError: an unknown node, no pipe between two of them, a node that comes twice, or fittings that are
-                not possible.
+            PipenavError: an unknown node, no pipe between two of them, a node that comes twice, a cap where the robot
+                comes in, or fittings that are not possible.
         """
         self._check_way(way)
+        if self.nodes[way[0]].capped:
+            raise PipenavError(f"the route begins in {shown(way[0])}, which a cap closes: begin in an open end.")
+        return self.laid(way)
+
+    def laid(self, way: Sequence[str]) -> PipeRoute:
+        """The pipes of a way as a route, whether or not its first end is open, see `route`."""
         directions = [self._direction(*pair) for pair in pairwise(way)]
         axes, rolled = first_axes(directions[0]), 0.0
         corners: list[Corner] = []
@@ -146,7 +165,7 @@ class PipeNetwork(Table):
         straights = tuple(self._length(*pair) for pair in pairwise(way))
         slope = math.asin(max(-1.0, min(float(directions[0][2]), 1.0)))
         try:
-            return PipeRoute(
+            made = PipeRoute(
                 diameter=pipes[0].diameter,
                 corners=tuple(corners),
                 straights=straights,
@@ -154,6 +173,8 @@ class PipeNetwork(Table):
                 capped=capped,
                 slope=_rounded(slope),
             )
+            self._check_place(way, made)
+            return made
         except PipenavError as error:
             named = ", ".join(f"{number} is {shown(name)}" for number, name in enumerate(way[1:-1], 1))
             raise PipenavError(f"on the way {', '.join(way)}, whose corner {named}: {error}") from error
@@ -166,6 +187,16 @@ class PipeNetwork(Table):
             raise PipenavError("a route needs three nodes or more: the open end, a fitting, and the end.")
         if twice := next((name for i, name in enumerate(way) if name in way[:i]), None):
             raise PipenavError(f"the route comes to {shown(twice)} twice: name each node once.")
+
+    def _check_place(self, way: Sequence[str], made: PipeRoute) -> None:
+        """Refuse a way whose pipes are not quite in line, and so long that its end is laid in another place."""
+        step = np.subtract(self.nodes[way[-1]].position, self.nodes[way[1]].position)
+        off = float(np.linalg.norm(made.centre_line[-1] - step @ first_axes(self._direction(*way[:2]))))
+        if off > MISPLACED:
+            raise PipenavError(
+                f"{shown(way[-1])} would lie {m_to_mm(off):.1f} mm from its place, as pipes of a fitting within "
+                f"{math.degrees(SNAP):.2f} deg of one line are laid straight: give nodes that are exactly in line."
+            )
 
     def _direction(self, one: str, other: str) -> Floats:
         step = np.subtract(self.nodes[other].position, self.nodes[one].position)

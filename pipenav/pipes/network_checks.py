@@ -10,7 +10,7 @@ import numpy as np
 
 from pipenav.errors import PipenavError, UnknownName, shown
 from pipenav.pipes.convex import apart
-from pipenav.pipes.corner_checks import DIAMETER_RANGE_MM, WALL_RANGE_MM, check_range
+from pipenav.pipes.corner_checks import DIAMETER_RANGE_MM, LEG_MAX_MM, WALL_RANGE_MM, check_range
 from pipenav.pipes.route_legs import SPACING
 from pipenav.units import m_to_mm
 
@@ -22,6 +22,9 @@ MAX_NETWORK_PIPES = 500
 
 MOST_PIPES = 4
 """Pipes that can meet in a node: those of a cross."""
+
+LEAST_PIPE_MM = 1.0
+"""Length of the shortest pipe of a network; what its fittings need besides is asked of the routes through it."""
 
 FARTHEST_M = 1000.0
 """Largest coordinate of a node [m]."""
@@ -49,8 +52,14 @@ def check_pipes(network: PipeNetwork) -> None:
             *DIAMETER_RANGE_MM,
             "mm",
         )
+        if pipe.start == pipe.end:
+            raise PipenavError(f"a pipe leads from {shown(pipe.start)} to itself: name two nodes.")
         if network.nodes[pipe.start].position == network.nodes[pipe.end].position:
             raise PipenavError(f"nodes {shown(pipe.start)} and {shown(pipe.end)} of a pipe lie in one place: move one.")
+        start, end = network.nodes[pipe.start].position, network.nodes[pipe.end].position
+        length = np.linalg.norm(np.subtract(end, start))
+        what = f"length of the pipe from {shown(pipe.start)} to {shown(pipe.end)}"
+        check_range(what, m_to_mm(float(length)), LEAST_PIPE_MM, LEG_MAX_MM, "mm")
     twice = Counter(frozenset((pipe.start, pipe.end)) for pipe in network.pipes).most_common(1)[0]
     if twice[1] > 1:
         raise PipenavError(f"{twice[1]} pipes lead from {' to '.join(sorted(twice[0]))}: give one.")
@@ -80,8 +89,8 @@ def _check_nodes(network: PipeNetwork) -> None:
             f"no way leads from {shown(next(iter(network.nodes)))} to {shown(alone[0])}: join the pieces of the "
             "network, or give each a file of its own."
         )
-    if all(len(network.pipes_at(name)) == 2 for name in network.nodes):
-        raise PipenavError("the network is a ring without an open end, a tee or a cross: no robot gets in; open it.")
+    if not any(len(network.pipes_at(name)) == 1 and not node.capped for name, node in network.nodes.items()):
+        raise PipenavError("the network has no open end, so that no robot gets in: open a ring, or leave out a cap.")
 
 
 def check_apart(network: PipeNetwork) -> None:

@@ -135,7 +135,7 @@ def _placed(network: PipeNetwork, way: Sequence[str]) -> Legs:
     frame = first_axes((second - start) / length)
     if len(way) == 2:
         return straight_leg(start, frame, length, network.pipe_between(*way).diameter / 2)
-    legs = network.route(way).legs
+    legs = network.laid(way).legs
     return legs._replace(start=second + legs.start @ frame.T, axes=frame @ legs.axes, mitre=legs.mitre @ frame.T)
 
 

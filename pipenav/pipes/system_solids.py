@@ -117,7 +117,9 @@ def _prisms(
     last = len(rings) - 2
     for k in range(last + 1):
         first_ring, last_ring = rings[k], rings[k + 1]
-        ends = [end for end, at in ((strand.start, 0), (strand.end, last)) if at == k and end.fitting is not None]
+        here = [end for end, at in ((strand.start, 0), (strand.end, last)) if at == k and end.fitting is not None]
+        # A branch that leaves the other way opens nothing here, and a prism of no length would be none.
+        ends = [end for end in here if _reach(system, end, thickness) > LEAST_DEPTH]
         long = [_reach(system, end, thickness) for end in ends]
         shortest = float(np.linalg.norm(last_ring - first_ring, axis=-1).min())
         if sum(long) >= shortest:

@@ -187,12 +187,13 @@ class MujocoBackend(Simulator):
         self._wall_half_size[indices] = walls
 
     def read(self) -> Reading:
-        return self._reading(np.arange(len(self._time)))
+        return self._reading(slice(None))
 
-    def _reading(self, indices: Ints) -> Reading:
-        wheels = self._speeds[np.ix_(indices, self._wheels)] if self._robot.wheels else None
-        q, qd = self._state[np.ix_(indices, self._joints)], self._speeds[np.ix_(indices, self._joints)]
-        return Reading(q, qd, self._ranges[indices], self._time[indices].copy(), wheels, self._loads[indices])
+    def _reading(self, indices: Ints | slice) -> Reading:
+        state, speeds = self._state[indices], self._speeds[indices]
+        wheels = speeds[:, self._wheels] if self._robot.wheels else None
+        ranges, time, loads = (values[indices].copy() for values in (self._ranges, self._time, self._loads))
+        return Reading(state[:, self._joints], speeds[:, self._joints], ranges, time, wheels, loads)
 
     def _own_pose(self) -> kinematics.ChainPose:
         """Pose of all robots now, computed once after each step."""

@@ -9,9 +9,9 @@ import pytest
 
 from pipenav.backends.messages import Command, Reading
 from pipenav.backends.simulators import open_simulator
-from pipenav.deployment.mission import Mission
+from pipenav.deployment.mission import Mission, mission_of, mission_settings
 from pipenav.deployment.stages import LOCATE_TICKS, PUSH, Back, Decision, Locate
-from pipenav.locating.locator import LocateConfig
+from pipenav.locating.locator import Exit, LocateConfig
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.policy import Policy, load_policy, resolve_policy
 from pipenav.robots import kinematics
@@ -39,7 +39,14 @@ def simulate(
     backend = open_simulator("mujoco", robot, 1, {"threads": 1}, len(pipe.segments))
     now = before = backend.reset(np.array([0]), [pipe], start.q, start.base)
     given = {"target": None, "retreat": False} | settings
-    mission = Mission(policy, float(start.turn_sign[0]), PERIOD, given["target"], LocateConfig(), given["retreat"])
+    mission = Mission(
+        policy,
+        Exit("left" if start.turn_sign[0] > 0 else "right"),
+        PERIOD,
+        given["target"],
+        LocateConfig(),
+        given["retreat"],
+    )
     made, step = [], robot.speed_limits * PERIOD
     for _ in range(500):
         seen = now._replace(q=now.q - rng.uniform(0, lag) * (now.q - before.q))
@@ -87,7 +94,7 @@ def test_a_target_out_of_reach_is_given_up_and_left_if_wished() -> None:
 
 
 def test_where_no_corner_is_none_is_found() -> None:
-    locate = Locate(ROBOT, LocateConfig(), 1.0)
+    locate = Locate(ROBOT, LocateConfig(), Exit("left"))
     straight = reading(np.zeros(4), ROBOT.laser.range_max)
     for _ in range(LOCATE_TICKS):
         assert isinstance(locate.decide(straight), Decision)
@@ -97,8 +104,8 @@ def test_where_no_corner_is_none_is_found() -> None:
 
 def test_decisions_on_a_right_turn_mirror_those_on_a_left_one() -> None:
     rng = np.random.default_rng(0)
-    left = Mission(POLICY, 1.0, PERIOD, np.array([0.7, 0.2]), LocateConfig(), False)
-    right = Mission(POLICY, -1.0, PERIOD, np.array([0.7, -0.2]), LocateConfig(), False)
+    left = Mission(POLICY, Exit("left"), PERIOD, np.array([0.7, 0.2]), LocateConfig(), False)
+    right = Mission(POLICY, Exit("right"), PERIOD, np.array([0.7, -0.2]), LocateConfig(), False)
     for _ in range(10):
         q = rng.uniform(-0.5, 0.5, 4) * [0.2, 1, 1, 1]
         ranges = rng.uniform(0.01, 0.5, (1, ROBOT.laser.beams))
@@ -135,10 +142,10 @@ def test_an_arm_that_catches_is_freed_forwards_and_one_that_stays_caught_is_give
 
 
 def test_a_mission_backs_out_only_once_and_only_if_it_may() -> None:
-    mission = Mission(POLICY, 1.0, PERIOD, None, LocateConfig(), False)
+    mission = Mission(POLICY, Exit("left"), PERIOD, None, LocateConfig(), False)
     mission.decide(reading(np.zeros(4)))
     assert not mission.back_out("stall")
-    mission = Mission(POLICY, 1.0, PERIOD, None, LocateConfig(), True)
+    mission = Mission(POLICY, Exit("left"), PERIOD, None, LocateConfig(), True)
     assert not mission.back_out("stall"), "nothing has been recorded yet"
     mission.decide(reading(np.zeros(4)))
     assert mission.back_out("stall")
@@ -162,3 +169,14 @@ def test_an_arm_that_hooks_on_the_corners_edge_is_free_after_a_few_ticks() -> No
     stages = [decision.stage for decision in made]
     assert mission.outcome == "passed"
     assert stages.count("back") < stages.count("reach") + 12
+
+
+@pytest.mark.parametrize("exit_", [Exit("left"), Exit("right", tee=True), Exit("left", tee=True, straight=True)])
+def test_a_mission_is_told_the_exit_that_its_settings_hold(exit_: Exit) -> None:
+    assert mission_of(POLICY, mission_settings(exit_, None, retreat=False)).exit_ == exit_
+
+
+def test_settings_of_before_there_were_tees_are_those_of_a_corner() -> None:
+    settings = mission_settings(Exit("right"), None, retreat=False)
+    older = {key: value for key, value in settings.items() if key not in ("tee", "straight_on")}
+    assert mission_of(POLICY, older).exit_ == Exit("right")

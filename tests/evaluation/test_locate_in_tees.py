@@ -53,6 +53,17 @@ def test_a_wide_fan_finds_every_exit(start: Start) -> None:
     assert found.outcome is Outcome.REACHED
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ROBOTS)
+def test_most_exits_around_a_corner_are_found(name: str) -> None:
+    """A fan of 86 deg sees little of a branch that leads back, and so turns back before it is content."""
+    rng, found = np.random.default_rng(5), []
+    for number in range(40):
+        pipe = tee(rng.uniform(70, 120), rng.uniform(45, 135), TeePassage(["into", "out"][number % 2]))
+        found.append(search(name, pipe, rng.uniform(0.06, 0.1), rng.uniform(-0.02, 0.02, 3)).outcome is Outcome.REACHED)
+    assert np.mean(found) > 0.9
+
+
 @pytest.mark.parametrize("angle", [45, 90, 135])
 def test_a_point_in_another_exit_is_not_inside_the_second_leg(angle: float) -> None:
     for way in ("straight", "into", "out"):

@@ -14,13 +14,35 @@ from helpers.random_routes import along_centre
 from pipenav.arrays import Floats
 from pipenav.export.corner_folder import write_pipe_folder
 from pipenav.export.route_folder import write_route_folder
+from pipenav.pipes.branch import Branch
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.pipe import Pipe
 from pipenav.pipes.route import PipeRoute
+from pipenav.pipes.route_corner import Corner, corner_of, reducer_corner
 from pipenav.pipes.route_sets import parse_routes
 
 BALL = 0.010
 """Radius of the ball [m]."""
+
+FORK = Corner(angle=math.pi, branches=(Branch(angle=math.radians(45), diameter=0.08, length=0.5),))
+OUT_OF_A_BRANCH = Corner(
+    angle=math.radians(60),
+    turn="right",
+    branches=(Branch(angle=math.radians(120), turn="left", diameter=0.1, length=0.4, closed=True),),
+)
+CROSSING = Corner(
+    angle=math.pi,
+    branches=(
+        Branch(angle=math.radians(90), roll=math.radians(40), diameter=0.09, length=0.4),
+        Branch(angle=math.radians(60), turn="right", diameter=0.05, length=0.4, closed=True),
+    ),
+)
+
+
+def _fittings(diameter: float, corners: tuple[Corner, ...], capped: bool = False) -> PipeRoute:
+    straights = [None] * (len(corners) + 1)
+    return PipeRoute.with_default_straights(diameter, corners, straights, 0.003, capped)
+
 
 CORNERS = [
     PipeCorner.of(100, 75),
@@ -34,6 +56,9 @@ ROUTES = {
     "rolled": parse_routes(["runs-rolled:11"])[0],
     "bent": PipeRoute.of(90, [(90, "left", 0, 67.5), (60, "right", 90, 135), (120, "left", -45)]),
     "odd": PipeRoute.of(150, [(30, "right", 0), (180, "left", 0), (120, "left", 33)], wall_mm=5),
+    "tees": _fittings(0.1, (FORK, corner_of(90, "left", 30, 150), OUT_OF_A_BRANCH)),
+    "cross": _fittings(0.09, (CROSSING, reducer_corner(70, 60))),
+    "capped": _fittings(0.12, (FORK, corner_of(75, "right")), capped=True),
 }
 
 
@@ -52,7 +77,7 @@ def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
 def centre(pipe: Pipe, count: int = 200) -> Floats:
     """Points along the centre line, (count, 3) [m]."""
     if isinstance(pipe, PipeRoute):
-        return along_centre(pipe, count)
+        return along_centre(pipe, count, 1.3 * BALL if pipe.capped else 0.0)
     line = pipe.line(0.0)
     lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1)))
     at = np.linspace(0.0, lengths[-1], count)
@@ -64,6 +89,22 @@ def test_a_ball_goes_along_the_centre_line_without_contact(made: tuple[Pipe, Pat
     pipe, folder = made
     file, contacts = CONTACTS[engine]
     assert sum(contacts(folder / file, centre(pipe), BALL)) == 0
+
+
+@pytest.mark.parametrize("engine", CONTACTS)
+def test_a_ball_goes_into_every_branch_and_meets_the_caps_alone(made: tuple[Pipe, Path], engine: str) -> None:
+    pipe, folder = made
+    if not isinstance(pipe, PipeRoute) or not len(pipe.branches.corner):
+        return
+    file, contacts = CONTACTS[engine]
+    branches, shares = pipe.branches, np.linspace(0.0, 1.0, 40)[:, None]
+    for start, axes, length, closed in zip(
+        branches.start, branches.axes, branches.length, branches.closed, strict=True
+    ):
+        far = length - (1.3 * BALL if closed else 0.0)  # Bullet puts a millimetre around walls
+        assert sum(contacts(folder / file, start + far * shares * axes[:, 0], BALL)) == 0
+        at_end = start + (length - 0.5 * BALL) * axes[:, 0]
+        assert (sum(contacts(folder / file, at_end[None], BALL)) > 0) == closed
 
 
 @pytest.mark.parametrize("engine", CONTACTS)

@@ -182,9 +182,9 @@ def _closed(growing: GrowingNetwork, rng: np.random.Generator, wall: float) -> P
 
 
 def ways_through(network: PipeNetwork) -> list[list[str]]:
-    """All ways from one end of a network to another that come to no node twice."""
+    """All ways from an open end of a network to another end that come to no node twice."""
     found: list[list[str]] = []
-    waiting = [[name] for name in network.nodes if len(network.pipes_at(name)) == 1]
+    waiting = [[name] for name, node in network.nodes.items() if len(network.pipes_at(name)) == 1 and not node.capped]
     while waiting:
         way = waiting.pop()
         at_end = len(way) > 1 and len(network.pipes_at(way[-1])) == 1
