@@ -50,7 +50,7 @@ def test_segments_have_the_free_space_on_their_left(seed: int) -> None:
 @given(seeds)
 @settings(max_examples=20, deadline=None)
 def test_walls_are_closed_but_for_the_open_ends(seed: int) -> None:
-    """Where one wall ends, the next one begins across an open end, as wide as its bore."""
+    """The next wall begins where one ends, across an open end as wide as its bore."""
     for route in random_routes(seed, level=True):
         branches = [branch for corner in route.corners for branch in corner.branches if not branch.closed]
         bores = [route.diameter, *(branch.diameter for branch in branches)]
