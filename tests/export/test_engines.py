@@ -19,6 +19,7 @@ from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.pipe import Pipe
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_corner import Corner, corner_of, reducer_corner
+from pipenav.pipes.route_ends import RouteEnds
 from pipenav.pipes.route_sets import parse_routes
 
 BALL = 0.010
@@ -41,7 +42,7 @@ CROSSING = Corner(
 
 def _fittings(diameter: float, corners: tuple[Corner, ...], capped: bool = False) -> PipeRoute:
     straights = [None] * (len(corners) + 1)
-    return PipeRoute.with_default_straights(diameter, corners, straights, 0.003, capped)
+    return PipeRoute.with_default_straights(diameter, corners, straights, 0.003, RouteEnds(capped=capped))
 
 
 CORNERS = [

@@ -11,6 +11,7 @@ from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.network import NetworkNode, NetworkPipe, PipeNetwork
 from pipenav.pipes.route import PipeRoute
+from pipenav.pipes.route_checks import CrossesItself
 
 LEAST = 0.04
 """Least diameter [m]."""
@@ -198,4 +199,11 @@ def ways_through(network: PipeNetwork) -> list[list[str]]:
 def random_routes(seed: int, level: bool | None = None) -> list[PipeRoute]:
     """Routes through a random network, at most four."""
     network = random_network(seed, 2, level)
-    return [network.route(way) for way in ways_through(network)[:4]]
+    found = []
+    for way in ways_through(network)[:4]:
+        try:
+            found.append(network.route(way))
+        except PipenavError as error:  # two straights that one short straight joins must stay farther apart in a route
+            if not isinstance(error.__cause__, CrossesItself):
+                raise
+    return found

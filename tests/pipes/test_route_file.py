@@ -23,6 +23,7 @@ def as_toml(route: PipeRoute) -> str:
     """A route as the file that people write."""
     lines = ["schema = 3", f"diameter_mm = {1e3 * route.diameter!r}", f"wall_mm = {1e3 * route.wall!r}"]
     lines += [f"first_straight_mm = {1e3 * route.straights[0]!r}", f"capped = {json.dumps(route.capped)}"]
+    lines += [f"slope_deg = {float(np.degrees(route.slope))!r}"]
     for corner, straight in zip(route.corners, route.straights[1:], strict=True):
         lines += ["[[corners]]", f"straight_mm = {1e3 * straight!r}", *_lines(_corner(corner))]
         for branch in corner.branches:

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipenav.arrays import Floats
-from pipenav.pipes.pipe_system import PipeSystem, network_system, system_of
+from pipenav.pipes.pipe_system import PipeSystem, Polygon, network_system, system_of
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_solids import BEND_DEVIATION, FACETS, route_boards_mesh
 from pipenav.pipes.system_solids import ConvexPiece, system_wall_pieces
@@ -54,7 +54,7 @@ def polygon(system: PipeSystem) -> float:
 def test_pieces_are_convex_clear_of_the_bore_and_without_gaps(seed: int) -> None:
     network = random_network(seed, 2)
     system, oracle = network_system(network), PipeOracle.of_network(network)
-    pieces = system_wall_pieces(system, FACETS, THICKNESS, BEND_DEVIATION)
+    pieces = system_wall_pieces(system, Polygon(FACETS), THICKNESS, BEND_DEVIATION)
     for piece in pieces:
         normal, offset = faces_of(piece)
         assert (piece.vertices @ normal.T - offset).max() < 1e-7
@@ -78,7 +78,7 @@ def test_pieces_are_convex_clear_of_the_bore_and_without_gaps(seed: int) -> None
 @pytest.mark.parametrize("seed", range(12))
 def test_the_volumes_of_the_pieces_are_about_the_walls(seed: int) -> None:
     network = random_network(seed, 2)
-    pieces = system_wall_pieces(network_system(network), FACETS, network.wall, BEND_DEVIATION)
+    pieces = system_wall_pieces(network_system(network), Polygon(FACETS), network.wall, BEND_DEVIATION)
     total = sum(trimesh.Trimesh(piece.vertices, piece.faces, process=False).volume for piece in pieces)
     section = FACETS / math.pi * math.tan(math.pi / FACETS)  # the polygon around a circle, in circles
     wall = section * PipeOracle.of_network(network).wall_volume(np.random.default_rng(seed))
@@ -106,7 +106,7 @@ def _area(outline: Floats) -> float:
 
 def test_a_cap_closes_the_far_end() -> None:
     route = PipeRoute.of(100, [(90, "left", 0)]).model_copy(update={"capped": True})
-    pieces = system_wall_pieces(system_of(route), FACETS, route.wall, BEND_DEVIATION)
+    pieces = system_wall_pieces(system_of(route), Polygon(FACETS), route.wall, BEND_DEVIATION)
     end, along = route.centre_line[-1], route.legs.axes[-1, :, 0]
     sideways = 0.9 * route.radius * route.legs.axes[-1, :, 1]
     points = np.array([end + 1e-3 * along, end + 1e-3 * along + sideways, end - 1e-3 * along])
