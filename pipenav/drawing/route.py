@@ -33,7 +33,7 @@ from pipenav.drawing.words import counts_of
 from pipenav.pipes.branch_pipes import reaches_of
 from pipenav.pipes.pipe_system import system_of
 from pipenav.pipes.route import PipeRoute
-from pipenav.units import m_to_mm
+from pipenav.units import m_to_mm, rad_to_deg
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -79,7 +79,10 @@ def route_figure(route: PipeRoute, name: str) -> Figure:
     bores = "-".join(number(m_to_mm(2 * radius)) for radius in dict.fromkeys(route.legs.radius.tolist()))
     bore = f"⌀ {bores} mm, wall {number(m_to_mm(route.wall))} mm"
     length = f"{sum(route.straights):.2f} m along the centre line, lengths from corner to corner"
-    write_title(first, f"{name}: {counts_of(route)}, {bore}", f"{length}; all lengths in mm")
+    slope = (
+        f"; it begins {'up' if route.slope > 0 else 'down'} at {abs(rad_to_deg(route.slope)):g}°" if route.slope else ""
+    )
+    write_title(first, f"{name}: {counts_of(route)}, {bore}", f"{length}; all lengths in mm{slope}")
     if route.planar:
         figure.legend(loc="outside lower center", ncols=4, fontsize=9, frameon=False, labelcolor=INK)
     return figure
@@ -105,6 +108,8 @@ def _plan(route: PipeRoute, axes: Axes) -> float:
         sketch.branch_sizes(angles=True)
     sketch.robot()
     sketch.corners()
+    if route.slope:
+        axes.add_artist(down_sign(View.from_above().seen(route.down), axes.transAxes, (1.0, 1.0)))
     return frame_axes(axes, *sketch.frame())
 
 

@@ -107,6 +107,16 @@ def test_a_picture_in_space_shows_the_pipe_cut_open_and_which_way_is_down() -> N
     assert CUT_OPEN not in texts(planar) and WORD not in texts(planar)
 
 
+@pytest.mark.parametrize("slope", [-30.0, 0.0, 30.0])
+def test_a_plan_of_a_sloping_route_says_which_way_is_down(slope: float) -> None:
+    route = fitted(0).model_copy(update={"slope": math.radians(slope)})
+    figure = route_figure(route, "mine")
+    said = " ".join(texts(figure))
+    assert (WORD in said.split()) == (slope != 0)
+    assert ("it begins up at 30°" in said) == (slope > 0)
+    assert ("it begins down at 30°" in said) == (slope < 0)
+
+
 def test_a_long_route_in_space_is_cut_open_corner_by_corner() -> None:
     corners = [(90, "left", 0, 150), (75, "right", 90), (110, "left", 180)]
     figure = route_figure(PipeRoute.of(100, corners, [2500, 2200, 2300, 2400]), "mine")
