@@ -97,7 +97,9 @@ def test_a_configuration_file_is_laid_over_a_preset() -> None:
     config = load_config(file=EARLIER / "recipe.toml")
     assert (config.seed, config.steps, config.learner.robots, config.network.policy) == (3, 400, 8, (16,))
     assert config.task == load_config("arm").task
-    assert TrainingFolder.open(EARLIER / "training").config == config
+    before = TrainingFolder.open(EARLIER / "training").config
+    today = {"pipes": config.pipes, "description": config.description}  # the preset has tees in them since
+    assert before.model_copy(update=today) == config
 
 
 def test_an_evaluation_of_a_passage_is_read() -> None:

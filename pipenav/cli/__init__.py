@@ -26,7 +26,7 @@ from pipenav.processes.safe_path import leave_current_folder
 COMMANDS = {
     "gen-pipe": (
         "pipenav.cli.gen_pipe:gen_pipe",
-        "Make a pipe, one corner or several: STL meshes, MuJoCo, URDF and SDF models, a drawing, its numbers.",
+        "Make a pipe, a corner or a network: STL meshes, MuJoCo, URDF and SDF models, a drawing, its numbers.",
     ),
     "train": ("pipenav.cli.train:train", "Train a policy by PPO and save it as one file, best.zip."),
     "eval": (

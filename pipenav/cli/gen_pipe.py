@@ -29,7 +29,7 @@ OutOption = Annotated[Path, typer.Option(metavar="FOLDER", help=OUT_HELP, rich_h
 def gen_pipe(
     context: typer.Context, corner: CornerOptions, fitting: FittingOptions, file: FileOptions, out: OutOption = Path()
 ) -> None:
-    """Make a pipe: STL meshes, MuJoCo, URDF and SDF models, a drawing, its numbers.
+    """Make a pipe, a corner or a network: STL meshes, MuJoCo, URDF and SDF models, a drawing, its numbers.
 
     A sharp corner to the left: pipenav gen-pipe --d 100 --angle 75
 

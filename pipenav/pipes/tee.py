@@ -9,14 +9,14 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from pipenav.errors import PipenavError, shown
 from pipenav.pipes.branch import IN_LINE, Branch
-from pipenav.pipes.branch_pipes import reaches_of, with_default_branches
+from pipenav.pipes.branch_pipes import BRANCH_ANGLE_RANGE_DEG, reaches_of, with_default_branches
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.corner_checks import check_corner, check_turn, default_leg
+from pipenav.pipes.corner_checks import DIAMETER_RANGE_MM, check_corner, check_range, check_turn, default_leg
 from pipenav.pipes.pipe import DEFAULT_WALL, Turn
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_corner import Corner
 from pipenav.pipes.set_file import MAX_CORNERS, MAX_TURNS, Values, too_large, values_of
-from pipenav.units import deg_to_rad, mm_to_m, rad_to_deg
+from pipenav.units import deg_to_rad, m_to_mm, mm_to_m, rad_to_deg
 
 Way = Literal["straight", "into", "out"]
 """Way through a tee: straight on along the run, from the run into the branch, or out of the branch into the run."""
@@ -157,9 +157,13 @@ def tee_corner(size: TeeSize, passage: TeePassage, roll: float = 0.0) -> Corner:
         roll: angle from the plane of the corner before to its plane [rad].
 
     Raises:
+        OutOfRange: a number outside its allowed range.
         PipenavError: an unknown way or turn.
     """
     run, branch, angle, wall = size
+    check_range("angle of the tee", rad_to_deg(angle), *BRANCH_ANGLE_RANGE_DEG, "deg")
+    check_range("diameter of the tee's run", m_to_mm(run), *DIAMETER_RANGE_MM, "mm")
+    check_range("diameter of the tee's branch", m_to_mm(branch), DIAMETER_RANGE_MM[0], m_to_mm(run), "mm")
     way, turn = check_way(passage.way), check_turn(passage.turn)
     other: Turn = "right" if turn == "left" else "left"
     if way == "straight":

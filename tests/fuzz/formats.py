@@ -17,14 +17,17 @@ MISSION = EARLIER / "mission"
 
 
 _TYPED = [
+    b"d=90,tee=60,way=out,turn=right",
     b"d=90,angle=60",
     b"d=100,angle=75,turn=right,bend_radius=50",
     b"d=90,angle=90,bend_radius=1.5D",
     b"runs-level:3",
 ]
 
-_FITTINGS = b"""schema = 2
+_FITTINGS = b"""schema = 3
 diameter_mm = 110
+slope_deg = 20
+capped = true
 [[corners]]
 angle_deg = 90
 turn = "left"
@@ -37,6 +40,38 @@ straight_mm = 500
 angle_deg = 75
 turn = "right"
 roll_deg = 90
+[[corners]]
+[[corners.branches]]
+angle_deg = 60
+turn = "left"
+capped = true
+"""
+
+_NETWORK = b"""schema = 1
+[nodes]
+a = { at_mm = [0, 0] }
+b = { at_mm = [800, 0, 0], bend_radius_mm = 150 }
+c = { at_mm = [800, 700] }
+d = { at_mm = [800, 1500, 0], capped = true }
+e = { at_mm = [1500, 700] }
+[[pipes]]
+from = "a"
+to = "b"
+diameter_mm = 100
+[[pipes]]
+from = "b"
+to = "c"
+diameter_mm = 100
+[[pipes]]
+from = "c"
+to = "d"
+diameter_mm = 100
+[[pipes]]
+from = "c"
+to = "e"
+diameter_mm = 80
+[routes]
+main = ["a", "b", "c", "e"]
 """
 
 
@@ -65,6 +100,7 @@ def formats() -> dict[str, Format]:
         "pipe-set": Format(".toml", _files("pipes/*.toml"), _pipes),
         "route": Format(".toml", [*_files("tests/data/0.1/my-run.toml"), _FITTINGS], _route),
         "route-set": Format(".toml", _files("pipes/runs/*.toml"), _pipes),
+        "network": Format(".toml", [_NETWORK], _network),
         "typed-pipe": Format(".txt", _TYPED, _typed),
         "pipe-json": Format(".json", _files("tests/data/0.1/corner-*/pipe.json"), _pipe_json),
         "run-json": Format(".json", [*_files("tests/data/0.1/my-run/run.json"), _fittings()], _run_json),
@@ -120,7 +156,7 @@ def _arm(robot: str) -> bytes:
 
 def _fittings() -> bytes:
     from pipenav.export.route_folder import route_record
-    from pipenav.pipes.route_sets import RouteFile
+    from pipenav.pipes.route_file import RouteFile
 
     route = RouteFile.model_validate(tomllib.loads(_FITTINGS.decode())).route()
     return json.dumps(route_record(route, "fittings")).encode()
@@ -160,6 +196,13 @@ def _route(path: Path) -> None:
     from pipenav.pipes.route_sets import parse_route
 
     parse_route(str(path))
+    _pipes(path)
+
+
+def _network(path: Path) -> None:
+    from pipenav.pipes.network_file import read_network
+
+    read_network(path)
     _pipes(path)
 
 
