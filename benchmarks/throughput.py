@@ -52,11 +52,13 @@ def make_batch(config: TrainConfig, seed: int) -> ReachBatch:
     """Robots of a training with this configuration."""
     robot, n = load_robot(config.robot), config.learner.robots
     sets = [parse_corners([name]) for name in config.pipes]
+    slots = max(len(pipe.segments) for pipes in sets for pipe in pipes)
     for pipes in sets:  # computed once for each pipe, in the first seconds of a training
-        wall_boxes(pipes, 4, np.zeros(len(pipes)))
+        wall_boxes(pipes, slots, np.zeros(len(pipes)))
     rng = np.random.default_rng(seed)
     source = random_episodes(ReachTask(config.task), robot, sets, rng, EPISODE_STOCK)
-    return ReachBatch(robot, config.task, open_simulator(config.backend, robot, n, config.options), n, source)
+    simulator = open_simulator(config.backend, robot, n, config.options, slots)
+    return ReachBatch(robot, config.task, simulator, n, source)
 
 
 class Rates(NamedTuple):
