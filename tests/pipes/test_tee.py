@@ -114,5 +114,5 @@ def test_what_is_no_tee_is_refused_in_one_sentence(given: tuple[float, float], m
 
 @pytest.mark.parametrize("way", ["straight", "into", "out"])
 def test_a_branch_wider_than_its_run_is_refused(way: str) -> None:
-    with pytest.raises(OutOfRange, match="diameter of the tee.s branch 110 mm is out of range: choose 40 to 100 mm"):
+    with pytest.raises(OutOfRange, match=r"diameter of the tee.s branch 110 mm is out of range: choose 40 to 100 mm"):
         tee_route(100, 110, 90, TeePassage(way))
