@@ -223,3 +223,49 @@ def test_what_is_not_one_route_is_named(text: str, message: str) -> None:
     with pytest.raises(PipenavError) as caught:
         parse_route(text)
     assert message in str(caught.value)
+
+
+EVALUATED = {
+    "tees-train": ["tees"],
+    "town-train": ["town", "space-town"],
+    "space-train": ["space-elbows", "space-tees", "space-reducers", "space-s-bends", "space-town"],
+}
+"""Sets to train in, and the sets beside them, in which policies are evaluated."""
+
+
+@pytest.mark.parametrize("trained", EVALUATED)
+def test_sets_to_train_in_share_no_fitting_with_the_evaluated_ones(trained: str) -> None:
+    """A fitting is the same where its diameter, its angle and the number of its branches are."""
+
+    def fittings(names: list[str]) -> set[tuple[float, float, int]]:
+        return {
+            (round(2 * radius, 9), round(corner.angle, 9), len(corner.branches))
+            for route in parse_routes(names)
+            for corner, radius in zip(route.corners, route.legs.radius.tolist(), strict=False)
+            if not corner.reducer
+        }
+
+    assert not fittings([trained]) & fittings(EVALUATED[trained])
+
+
+def test_no_set_to_train_in_has_a_pipe_of_another_set() -> None:
+    names = [*route_set_names(), "elbows", "elbows-train", "tees", "tees-train"]
+    trained, evaluated = ([name for name in names if name.endswith("-train") == is_one] for is_one in (True, False))
+    assert not set(parse_routes(trained)) & set(parse_routes(evaluated))
+
+
+def test_a_town_has_the_proportions_of_a_real_one() -> None:
+    """There 33 of 121 fittings are tees and 12 are corners sharper than 112 deg, 64 corners gentler than 157 deg."""
+    corners = [corner for route in parse_routes(["town"]) for corner in route.corners]
+    tees = [bool(corner.branches) for corner in corners]
+    bends = [math.degrees(corner.angle) for corner in corners if not corner.branches]
+    for count, real in ((sum(tees), 33), (sum(a < 112 for a in bends), 12), (sum(a > 157 for a in bends), 64)):
+        assert count / len(corners) == pytest.approx(real / 121, abs=0.05)
+    assert min(bends) >= 55
+
+
+def test_routes_climb_by_the_slopes_of_their_set() -> None:
+    slopes = {round(math.degrees(route.slope), 6) for route in parse_routes(["space-elbows"])}
+    assert slopes <= {-90.0, -60.0, -30.0, 0.0, 30.0, 60.0, 90.0} and len(slopes) > 4
+    steep = next(route for route in parse_routes(["space-elbows"]) if route.slope > 1.5)
+    assert steep.down == pytest.approx([-1, 0, 0], abs=1e-12)
