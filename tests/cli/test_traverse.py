@@ -140,7 +140,7 @@ def test_runs_can_be_trained_in(tmp_path: Path) -> None:
             ["train", "--preset", "pirate", "--pipes", "runs-rolled", "--set", "randomise.noise=[0.0, 0.01]"],
             "randomise disturbs robots in a plane",
         ),
-        (["eval", "--policy", "arm", "--pipes", "runs-level"], "unknown pipe set 'runs-level'"),
+        (["eval", "--policy", "arm", "--pipes", "runs-level"], "'runs-level' names routes: give single corners"),
         (["eval", "--stage", "locate", "--robot", "pirate"], "drives a slide followed by hinges"),
         (["eval", "--policy", "baseline:centreline", "--robot", "pirate"], "drives a slide followed by hinges"),
     ],

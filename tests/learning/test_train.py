@@ -220,7 +220,7 @@ class Poisoned:
 
 
 def test_a_value_that_is_not_finite_stops_the_training(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    import pipenav.learning.train as module
+    import pipenav.learning.environment as module
 
     real: Callable[..., Any] = module.open_simulator
     monkeypatch.setattr(module, "open_simulator", lambda *given: Poisoned(real(*given), 60))
