@@ -35,6 +35,7 @@ from pipenav.deployment.loop import control_loop
 from pipenav.deployment.mission import mission_of, mission_settings
 from pipenav.deployment.session import switch_on
 from pipenav.deployment.telemetry import Telemetry
+from pipenav.locating.locator import Exit
 from pipenav.pipes.corner import PipeCorner
 
 ANSWER = table.SETTINGS_SIZE + table.STATE_SIZE + 6
@@ -101,7 +102,7 @@ def main() -> int:
     given = parser.parse_args()
     policy = policy_for(given.policy, None)
     robot, pipe = policy.header.robot, PipeCorner.of(130, 90)
-    settings = mission_settings("left", None, retreat=True)
+    settings = mission_settings(Exit("left"), None, retreat=True)
     start = draw_start(robot, pipe, 0)
     records: list[dict[str, Any]] = []
     outcomes: dict[str, int] = {}
