@@ -120,7 +120,9 @@ class Place:
         before = self.middle[rows] < begin - reach / 2  # else the robot comes again, from the middle of it
         known = seen & (self.middle[rows] < begin)
         self.middle[rows] = np.where(known, begin - AHEAD - reach, self.middle[rows])
-        self._rear_before[rows] = np.where(before, np.nan, self._rear_before[rows])
+        # A robot that comes again to a single corner has mostly slid out of it, and stands as it did at first.
+        alone = self._drawings.first[rows, corner] == self._drawings.last[rows, corner]
+        self._rear_before[rows] = np.where(before | alone, np.nan, self._rear_before[rows])
 
     def leave(self, rows: Ints, corner: Ints) -> None:
         """Let some robots leave the passages that end with the corners (k,): their rear ends are about there."""
