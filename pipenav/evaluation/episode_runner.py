@@ -192,8 +192,10 @@ class _Peaks:
 
     def add(self, step: StageStep) -> None:
         self.min_range = np.minimum(self.min_range, step.min_range)
-        self.penetration = np.maximum(self.penetration, step.truth.penetration)
-        self.force = np.maximum(self.force, step.truth.contact_force)
+        # A world that blew up has an infinite overlap, which fails the episode; its sizes say nothing.
+        known = np.isfinite(step.truth.penetration) & np.isfinite(step.truth.contact_force)
+        self.penetration = np.maximum(self.penetration, np.where(known, step.truth.penetration, 0.0))
+        self.force = np.maximum(self.force, np.where(known, step.truth.contact_force, 0.0))
         self.contact_steps = self.contact_steps + step.truth.contact_share
 
     def forget(self, indices: Ints) -> None:
