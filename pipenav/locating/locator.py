@@ -82,12 +82,6 @@ class Told(NamedTuple):
         straight = np.array([pipe.as_route_corner.straight_on for pipe in pipes], bool)
         return cls(np.array([pipe.turn_sign for pipe in pipes]), tee, tee & straight)
 
-    @classmethod
-    def corner(cls, turn_sign: Floats) -> Told:
-        """Knowledge of corners that have no exit but one, to these sides, (k,)."""
-        none = np.zeros(len(turn_sign), bool)
-        return cls(turn_sign, none, none)
-
 
 class Exit(NamedTuple):
     """The exit that one arm takes, in words that a person gives.

@@ -153,7 +153,7 @@ def straight_leg(start: Floats, axes: Floats, length: float, radius: float) -> L
     return Legs(*single, none, none, np.zeros((0, 3)), none, none, np.array([radius]), none)
 
 
-def stations(legs: Legs, outside: float, around: Floats, tolerance: float, to_corner: float = 1.0) -> Floats:
+def stations(legs: Legs, outside: float, around: Floats, tolerance: float) -> Floats:
     """Lines along a strand's surface, so much wider than its bore, (lines, stations, 3) [m].
 
     Args:
@@ -161,11 +161,10 @@ def stations(legs: Legs, outside: float, around: Floats, tolerance: float, to_co
         outside: distance from the bore [m].
         around: angles of the lines, (lines,) [rad].
         tolerance: largest distance of a bend's outermost line from its chords [m].
-        to_corner: factor on the radius.
     """
     widest = float(legs.radius.max()) + outside
     chords = legs.chords(widest, tolerance)
-    return legs.lines((legs.radius + outside)[None] * to_corner, around, chords)
+    return legs.lines((legs.radius + outside)[None], around, chords)
 
 
 class Polygon(NamedTuple):

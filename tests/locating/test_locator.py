@@ -11,7 +11,7 @@ from helpers.locating import ONE
 from pipenav.arrays import Floats
 from pipenav.backends.messages import Reading
 from pipenav.evaluation.locate_stage import inside_second_leg
-from pipenav.locating.locator import LocateConfig, Told, robot_for
+from pipenav.locating.locator import Exit, LocateConfig, robot_for
 from pipenav.locating.printed_locator import PrintedLocator, point_on_beam
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots import kinematics, laser
@@ -24,7 +24,7 @@ def reading(robot: RobotSpec, q: Floats, ranges: Floats) -> Reading:
 
 def printed(robot: RobotSpec, first: Reading, turn_sign: float) -> PrintedLocator:
     locator = PrintedLocator(robot, LocateConfig(), 1)
-    locator.start(ONE, first, Told.corner(np.array([turn_sign])))
+    locator.start(ONE, first, Exit("left" if turn_sign > 0 else "right").told)
     return locator
 
 

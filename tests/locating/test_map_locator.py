@@ -12,7 +12,7 @@ from pipenav.backends.messages import Reading
 from pipenav.backends.simulators import SimulatorSettings
 from pipenav.disturbances.disturbance import Disturbance, load_disturbance
 from pipenav.evaluation.passage import EpisodePlan, Passages
-from pipenav.locating.locator import LocateConfig, Told
+from pipenav.locating.locator import Exit, LocateConfig
 from pipenav.locating.map_locator import MapLocator
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import load_robot
@@ -34,7 +34,7 @@ def reading(slide: float, ranges: Floats) -> Reading:
 def advances(scans: list[Floats]) -> list[float]:
     """Motion of a slide that follows at once, after each scan [m]."""
     locator, slide, moved = MapLocator(ROBOT, LocateConfig(), 1), 0.0, []
-    locator.start(ONE, reading(0.0, scans[0]), Told.corner(np.ones(1)))
+    locator.start(ONE, reading(0.0, scans[0]), Exit("left").told)
     for ranges in scans:
         set_points = float(locator.act(reading(slide, ranges)).set_points[0, 0])
         moved.append(set_points - slide)
