@@ -18,7 +18,13 @@ from pipenav.arrays import Flags, Floats, Ints
 from pipenav.errors import PipenavError
 from pipenav.pipes.branch import IN_LINE, MAX_BRANCHES, Branch
 from pipenav.pipes.convex import apart
-from pipenav.pipes.corner_checks import DIAMETER_RANGE_MM, LEG_MAX_MM, check_range
+from pipenav.pipes.corner_checks import (
+    ANGLE_RANGE_DEG,
+    DIAMETER_RANGE_MM,
+    LEG_MAX_MM,
+    ROLL_MAX_DEG,
+    check_range,
+)
 from pipenav.pipes.rotations import about_x, about_z
 from pipenav.pipes.route_corner import Corner, inside_angles
 from pipenav.pipes.route_legs import ROUND, SPACING, rod_angles
@@ -198,8 +204,8 @@ def check_fitting(number: int, corner: Corner, before: float, after: float, wall
     check_range(f"bend radius of corner {number}, a tee or cross,", m_to_mm(corner.bend_radius), 0.0, 0.0, "mm")
     for branch in corner.branches:
         check_range(f"diameter of a branch at corner {number}", m_to_mm(branch.diameter), *DIAMETER_RANGE_MM, "mm")
-        check_range(f"angle of a branch at corner {number}", rad_to_deg(branch.angle), 30.0, 180.0, "deg")
-        check_range(f"roll of a branch at corner {number}", rad_to_deg(branch.roll), -360.0, 360.0, "deg")
+        check_range(f"angle of a branch at corner {number}", rad_to_deg(branch.angle), *ANGLE_RANGE_DEG, "deg")
+        check_range(f"roll of a branch at corner {number}", rad_to_deg(branch.roll), -ROLL_MAX_DEG, ROLL_MAX_DEG, "deg")
     _check_arms(number, _arms(corner, before, after))
     least = shortest_branches(corner, before, after, wall)
     for branch, shortest in zip(corner.branches, least, strict=True):

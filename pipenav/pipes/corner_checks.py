@@ -16,6 +16,9 @@ BEND_RADIUS_MAX_MM = 3000.0
 WALL_RANGE_MM = (0.5, 50.0)
 LEG_MAX_MM = 20000.0
 
+ROLL_MAX_DEG = 360.0
+"""Largest roll to either side."""
+
 MIN_DEFAULT_LEG = 0.6
 """Shortest default leg [m]: the longest half robot (0.39 m) and its way to the corner fit in it."""
 

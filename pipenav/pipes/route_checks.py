@@ -16,6 +16,7 @@ from pipenav.pipes.corner_checks import (
     BEND_RADIUS_MAX_MM,
     DIAMETER_RANGE_MM,
     LEG_MAX_MM,
+    ROLL_MAX_DEG,
     WALL_RANGE_MM,
     check_range,
 )
@@ -33,9 +34,6 @@ REDUCER_MAX_MM = 2000.0
 
 SLOPE_RANGE_DEG = (-90.0, 90.0)
 """Angles by which the first leg can climb."""
-
-ROLL_MAX_DEG = 360.0
-"""Largest roll to either side."""
 
 
 class CrossesItself(PipenavError):
