@@ -17,6 +17,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
+sys.path.insert(0, str(Path(__file__).parent))  # also where PYTHONSAFEPATH is set
+
 from revisions import ROOT, run_pipenav, tree_of
 
 RENAMED = {"run": "route", "min_clearance_m": "min_range_m", "front": "reach", "front-rear": "reach-rear"}
