@@ -1,8 +1,8 @@
 """Isogen's piping component files (.pcf): a keyword at the line's start for each component, its attributes indented.
 
 Angles and radii are computed from the points, since the ANGLE that files state is sometimes the turn and sometimes the
-interior angle, and BEND-RADIUS is often missing or wrong. Source of the keywords: Alias Ltd, "Piping Component File (PCF)
-Reference Guide".
+interior angle, and BEND-RADIUS is often missing or wrong. Source of the keywords: Alias Ltd, "Piping Component File
+(PCF) Reference Guide".
 """
 
 from __future__ import annotations
