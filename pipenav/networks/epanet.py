@@ -15,7 +15,7 @@ import numpy as np
 
 from pipenav.errors import ConfigError, shown
 from pipenav.networks.draft import LineFacts, MapDraft, Point
-from pipenav.networks.model import NetworkMap
+from pipenav.networks.model import SCALE_SPREAD, NetworkMap
 from pipenav.networks.text import network_text
 from pipenav.networks.units import FOOT, INCH, number
 from pipenav.storage.text_files import shown_path
@@ -25,9 +25,6 @@ US_FLOWS = ("CFS", "GPM", "MGD", "IMGD", "AFD")
 
 SI_FLOWS = ("LPS", "LPM", "MLD", "CMH", "CMD", "CMS")
 """Flow units with which diameters are millimetres and lengths metres."""
-
-SCALE_SPREAD = 1.3
-"""Largest ratio of the 90th to the 10th percentile of stated length over drawn length: above, a map is a sketch."""
 
 KNOWN = ("TITLE", "JUNCTIONS", "RESERVOIRS", "TANKS", "PIPES", "PUMPS", "VALVES", "COORDINATES", "VERTICES", "OPTIONS")
 """Sections by which the format is known; all others are passed over."""

@@ -18,6 +18,9 @@ from pipenav.arrays import Flags, Floats, Ints
 Origins = NDArray[np.int8]
 """Values of `Origin`, one for each number of an array."""
 
+SCALE_SPREAD = 1.3
+"""Largest ratio of the 90th to the 10th percentile of stated over drawn length: above it, a map is a sketch."""
+
 Severity = Literal["info", "assumed", "refused"]
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -144,20 +145,46 @@ def _distance(one: Point, other: Point) -> float:
 
 def _cut_at_tees(draft: MapDraft, lines: list[PolyLine], snap: float) -> list[PolyLine]:
     """Lines cut where the end of another one lies on them."""
+    cuts: dict[int, list[tuple[int, float, Point]]] = defaultdict(list)
+    for found in ends_on_lines([line.points for line in lines], snap):
+        cuts[found.line].append((found.segment, found.share, found.end))
+        name = lines[found.other].name
+        draft.note("tee-without-node", "assumed", "ends inside other lines were taken for tees", name)
+    return [part for i, line in enumerate(lines) for part in (_parts(line, cuts[i]) if i in cuts else [line])]
+
+
+class EndOnLine(NamedTuple):
+    """An end of a line that lies on the inside of another one.
+
+    Attributes:
+        line: number of the line that it lies on.
+        segment: segment of that line, counted from 0.
+        share: share of the segment's length at which it lies.
+        end: the end.
+        other: number of the line that ends there.
+    """
+
+    line: int
+    segment: int
+    share: float
+    end: Point
+    other: int
+
+
+def ends_on_lines(lines: Sequence[Sequence[Point]], snap: float) -> list[EndOnLine]:
+    """Ends of lines within `snap` [m] of the inside of another line, which has no end there."""
     cells: dict[tuple[int, int], list[tuple[int, int]]] = defaultdict(list)
-    for i, line in enumerate(lines):
-        for j, (a, b) in enumerate(zip(line.points, line.points[1:], strict=False)):
+    for i, points in enumerate(lines):
+        for j, (a, b) in enumerate(pairwise(points)):
             for cell in _crossed(a, b):
                 cells[cell].append((i, j))
-    cuts: dict[int, list[tuple[int, float, Point]]] = defaultdict(list)
-    for i, line in enumerate(lines):
-        for end in (line.points[0], line.points[-1]):
-            key = (math.floor(end[0] / CELL), math.floor(end[1] / CELL))
-            for other, segment in cells.get(key, ()):
-                if other != i and (share := _on_inside(lines[other], segment, end, snap)) is not None:
-                    cuts[other].append((segment, share, end))
-                    draft.note("tee-without-node", "assumed", "ends inside other lines were taken for tees", line.name)
-    return [part for i, line in enumerate(lines) for part in (_parts(line, cuts[i]) if i in cuts else [line])]
+    return [
+        EndOnLine(other, segment, share, end, i)
+        for i, points in enumerate(lines)
+        for end in (points[0], points[-1])
+        for other, segment in cells.get((math.floor(end[0] / CELL), math.floor(end[1] / CELL)), ())
+        if other != i and (share := _on_inside(lines[other], segment, end, snap)) is not None
+    ]
 
 
 def _crossed(a: Point, b: Point) -> list[tuple[int, int]]:
@@ -171,10 +198,10 @@ def _crossed(a: Point, b: Point) -> list[tuple[int, int]]:
     return list(near)
 
 
-def _on_inside(line: PolyLine, segment: int, end: Point, snap: float) -> float | None:
+def _on_inside(points: Sequence[Point], segment: int, end: Point, snap: float) -> float | None:
     """Share of a segment at which an end lies on it; None where it is not near, or near an end of the line."""
-    a, b = line.points[segment : segment + 2]
-    if min(_distance(end, line.points[0]), _distance(end, line.points[-1])) <= snap:
+    a, b = points[segment : segment + 2]
+    if min(_distance(end, points[0]), _distance(end, points[-1])) <= snap:
         return None
     dx, dy = b[0] - a[0], b[1] - a[1]
     long = dx * dx + dy * dy

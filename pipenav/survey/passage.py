@@ -1,4 +1,4 @@
-"""Passages through a network as a robot with a cable meets them: rates, lengths, turns and slopes, ready for a search."""
+"""Passages through a network as a robot with a cable meets them: rates, lengths, turns and slopes for a search."""
 
 from __future__ import annotations
 
@@ -113,10 +113,8 @@ class Ways(NamedTuple):
         kinds = {"bends": ("bend",), "tees": ("tee", "cross"), "reducers": ("reducer",)}
         cost, passable = list(self.cost), self.passable
         for i, (movement, judgement) in enumerate(zip(fittings.movements, judgements, strict=True)):
-            classes = {kind.kind for kind in movement.classes}
-            if limit in kinds and classes & set(kinds[limit]) and not self._straight(movement):
-                cost[i] = 0.0
-            elif limit == "unknown" and judgement.verdict == "unknown":
+            lifted = {kind.kind for kind in movement.classes if not kind.straight} & set(kinds.get(limit, ()))
+            if lifted or (limit == "unknown" and judgement.verdict == "unknown"):
                 cost[i] = 0.0
         if limit in ("bores", "slopes", "unknown"):
             named = {"bores": "bore", "slopes": "climbs", "unknown": ""}[limit]
@@ -128,15 +126,6 @@ class Ways(NamedTuple):
                 for c, judgement in zip(cost, judgements, strict=True)
             ]
         return self._replace(cost=cost, passable=passable)
-
-    @staticmethod
-    def _straight(movement: Movement) -> bool:
-        return all(kind.straight for kind in movement.classes)
-
-    def open_at(self, point: int) -> Ways:
-        """The ways as they would be if the robot passed everything at one point."""
-        cost = [0.0 if at == point else c for c, at in zip(self.cost, self.point, strict=True)]
-        return self._replace(cost=cost)
 
 
 def ways_of(fittings: Fittings, judgements: list[Judged], trained: Trained, accuracy: float) -> Ways:
@@ -178,7 +167,7 @@ def _unknown_segments(
     low, high = trained.bores_mm
     unknown: dict[int, str] = {}
     steep = np.degrees(np.arcsin(np.clip(np.abs(climb), 0, 1)))
-    steep = steep - np.degrees(accuracy * math.sqrt(2) / np.maximum(length, 1e-6))
+    steep = np.maximum(steep - np.degrees(accuracy * math.sqrt(2) / np.maximum(length, 1e-6)), 0.0)
     for s, bore in enumerate(diameter.tolist()):
         if math.isnan(bore):
             unknown[s] = "its bore is not known"

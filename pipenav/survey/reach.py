@@ -1,7 +1,7 @@
 """Reach of a robot from its entries: a search over directed pipes with turn limits, pass probabilities and a cable.
 
-A label is a way to the begin of a directed pipe: its distance, the cable's tension at the robot, and what is left of the
-probability of passing. The tension of a cable that is dragged grows by weight and friction along a pipe and, by the
+A label is a way to the begin of a directed pipe: its distance, the tension of the cable at the robot, and the cost of
+the passages so far. The tension of a cable that is dragged grows by weight and friction along a pipe and, by the
 capstan equation, by exp(friction x turn) around each turn (Euler 1769; Eytelwein 1808).
 """
 

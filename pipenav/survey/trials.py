@@ -49,7 +49,7 @@ class TrialConfig(NamedTuple):
 
     policy: str
     backend: str = "mujoco"
-    options: Mapping[str, JsonValue] = {}  # noqa: RUF012  # never changed
+    options: Mapping[str, JsonValue] = {}  # never changed
     episodes: int = 20
     seed: int = 0
 
