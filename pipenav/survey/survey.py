@@ -110,6 +110,8 @@ def survey(network: NetworkMap, trials: Trials, config: SurveyConfig, progress: 
     Raises:
         PipenavError: an unknown entry, no main, or a simulator that cannot run.
     """
+    if np.isnan(network.diameter[~network.service]).all():
+        raise PipenavError("no main of the map has a diameter: give --diameter FIELD:mm, or add diameters to it.")
     graph = mains_graph(network)
     entries = _entries(graph, config.entries)
     fittings = classified(network, graph, config.geometry)
@@ -150,7 +152,7 @@ def survey(network: NetworkMap, trials: Trials, config: SurveyConfig, progress: 
         totals=totals,
         blockers=_blockers(ways, config, reach, judgements, graph.length),
         without=_without(ways, fittings, judgements, config, entries, graph.length),
-        notes=[*map_notes(network), *_graph_notes(graph)],
+        notes=[*map_notes(network), *graph_notes(graph)],
     )
 
 
@@ -234,7 +236,7 @@ def _without(
     return found
 
 
-def _graph_notes(graph: MainsGraph) -> list[Note]:
+def graph_notes(graph: MainsGraph) -> list[Note]:
     """Notes about points that were left out."""
     words = {
         "in-line": "vertices of lines that bend them by less than 2 cm are no fittings",
