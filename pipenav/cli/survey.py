@@ -204,10 +204,9 @@ def _show_notes(network: NetworkMap) -> None:
     kinds: dict[str, int] = {}
     for feature in classified(network, graph, Geometry()).features:
         kinds[feature.kind] = kinds.get(feature.kind, 0) + 1
-    say(
-        "fittings: "
-        + ", ".join(f"{count} {kind}s" for kind, count in sorted(kinds.items())).replace("crosss", "crosses")
-    )
+    endings = {kind: "" if n == 1 else "es" if kind == "cross" else "s" for kind, n in kinds.items()}
+    words = [f"{n} {kind}{endings[kind]}" for kind, n in sorted(kinds.items())]
+    say(f"fittings: {', '.join(words)}")
     _refuse(notes)
 
 

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
+from itertools import combinations, pairwise
 from typing import Literal, NamedTuple
 
-import numpy as np
-
-from pipenav.arrays import Floats
 from pipenav.networks.model import Origin
 from pipenav.survey.classes import (
     FittingClass,
@@ -18,7 +17,7 @@ from pipenav.survey.classes import (
     nominal_incline,
     nominal_radius,
 )
-from pipenav.survey.graph import Incidence, MainsGraph
+from pipenav.survey.graph import MainsGraph
 
 FeatureKind = Literal["bend", "joint", "reducer", "tee", "cross", "junction", "end"]
 
@@ -30,6 +29,10 @@ NO_RUN_DEG = 150.0
 
 LARGEST_ERROR_DEG = 60.0
 """Largest error of an angle that is told: beyond, nothing is known of it."""
+
+
+Vector = Sequence[float]
+"""A unit vector, (3,): plain numbers, as numpy takes its time for so few."""
 
 
 class Geometry(NamedTuple):
@@ -106,7 +109,7 @@ class _At(NamedTuple):
 
     point: int
     segments: list[int]
-    away: Floats
+    away: list[Vector]
     bores: list[float]
     legs: list[float]
     leaving: list[int]
@@ -114,29 +117,32 @@ class _At(NamedTuple):
 
 def fittings_of(graph: MainsGraph, geometry: Geometry) -> Fittings:
     """All fittings of a graph."""
-    near, directions = graph.incidence, graph.directions()
     features: list[Feature] = []
     movements: list[Movement] = []
-    for point in range(len(graph.position)):
-        at = _pipes_at(graph, near, directions, point)
+    for at in _pipes_at_points(graph):
         feature = _feature(graph, at, geometry)
         features.append(feature)
         movements += _movements(at, feature)
     return Fittings(graph, tuple(features), tuple(movements))
 
 
-def _pipes_at(graph: MainsGraph, near: Incidence, directions: Floats, point: int) -> _At:
-    segments = near.segments[near.first[point] : near.first[point + 1]].tolist()
-    backwards = [int(graph.ends[s, 0] != point) for s in segments]
-    signs = 1.0 - 2.0 * np.array(backwards)
-    return _At(
-        point,
-        segments,
-        directions[segments] * signs[:, None],
-        graph.diameter[segments].tolist(),
-        graph.length[segments].tolist(),
-        [2 * s + back for s, back in zip(segments, backwards, strict=True)],
-    )
+def _pipes_at_points(graph: MainsGraph) -> Iterator[_At]:
+    """The pipes at each point, point by point."""
+    near, ends = graph.incidence, graph.ends[:, 0].tolist()
+    along = graph.directions()
+    directions, against = along.tolist(), (-along).tolist()
+    diameter, length = graph.diameter.tolist(), graph.length.tolist()
+    for point, (first, last) in enumerate(pairwise(near.first.tolist())):
+        segments = near.segments[first:last].tolist()
+        forwards = [ends[s] == point for s in segments]
+        yield _At(
+            point,
+            segments,
+            [directions[s] if ahead else against[s] for s, ahead in zip(segments, forwards, strict=True)],
+            [diameter[s] for s in segments],
+            [length[s] for s in segments],
+            [2 * s + (not ahead) for s, ahead in zip(segments, forwards, strict=True)],
+        )
 
 
 def _feature(graph: MainsGraph, at: _At, geometry: Geometry) -> Feature:
@@ -178,9 +184,11 @@ def angle_error(one: float, other: float, accuracy: float) -> float:
 
 def _incline(at: _At, accuracy: float) -> float:
     """Steepest inclination of the pipes at a point, less the standard error that two heights put on it [deg]."""
-    steepness = np.degrees(np.arcsin(np.clip(np.abs(at.away[:, 2]), 0, 1)))
-    error = np.degrees(accuracy * math.sqrt(2) / np.maximum(at.legs, 1e-6))
-    return float(np.maximum(steepness - error, 0.0).max())
+    worst = 0.0
+    for away, leg in zip(at.away, at.legs, strict=True):
+        steepness = math.degrees(math.asin(min(abs(away[2]), 1.0)))
+        worst = max(worst, steepness - math.degrees(accuracy * math.sqrt(2) / max(leg, 1e-6)))
+    return worst
 
 
 def _radius(graph: MainsGraph, at: _At, geometry: Geometry) -> tuple[float, Origin]:
@@ -192,17 +200,16 @@ def _radius(graph: MainsGraph, at: _At, geometry: Geometry) -> tuple[float, Orig
     return (0.0 if math.isnan(bore) else geometry.bend_radius * bore), Origin.ASSUMED
 
 
-def _interior(one: Floats, other: Floats) -> float:
+def _interior(one: Vector, other: Vector) -> float:
     """Interior angle between two pipes from the unit vectors away from their point [rad]."""
-    return math.atan2(float(np.linalg.norm(np.cross(one, other))), float(one @ other))
+    (a, b, c), (d, e, f) = one, other
+    return math.atan2(math.hypot(b * f - c * e, c * d - a * f, a * e - b * d), a * d + b * e + c * f)
 
 
 def _run(at: _At) -> tuple[int, int]:
     """The two pipes that are nearest to one line."""
-    cosines = at.away @ at.away.T
-    np.fill_diagonal(cosines, np.inf)
-    i, j = divmod(int(np.argmin(cosines)), len(cosines))
-    return (i, j) if i < j else (j, i)
+    pairs = combinations(range(len(at.away)), 2)
+    return max(pairs, key=lambda pair: _interior(at.away[pair[0]], at.away[pair[1]]))
 
 
 def _movements(at: _At, feature: Feature) -> Iterable[Movement]:
@@ -230,14 +237,17 @@ def _two_pipes(at: _At, feature: Feature, way: tuple[int, int], angle: float) ->
         return (), "its bore is not known"
     incline, narrow = nominal_incline(feature.incline_deg), nominal_bore(min(before, after))
     radius = nominal_radius(feature.radius / min(before, after))
-    bends = [
-        FittingClass("bend", narrow, a, radius=radius if a < 180 else 0.0, incline_deg=incline)
-        for a in angles_within(angle, feature.error_deg)
-    ]
+    bends = _bends(narrow, tuple(angles_within(angle, feature.error_deg)), radius, incline)
     first, last = nominal_bore(before), nominal_bore(after)
     if first != last:
-        bends.append(FittingClass("reducer", first, to_mm=last, incline_deg=incline))
-    return tuple(bends), ""
+        bends = (*bends, FittingClass("reducer", first, to_mm=last, incline_deg=incline))
+    return bends, ""
+
+
+@cache
+def _bends(bore: float, angles: tuple[float, ...], radius: float, incline: float) -> tuple[FittingClass, ...]:
+    """Classes of bends of one bore and radius; a straight pipe has no radius."""
+    return tuple(FittingClass("bend", bore, a, 0.0, radius if a < 180 else 0.0, "", incline) for a in angles)
 
 
 def _branched(at: _At, feature: Feature, way: tuple[int, int], run: tuple[int, int]) -> Classes:

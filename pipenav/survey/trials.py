@@ -6,6 +6,7 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Iterable, Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -120,10 +121,8 @@ class Trained(NamedTuple):
                 f"the policy was made for {header.robot.name!r}, which passes no pipe as a whole: choose one that "
                 "does, such as --policy pirate."
             )
-        pipes = parse_pipes(header.train_pipes)
-        bores = [m_to_mm(pipe.diameter) for pipe in pipes]
-        angles = [float(rad_to_deg(float(pipe.interior_angles.min()))) for pipe in pipes]
-        return cls((min(bores), max(bores)), min(angles), task.inclination_deg is not None)
+        bores, sharpest = _range_of(header.train_pipes)
+        return cls(bores, sharpest, task.inclination_deg is not None)
 
     def refusal(self, kind: FittingClass) -> str:
         """Reason why a class lies outside of what the policy was trained in; empty where it does not."""
@@ -138,6 +137,14 @@ class Trained(NamedTuple):
         return ""
 
 
+@cache
+def _range_of(pipes: tuple[str, ...]) -> tuple[tuple[float, float], float]:
+    """Least and largest bore [mm] and sharpest interior angle [deg] of sets of pipes."""
+    made = parse_pipes(pipes)
+    bores = [m_to_mm(pipe.diameter) for pipe in made]
+    return (min(bores), max(bores)), min(rad_to_deg(float(pipe.interior_angles.min())) for pipe in made)
+
+
 def default_cache() -> Path:
     """Folder of trials where no other is named: `pipenav/trials` in the user's folder for caches."""
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "pipenav" / "trials"
@@ -148,20 +155,20 @@ class Trials:
 
     Args:
         config: what is tried.
-        cache: folder in which trials are kept.
+        folder: folder in which trials are kept.
 
     Raises:
         PipenavError: an unknown policy, or one that takes no whole robot through pipes.
     """
 
-    def __init__(self, config: TrialConfig, cache: Path) -> None:
+    def __init__(self, config: TrialConfig, folder: Path) -> None:
         self.config = config
         path = resolve_policy(config.policy)
         policy = load_policy(path)
         self.robot = policy.header.robot.name
         self.trained = Trained.of(policy.header)
         self.policy_hash = hashlib.sha256(path.read_bytes()).hexdigest()
-        self._cache = cache
+        self._folder = folder
         self._known: dict[FittingClass, Trial] = {}
 
     def results(self, classes: Iterable[FittingClass], report: Report | None = None) -> dict[FittingClass, Trial]:
@@ -206,7 +213,7 @@ class Trials:
 
     def _file(self, kind: FittingClass) -> Path:
         text = json.dumps(self._key(kind), sort_keys=True)
-        return self._cache / f"{kind.name}-{hashlib.sha256(text.encode()).hexdigest()[:16]}.json"
+        return self._folder / f"{kind.name}-{hashlib.sha256(text.encode()).hexdigest()[:16]}.json"
 
     def _kept(self, kind: FittingClass) -> Trial | None:
         """The trial in the cache; None where there is none that can be read."""
@@ -221,7 +228,7 @@ class Trials:
 
     def _keep(self, kind: FittingClass, trial: Trial) -> None:
         record = {"key": self._key(kind), "pipenav": pipenav.__version__, "trial": trial.model_dump()}
-        atomic_write(prepare_folder(self._cache) / self._file(kind).name, json.dumps(record, indent=1) + "\n")
+        atomic_write(prepare_folder(self._folder) / self._file(kind).name, json.dumps(record, indent=1) + "\n")
 
     def _simulated(self, kind: FittingClass) -> Trial:
         """The class's episodes, half of them to either side; a class that the simulator cannot make is not tried."""

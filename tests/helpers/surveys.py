@@ -34,11 +34,14 @@ class Record(NamedTuple):
 
 
 class AnsweredTrials(Trials):
-    """Trials whose episodes are answered by a rule; everything else is real."""
+    """Trials whose episodes are answered by a rule, and which are not kept; everything else is real."""
 
     def __init__(self, cache: Path, rule: Rule = all_pass, config: TrialConfig | None = None) -> None:
         super().__init__(config or TrialConfig("pirate"), cache)
         self.rule, self.simulated = rule, list[str]()
+
+    def _keep(self, kind: FittingClass, trial: Trial) -> None:
+        """Keep nothing on disk: the next survey may have another rule."""
 
     def _simulated(self, kind: FittingClass) -> Trial:
         self.simulated.append(kind.name)

@@ -1,4 +1,4 @@
-"""Whole surveys: lengths add up, limits and sensitivities are what a survey with that number gives, records are whole."""
+"""Whole surveys: lengths add up, sensitivities are what a survey with that number gives, records are whole."""
 
 from __future__ import annotations
 
