@@ -42,7 +42,9 @@ def new_spec(robot: RobotSpec, timestep: float) -> Any:
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     # Bodies have few geoms, so a bounding-volume tree within bodies is only overhead (a fifth of a step).
     # A state that is not finite must be seen, not silently replaced by a fresh one.
-    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_MIDPHASE | mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    # A robot is one chain and so one island of constraints: to look for islands is only overhead, too.
+    disabled = mujoco.mjtDisableBit
+    spec.option.disableflags |= disabled.mjDSBL_MIDPHASE | disabled.mjDSBL_AUTORESET | disabled.mjDSBL_ISLAND
     spec.option.gravity = [0.0, 0.0, 0.0]  # the arm lies in a plane, carried by its rails (thesis 4.2.1)
     spec.compiler.degree = False
     spec.add_material(name="wall", rgba=[0.7, 0.72, 0.75, 1.0])
