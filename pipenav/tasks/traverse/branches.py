@@ -48,8 +48,9 @@ class Branches(NamedTuple):
         more = most - self.radius.shape[1]
         if not more:
             return self
-        pads = [np.pad(field, [(0, 0), (0, more), *[(0, 0)] * (field.ndim - 2)]) for field in self[:3]]
-        return Branches(*pads, np.pad(self.radius, [(0, 0), (0, more)], constant_values=-1.0))
+        start, direction = (np.pad(field, [(0, 0), (0, more), (0, 0)]) for field in self[:2])
+        mouth = np.pad(self.mouth, [(0, 0), (0, more)])
+        return Branches(start, direction, mouth, np.pad(self.radius, [(0, 0), (0, more)], constant_values=-1.0))
 
     def contain(self, points: Floats) -> Flags:
         """Flags of points that lie in a branch of their pipe, beyond its mouth, also past an open end: (n, m).
