@@ -121,7 +121,13 @@ def _changed(stages: Any, changes: Mapping[str, Any], where: str) -> Any:
         if name not in names:
             problem = UnknownName("stage", name, names) if names else f"there are no stages, given stage {name!r}"
             raise ConfigError(f"{where}: {STAGES}: {problem}")
-    return [merged(stage, changes.get(stage.get("name"), {})) for stage in stages]
+    return [_changed_stage(stage, changes.get(stage.get("name"), {})) for stage in stages]
+
+
+def _changed_stage(stage: Mapping[str, Any], change: Any) -> Any:
+    if not isinstance(change, Mapping):  # the checks of the whole table will refuse it
+        return change
+    return {key: value for key, value in merged(stage, change).items() if change.get(key) != {}}
 
 
 def _with_steps_settled(table: dict[str, Any], layer: Mapping[str, Any], where: str) -> dict[str, Any]:

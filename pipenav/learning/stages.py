@@ -97,7 +97,9 @@ def with_steps(config: TrainConfig, steps: int) -> TrainConfig:
         *before, last = table["stages"]
         begin = sum(stage["steps"] for stage in before)
         if steps <= begin:
-            raise PipenavError(f"stage {last['name']} begins after {begin:,} steps, given {steps}: give more than that.")
+            raise PipenavError(
+                f"stage {last['name']} begins after {begin:,} steps, given {steps}: give more than that."
+            )
         table["stages"] = [*before, last | {"steps": steps - begin}]
     return validate_config(table, "--resume")
 
