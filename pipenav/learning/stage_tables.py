@@ -102,11 +102,12 @@ def _without(table: Mapping[str, Any], said: Mapping[str, Any]) -> dict[str, Any
     """Table without the keys that another one has; a table in it that loses all its keys is left out."""
     kept = {}
     for key, value in table.items():
+        above = said.get(key)
+        rest = _without(value, above) if isinstance(value, Mapping) and isinstance(above, Mapping) and above else None
         if key not in said:
             kept[key] = value
-        elif isinstance(value, Mapping) and isinstance(said[key], Mapping) and said[key]:
-            if rest := _without(value, said[key]):
-                kept[key] = rest
+        elif rest:
+            kept[key] = rest
     return kept
 
 

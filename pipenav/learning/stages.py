@@ -86,7 +86,7 @@ def stage_at(stages: tuple[TrainingStage, ...], steps: int) -> TrainingStage:
 
 
 def with_steps(config: TrainConfig, steps: int) -> TrainConfig:
-    """Configuration of a training that has begun, with another number of steps: its last stage becomes longer or shorter.
+    """Configuration of a training that has begun, with another number of steps: that of its last stage changes.
 
     Raises:
         PipenavError: it would end before its last stage begins.
