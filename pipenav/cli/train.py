@@ -41,9 +41,16 @@ PresetOption = Annotated[
 ]
 ConfigOption = Annotated[Path | None, typer.Option(help=CONFIG_HELP, rich_help_panel=RECIPE)]
 SetOption = Annotated[
-    list[str] | None, typer.Option("--set", help="key=value that overrides both; repeatable.", rich_help_panel=RECIPE)
+    list[str] | None,
+    typer.Option(
+        "--set",
+        help="key=value that overrides both, in all stages; stages.NAME.key in one; repeatable.",
+        rich_help_panel=RECIPE,
+    ),
 ]
-StepsOption = Annotated[int | None, typer.Option(help="Control steps of all robots together.", rich_help_panel=RECIPE)]
+StepsOption = Annotated[
+    int | None, typer.Option(help="Control steps of all robots together, in all stages.", rich_help_panel=RECIPE)
+]
 SeedOption = Annotated[int | None, typer.Option(help="Seed of everything random.", rich_help_panel=RECIPE)]
 RobotOption = Annotated[str | None, typer.Option(help="Robot; see `pipenav robots`.", rich_help_panel=RECIPE)]
 ControlOption = Annotated[str | None, typer.Option(help="torque or position.", rich_help_panel=RECIPE)]
@@ -80,7 +87,7 @@ def train(
         pipenav train --backend mujoco
         pipenav train --preset thesis-position --seed 1 --out runs/position-1
         pipenav train --pipes d=90,angle=60 --steps 50000 --set learner.epochs=4
-        pipenav train --preset pirate-gravity-runs --from runs/pirate-gravity
+        pipenav train --from runs/arm --pipes d=75,angle=58 --out runs/mine
         pipenav train --resume runs/arm
     """
     from pipenav.storage.lock import one_writer
