@@ -30,6 +30,13 @@ MOST_TOGETHER = 4096
 """Most episodes of parts that one process runs in one go, where that changes no result."""
 
 
+def bounds_of(total: int) -> list[int]:
+    """Number of the first episode of each part, then the number of all episodes, which alone decides."""
+    fewest, most = PART_EPISODES
+    size = min(most, max(fewest, -(-total // PARTS)))
+    return [*range(0, total, size), total]
+
+
 class Shard:
     """A share of an evaluation's parts for one of several drivers, `K/N`: every N-th part from the K-th."""
 
@@ -69,9 +76,7 @@ class PartPlan:
     @cached_property
     def bounds(self) -> list[int]:
         """Number of the first episode of each part, then the number of all episodes."""
-        fewest, most = PART_EPISODES
-        size = min(most, max(fewest, -(-self.total // PARTS)))
-        return [*range(0, self.total, size), self.total]
+        return bounds_of(self.total)
 
     @property
     def count(self) -> int:

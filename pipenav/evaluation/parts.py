@@ -114,7 +114,7 @@ class PartResult(NamedTuple):
         return PartResult({stage: rows.between(first, end) for stage, rows in self.rows.items()}, self.cpu)
 
     def to_bytes(self) -> bytes:
-        """The results as an npz file, the same bytes for the same results."""
+        """The results as an npz file."""
         arrays: dict[str, NDArray[Any]] = {CPU: np.array(self.cpu)}
         for stage, rows in self.rows.items():
             arrays |= {f"{stage}.{name}": column for name, column in rows._asdict().items()}
@@ -134,7 +134,7 @@ class PartResult(NamedTuple):
                 stages = dict.fromkeys(PassageStage(name.partition(".")[0]) for name in file.files if name != CPU)
                 rows = {s: StageRows(*(file[f"{s}.{column}"] for column in StageRows._fields)) for s in stages}
                 return cls(rows, str(file[CPU]))
-        except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
+        except (OSError, EOFError, ValueError, KeyError, AttributeError, TypeError, zipfile.BadZipFile) as error:
             raise PipenavError(f"a kept part of the evaluation is damaged ({error}): remove its folder.") from error
 
 
