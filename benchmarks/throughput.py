@@ -2,7 +2,7 @@
 
 (a) bare physics: the same model in MuJoCo's Batch on all cores, nothing else
 (b) the vector environment: laser, reward and resets as well
-(c) training with the default preset, updates included
+(c) training with the first stage of the default preset, updates included
 (d) Stable-Baselines3's default PPO on one Gymnasium environment under DummyVecEnv
 
 They are measured alternately, several times, and the medians are compared, since the machine may be shared. Then (c)
@@ -34,7 +34,8 @@ from pipenav.backends.simulators import open_simulator
 from pipenav.backends.wall_boxes import wall_boxes
 from pipenav.envs.sb3_env import TaskVecEnv
 from pipenav.learning.config import TrainConfig, load_config
-from pipenav.learning.schedule import noise_at
+from pipenav.learning.schedule import Schedule, noise_at
+from pipenav.learning.stages import training_stages
 from pipenav.learning.train import EPISODE_STOCK, new_model
 from pipenav.pipes.corner_sets import parse_corners
 from pipenav.robots.robot import load_robot
@@ -133,7 +134,9 @@ class UntilSolved(BaseCallback):
 
     def _on_rollout_start(self) -> None:
         if self.set_noise:
-            self.model.policy.log_std.data.fill_(np.log(noise_at(self.config, self.num_timesteps)))
+            self.model.policy.log_std.data.fill_(
+                np.log(noise_at(self.config.learner, Schedule(0, self.config.steps), self.num_timesteps))
+            )
 
     def _on_step(self) -> bool:
         if self.num_timesteps < self.next:
@@ -147,12 +150,12 @@ class UntilSolved(BaseCallback):
 
 
 def held_out_success(model: PPO, config: TrainConfig, each: int = 10) -> float:
-    """Success rate of a model on the held-out pipes, with `each` episodes in each."""
+    """Success rate of a model on the held-out pipes, with `each` episodes in each, at the default physics step."""
     robot = load_robot(config.robot)
     pipes = [pipe for pipe in parse_corners(HELD_OUT) for _ in range(each)]
     rng = np.random.default_rng(3)
     episodes = episode.sample(robot, config.task, pipes, rng)
-    backend = open_simulator(config.backend, robot, len(pipes), config.options)
+    backend = open_simulator(config.backend, robot, len(pipes), {})
     batch = ReachBatch(robot, config.task, backend, len(pipes), lambda _: episodes)
     observation, ended = batch.reset(), np.zeros(len(pipes), np.int8)
     while not ended.all():
@@ -169,7 +172,7 @@ def main() -> None:
     parser.add_argument("--limit", type=float, default=240.0, help="seconds that (d) may train for")
     arguments = parser.parse_args()
     torch.set_num_threads(1)
-    config = load_config()
+    config = training_stages(load_config())[0].config
     print(json.dumps(measure_rates(config, arguments.repeats) | measure_times(config, arguments.limit), indent=1))
 
 

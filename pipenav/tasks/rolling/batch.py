@@ -22,9 +22,10 @@ from pipenav.tasks.rolling.pilot import Pilot
 from pipenav.tasks.task import EpisodeSource
 from pipenav.tasks.traverse import observation
 from pipenav.tasks.traverse.batch import ANYWHERE
+from pipenav.tasks.traverse.branches import Branches
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import TraverseEpisodes
-from pipenav.tasks.traverse.outcome import OutcomeTracker, reward
+from pipenav.tasks.traverse.outcome import OutcomeTracker, Whereabouts, reward
 
 LIMIT_FACTOR = 2
 """Factor on the time limit of the plane: straights are longer, and rolling takes 10 to 20 s."""
@@ -68,7 +69,7 @@ class RollingBatch(TrainingBatch):
         self._scale = np.concatenate([part.scale for part in observation.layout(robot, config)])
         self._pilot = Pilot(robot, n)
         self._routes: list[PipeRoute | None] = [None] * n
-        self._lines = CentreLines.of([ANYWHERE] * n, 3)
+        self._lines, self._branches = CentreLines.of([ANYWHERE] * n, 3), Branches.of([ANYWHERE] * n)
         self.steps, self._ages = np.zeros(n, int), np.zeros(n, int)
         self._driven = np.ones(n, bool)
         self._tracker = OutcomeTracker(robot, config, n)
@@ -104,6 +105,7 @@ class RollingBatch(TrainingBatch):
         self._backend.incline(indices, episodes.gravity_in_space)
         reading = self._backend.reset(indices, routes, episodes.q, episodes.base, planes)
         self._lines = self._lines.put(indices, CentreLines.of(routes, 3))
+        self._branches = self._branches.put(indices, Branches.of(routes))
         q = reading.body.q
         self._pilot.start(indices, routes, q + self.config.start_press * np.sign(q))
         for i, route in zip(indices, routes, strict=True):
@@ -130,8 +132,8 @@ class RollingBatch(TrainingBatch):
         pilot.sense(reading)
         self._action = observation.mirror_action(self.robot, self._action, pilot.turn_sign * turn_sign)
         self._tracker.reset_patience(pilot.busy)
-        distances = self._distances(truth)
-        facts, outcome = self._tracker.step(self.steps, self._limit, distances, self._end, reading.body, truth)
+        places = Whereabouts(self._distances(truth), self._branches.contain(truth.points))
+        facts, outcome = self._tracker.step(self.steps, self._limit, places, self._end, reading.body, truth)
         gained, min_range = reward(self.config.reward, facts), reading.body.ranges.min(axis=1)
         cut_off = (outcome != Outcome.RUNNING) & ~facts.passed & ~facts.failed
         return StepResult(self._observe(reading), gained, outcome, min_range, truth, cut_off)
