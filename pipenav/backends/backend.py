@@ -106,6 +106,9 @@ class Simulator(Backend):
     moves_in_space: ClassVar[bool] = False
     """Whether the class offers robots in space, by `in_space`."""
 
+    robots_are_independent: ClassVar[bool] = False
+    """Whether a robot's readings are the same to the last bit whichever other robots are stepped together with it."""
+
     @abstractmethod
     def truth(self) -> Truth:
         """State of the world now, and contacts of the last control period."""

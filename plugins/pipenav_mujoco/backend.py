@@ -60,7 +60,7 @@ class MujocoBackend(Simulator):
     """Simulator of n robots in the plane, see `pipenav.backends.Simulator`."""
 
     Options = MujocoOptions
-    moves_in_space = True
+    moves_in_space = robots_are_independent = True
     can_vary = can_incline = has_viewer = True
 
     def __init__(self, robot: RobotSpec, n: int, options: BackendOptions, wall_segments: int = 4) -> None:
