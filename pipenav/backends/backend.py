@@ -106,6 +106,12 @@ class Simulator(Backend):
     moves_in_space: ClassVar[bool] = False
     """Whether the class offers robots in space, by `in_space`."""
 
+    steps_in_threads: ClassVar[bool] = False
+    """Whether a simulator's `step` may run in another thread than the rest, and leaves Python to the others meanwhile.
+
+    Then half of a training's robots move while the other half is attended to.
+    """
+
     @abstractmethod
     def truth(self) -> Truth:
         """State of the world now, and contacts of the last control period."""

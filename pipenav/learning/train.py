@@ -8,16 +8,15 @@ from typing import NamedTuple
 
 import numpy as np
 import torch
-from stable_baselines3 import PPO
 from stable_baselines3.common.logger import configure
 
 from pipenav.envs.sb3_env import TaskVecEnv
 from pipenav.learning.callback import TrainingCallback
 from pipenav.learning.checkpoint import Checkpoint, load_checkpoint, load_weights
 from pipenav.learning.config import TrainConfig
-from pipenav.learning.environment import open_training_batch
+from pipenav.learning.environment import open_training_batches
+from pipenav.learning.learner import Learner
 from pipenav.learning.progress import TrainingProgress
-from pipenav.learning.rollouts import DrivenRollouts
 from pipenav.learning.schedule import LearningRate
 from pipenav.learning.training_folder import TrainingFolder
 from pipenav.robots.robot import load_robot
@@ -81,7 +80,7 @@ def train(
         should_stop()  # who is asked knows from here on that a stop is saved
         model.set_logger(configure(str(folder.path), ["tensorboard"]))
         callback = TrainingCallback(config, folder, checkpoint, report, should_stop)
-        env.batch.stagger(rng)
+        env.stagger(rng)
         try:
             model.learn(max(config.steps - checkpoint.steps, 0), callback=callback, reset_num_timesteps=False)
         except (
@@ -101,13 +100,13 @@ def _environment(config: TrainConfig, rng: np.random.Generator) -> TaskVecEnv:
     starting = task_of(config.randomise.starts(config.task))
     sets = [starting.parse_training_pipes([name]) for name in config.pipes]
     source = random_episodes(starting, load_robot(config.robot), sets, rng, EPISODE_STOCK)
-    return TaskVecEnv(open_training_batch(config, config.learner.robots, source))
+    return TaskVecEnv(*open_training_batches(config, config.learner.robots, source))
 
 
-def new_model(config: TrainConfig, env: TaskVecEnv) -> PPO:
+def new_model(config: TrainConfig, env: TaskVecEnv) -> Learner:
     """A fresh learner, as the configuration says."""
     learner = config.learner
-    model = PPO(
+    model = Learner(
         "MlpPolicy",
         env,
         n_steps=learner.rollout_steps,
@@ -124,6 +123,5 @@ def new_model(config: TrainConfig, env: TaskVecEnv) -> PPO:
             "activation_fn": torch.nn.Tanh,
         },
     )
-    model.rollout_buffer = DrivenRollouts(env.batch, model)
     model.policy.log_std.requires_grad_(False)  # the schedule of the configuration sets it
     return model
