@@ -89,10 +89,9 @@ class Learner(PPO):  # type: ignore[misc]  # Stable-Baselines3 is imported untyp
             ValueError: the policy's answers are not finite.
         """
         with torch.no_grad():
-            means, log_std = self._update.actor(torch.from_numpy(observation)), self.policy.log_std
-            apart = torch.randn_like(means) * torch.exp(log_std)
-            actions = (means + apart).numpy()
-            log_probs = log_probabilities(apart, log_std).numpy()
+            means = self._update.actor(torch.from_numpy(observation)).numpy()
+            log_std, drawn = self.policy.log_std.numpy(), torch.randn(means.shape).numpy()
+        actions, log_probs = means + np.exp(log_std) * drawn, log_probabilities(drawn, log_std)
         if not np.isfinite(actions).all():
             if np.isfinite(observation).all():
                 raise ValueError("the policy's actions are not finite")
@@ -135,7 +134,7 @@ class Learner(PPO):  # type: ignore[misc]  # Stable-Baselines3 is imported untyp
         """Write the losses under the names of Stable-Baselines3."""
         record: Any = self.logger.record
         for name, column in zip(StepLosses._fields, zip(*losses, strict=True), strict=True):
-            record(f"train/{name}", torch.stack(column).mean().item())
+            record(f"train/{name}", float(np.mean(column)))
         buffer = self.rollout_buffer
         record("train/explained_variance", explained_variance(buffer.values.flatten(), buffer.returns.flatten()))
         record("train/std", self.policy.log_std.exp().mean().item())

@@ -14,10 +14,8 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.buffers import RolloutBuffer
-from torch import Tensor
 
 from pipenav.envs.shares import RobotShare, ShareStep
 from pipenav.learning.update import Minibatch
@@ -79,25 +77,24 @@ class DrivenRollouts(RolloutBuffer):  # type: ignore[misc]  # Stable-Baselines3 
             size: samples in a minibatch; it divides all samples.
             epochs: passes over the rollout.
         """
-        columns = self.observations, self.actions, self.log_probs, self.advantages, self.returns
-        flat = [torch.from_numpy(self.swap_and_flatten(column)) for column in (*columns, self.driven)]
+        columns = self.observations, self.actions, self.log_probs, self.advantages, self.returns, self.driven
+        flat = [column.swapaxes(0, 1).reshape(-1, *column.shape[2:]) for column in columns]
         for _ in range(epochs):
             # Stable-Baselines3 seeds this generator, and shuffles by it.
-            order = torch.from_numpy(np.random.permutation(len(flat[0])))  # noqa: NPY002
-            shuffled = [column[order].squeeze() if column.shape[-1] == 1 else column[order] for column in flat]
-            for parts in zip(*(column.split(size) for column in shuffled), strict=True):
-                observations, actions, log_probs, advantages, returns, driven = parts
+            order = np.random.permutation(len(flat[0]))  # noqa: NPY002
+            for chosen in np.split(order, range(size, len(order), size)):
+                observations, actions, log_probs, advantages, returns, driven = (column[chosen] for column in flat)
                 yield Minibatch(observations, actions, log_probs, normalised(advantages, driven), returns)
 
 
-def normalised(advantages: Tensor, driven: Tensor) -> Tensor:
+def normalised(advantages: np.ndarray, driven: np.ndarray) -> np.ndarray:
     """Advantages of a minibatch with mean 0 and standard deviation 1; 0 where the step was not driven, (n,).
 
     Args:
         advantages: estimated advantages, (n,).
         driven: whether each action counted, (n,).
     """
-    counted = advantages[driven]
-    mean = counted.mean() if len(counted) else advantages.new_zeros(())
-    apart = (advantages - mean).where(driven, 0.0)
-    return apart / (apart.std() + SPREAD_GUARD)
+    n, counted = len(advantages), np.count_nonzero(driven)
+    apart = (advantages - (advantages @ driven) / np.float32(max(counted, 1))) * driven
+    spread = np.sqrt(apart @ apart / np.float32(max(n - 1, 1)))
+    return np.asarray(apart / (spread + np.float32(SPREAD_GUARD)))

@@ -11,11 +11,14 @@ import math
 from collections.abc import Iterable
 from typing import NamedTuple
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 from stable_baselines3 import PPO
-from torch import Tensor
 
 from pipenav.learning.perceptron import FlatParameters, Perceptron
+
+Array32 = NDArray[np.float32]
 
 NORM_GUARD = 1e-6
 """Number that keeps the factor on a gradient finite, as in PyTorch's `clip_grad_norm_`."""
@@ -31,63 +34,82 @@ class Minibatch(NamedTuple):
         returns: returns that the critic is to predict, (n,).
     """
 
-    observations: Tensor
-    actions: Tensor
-    log_probs: Tensor
-    advantages: Tensor
-    returns: Tensor
+    observations: Array32
+    actions: Array32
+    log_probs: Array32
+    advantages: Array32
+    returns: Array32
 
 
 class StepLosses(NamedTuple):
-    """Losses of one gradient step, a number each, under the names that they have in TensorBoard."""
+    """Losses of one gradient step, under the names that they have in TensorBoard."""
 
-    policy_gradient_loss: Tensor
-    value_loss: Tensor
-    approx_kl: Tensor
-    clip_fraction: Tensor
+    policy_gradient_loss: float
+    value_loss: float
+    approx_kl: float
+    clip_fraction: float
 
 
 class FusedUpdate:
     """Networks and optimiser of a learner, and their gradient steps.
 
+    Matrices are multiplied by PyTorch; all else is quicker in numpy, on the same memory.
+
     Attributes:
         actor: network of the means of actions.
         critic: network of values.
+        flat: their parameters.
     """
 
     def __init__(self, model: PPO) -> None:
         policy = model.policy
-        self._policy, self._model = policy, model
-        self._flat = FlatParameters([p for p in policy.parameters() if p.requires_grad])
+        self._optimizer, self._log_std = policy.optimizer, policy.log_std.detach()
+        self._value_weight, self._max_norm = model.vf_coef, model.max_grad_norm
+        self.flat = FlatParameters([p for p in policy.parameters() if p.requires_grad])
         extractor = policy.mlp_extractor
-        self.actor = Perceptron([*extractor.policy_net, policy.action_net], self._flat)
-        self.critic = Perceptron([*extractor.value_net, policy.value_net], self._flat)
-        self._moments = torch.zeros_like(self._flat.values), torch.zeros_like(self._flat.values)
+        self.actor = Perceptron([*extractor.policy_net, policy.action_net], self.flat)
+        self.critic = Perceptron([*extractor.value_net, policy.value_net], self.flat)
+        self._moments = torch.zeros_like(self.flat.values), torch.zeros_like(self.flat.values)
         self._steps = torch.tensor(0.0)
 
     def run(self, minibatches: Iterable[Minibatch], clip: float) -> list[StepLosses]:
         """Make a gradient step with each minibatch.
+
+        Numbers that leave the finite ones make weights that are not finite: whoever calls this looks at those.
 
         Args:
             minibatches: samples of each step.
             clip: clip range of the probability ratio.
         """
         self._adopt_optimizer()
-        with torch.no_grad():
-            return [self._step(minibatch, clip) for minibatch in minibatches]
-
-    def _step(self, batch: Minibatch, clip: float) -> StepLosses:
-        losses = self.gradients(batch, clip)
-        flat, (first, second) = self._flat, self._moments
-        flat.gradients.mul_((self._model.max_grad_norm / (flat.gradients.norm() + NORM_GUARD)).clamp_(max=1.0))
-        group = self._policy.optimizer.param_groups[0]
-        beta1, beta2 = group["betas"]
-        steps = self._steps.add_(1.0).item()
-        first.lerp_(flat.gradients, 1.0 - beta1)
-        second.mul_(beta2).addcmul_(flat.gradients, flat.gradients, value=1.0 - beta2)
-        denominator = second.sqrt().div_(math.sqrt(1.0 - beta2**steps)).add_(group["eps"])
-        flat.values.addcdiv_(first, denominator, value=-group["lr"] / (1.0 - beta1**steps))
+        losses = []
+        with torch.no_grad(), np.errstate(all="ignore"):
+            for minibatch in minibatches:
+                losses.append(self.gradients(minibatch, clip))
+                self._step()
         return losses
+
+    def _step(self) -> None:
+        """Move the weights against the gradients, by Adam."""
+        group, (first, second) = self._optimizer.param_groups[0], (moment.numpy() for moment in self._moments)
+        beta1, beta2 = group["betas"]
+        gradients = self.flat.gradients.numpy()
+        norm = math.sqrt(np.dot(gradients, gradients))
+        gradients *= np.float32(min(self._max_norm / (norm + NORM_GUARD), 1.0))
+        steps = self._steps.add_(1.0).item()
+        first *= np.float32(beta1)
+        first += np.float32(1.0 - beta1) * gradients
+        second *= np.float32(beta2)
+        gradients *= gradients
+        gradients *= np.float32(1.0 - beta2)
+        second += gradients
+        scale = np.sqrt(second)
+        scale *= np.float32(1.0 / math.sqrt(1.0 - beta2**steps))
+        scale += np.float32(group["eps"])
+        np.divide(first, scale, out=scale)
+        scale *= np.float32(group["lr"] / (1.0 - beta1**steps))
+        values = self.flat.values.numpy()
+        values -= scale
 
     def gradients(self, batch: Minibatch, clip: float) -> StepLosses:
         """Compute the gradient of a minibatch's loss, and leave it with the parameters.
@@ -96,25 +118,24 @@ class FusedUpdate:
             batch: the samples.
             clip: clip range of the probability ratio.
         """
-        n, advantages = len(batch.returns), batch.advantages
-        layers, valued = self.actor.activations(batch.observations), self.critic.activations(batch.observations)
-        variance = torch.exp(2.0 * self._policy.log_std)
-        apart = batch.actions - layers[-1]
-        scaled = apart / variance
-        log_ratio = log_probabilities(apart, self._policy.log_std) - batch.log_probs
-        ratio = torch.exp(log_ratio)
-        surrogate = torch.minimum(advantages * ratio, advantages * ratio.clamp(1.0 - clip, 1.0 + clip))
+        observations = torch.from_numpy(batch.observations)
+        layers, valued = self.actor.activations(observations), self.critic.activations(observations)
+        n, advantages, log_std = len(batch.returns), batch.advantages, self._log_std.numpy()
+        apart = (batch.actions - layers[-1].numpy()) * np.exp(-log_std)
+        log_ratio = log_probabilities(apart, log_std) - batch.log_probs
+        ratio = np.exp(log_ratio)
+        gain = advantages * ratio
+        clipped = np.minimum(gain, advantages * np.clip(ratio, np.float32(1.0 - clip), np.float32(1.0 + clip)))
         # Where the clipped term is the smaller one, it does not depend on the policy.
-        free = torch.where(advantages > 0, ratio <= 1.0 + clip, ratio >= 1.0 - clip)
-        weight = torch.where(free, advantages * ratio, 0.0).mul_(-1.0 / n)
-        self.actor.backward(layers, scaled.mul_(weight[:, None]))
-        error = valued[-1][:, 0] - batch.returns
-        self.critic.backward(valued, (error * (2.0 * self._model.vf_coef / n))[:, None])
+        weight = np.where(clipped < gain, np.float32(0.0), gain) * np.float32(-1.0 / n)
+        self.actor.backward(layers, torch.from_numpy(apart * np.exp(-log_std) * weight[:, None]))
+        error = valued[-1].numpy()[:, 0] - batch.returns
+        self.critic.backward(valued, torch.from_numpy((error * np.float32(2.0 * self._value_weight / n))[:, None]))
         return StepLosses(
-            -surrogate.mean(),
-            (error**2).mean(),
-            (ratio - 1.0 - log_ratio).mean(),
-            ((ratio - 1.0).abs() > clip).float().mean(),
+            -float(clipped.mean()),
+            float(np.dot(error, error)) / n,
+            float((ratio - 1.0 - log_ratio).mean()),
+            np.count_nonzero(np.abs(ratio - 1.0) > clip) / n,
         )
 
     def _adopt_optimizer(self) -> None:
@@ -122,9 +143,9 @@ class FusedUpdate:
 
         Loading a checkpoint gives the optimiser tensors of its own: these are copied in.
         """
-        state = self._policy.optimizer.state
+        state = self._optimizer.state
         for parameter, first, second in zip(
-            self._flat.parameters, *map(self._flat.views, self._moments), strict=True
+            self.flat.parameters, *map(self.flat.views, self._moments), strict=True
         ):
             slots = state[parameter]
             if not slots:
@@ -139,13 +160,13 @@ class FusedUpdate:
             slots["step"] = self._steps
 
 
-def log_probabilities(apart: Tensor, log_std: Tensor) -> Tensor:
+def log_probabilities(apart: Array32, log_std: Array32) -> Array32:
     """Logarithms of the densities of actions under a diagonal normal distribution, (n,).
 
     Args:
-        apart: actions minus means, (n, actions).
+        apart: actions minus means, in standard deviations, (n, actions).
         log_std: logarithms of the standard deviations, (actions,).
     """
-    scaled = apart * torch.exp(-log_std)
-    constant = log_std.sum() + 0.5 * math.log(2.0 * math.pi) * len(log_std)
-    return (scaled * scaled).sum(1).mul_(-0.5).sub_(constant)
+    constant = log_std.sum() + np.float32(0.5 * math.log(2.0 * math.pi) * len(log_std))
+    densities: Array32 = np.einsum("na,na->n", apart, apart) * np.float32(-0.5) - constant
+    return densities
