@@ -52,43 +52,66 @@ class _Layer(NamedTuple):
     bias_gradient: Tensor
 
 
+class Workspace:
+    """Memory for what networks compute, kept from call to call: to get and return it takes longer than to fill it.
+
+    Networks that are used one after the other share it, so that it stays in the processor's cache.
+    """
+
+    def __init__(self) -> None:
+        self._kept: dict[tuple[str, int, int, int], Tensor] = {}
+
+    def tensor(self, use: str, layer: int, n: int, width: int) -> Tensor:
+        """The tensor (n, width) for a use in a layer, with whatever it holds from before."""
+        key = use, layer, n, width
+        if key not in self._kept:
+            self._kept[key] = torch.empty(n, width)
+        return self._kept[key]
+
+
 class Perceptron:
     """Fully connected layers with tanh between them.
 
     Args:
         modules: linear layers and tanhs in turn, as Stable-Baselines3's policies hold them, and the linear output.
         flat: the parameters that those of the layers belong to.
+        workspace: memory for outputs and gradients.
 
     Raises:
         PipenavError: layers of another kind.
     """
 
-    def __init__(self, modules: Sequence[nn.Module], flat: FlatParameters) -> None:
+    def __init__(self, modules: Sequence[nn.Module], flat: FlatParameters, workspace: Workspace) -> None:
         linear = [module for module in modules if isinstance(module, nn.Linear)]
         kinds = [nn.Tanh if i % 2 else nn.Linear for i in range(len(modules))]
         if not (modules and [type(module) for module in modules] == kinds and isinstance(modules[-1], nn.Linear)):
             raise PipenavError("only fully connected tanh networks can be trained: leave the network to its settings.")
+        self._workspace = workspace
         self._layers = [
             _Layer(m.weight.data, m.bias.data, flat.gradient(m.weight), flat.gradient(m.bias)) for m in linear
         ]
 
     def __call__(self, inputs: Tensor) -> Tensor:
-        """Outputs, (n, outputs), for inputs (n, inputs)."""
+        """Outputs, (n, outputs), for inputs (n, inputs); see `activations` for how long they hold."""
         return self.activations(inputs)[-1]
 
     def activations(self, inputs: Tensor) -> list[Tensor]:
-        """What goes into each layer, and last the outputs, (n, width) each."""
+        """What goes into each layer, and last the outputs, (n, width) each.
+
+        They hold until a network of the same workspace is called with as many inputs.
+        """
         values = [inputs]
-        for layer in self._layers[:-1]:
-            values.append(torch.addmm(layer.bias, values[-1], layer.weight.t()).tanh_())
-        last = self._layers[-1]
-        return [*values, torch.addmm(last.bias, values[-1], last.weight.t())]
+        for i, layer in enumerate(self._layers):
+            out = self._workspace.tensor("values", i, len(inputs), len(layer.bias))
+            torch.addmm(layer.bias, values[i], layer.weight.t(), out=out)
+            values.append(out.tanh_() if i + 1 < len(self._layers) else out)
+        return values
 
     def backward(self, activations: Sequence[Tensor], gradient: Tensor) -> None:
         """Put the gradients of all weights and biases into their places.
 
         Args:
-            activations: what `activations` returned.
+            activations: what `activations` returned; it is used up.
             gradient: gradient of a loss by the outputs, (n, outputs).
         """
         for i in range(len(self._layers) - 1, -1, -1):
@@ -96,5 +119,6 @@ class Perceptron:
             torch.mm(gradient.t(), below, out=layer.weight_gradient)
             torch.sum(gradient, 0, out=layer.bias_gradient)
             if i:
-                gradient = torch.mm(gradient, layer.weight)
-                torch.addcmul(gradient, gradient * below, below, value=-1.0, out=gradient)  # tanh' = 1 - tanh^2
+                out = self._workspace.tensor("gradients", i, *below.shape)
+                gradient = torch.mm(gradient, layer.weight, out=out)
+                gradient.addcmul_(gradient, below.square_(), value=-1.0)  # tanh' = 1 - tanh^2

@@ -16,7 +16,7 @@ import torch
 from numpy.typing import NDArray
 from stable_baselines3 import PPO
 
-from pipenav.learning.perceptron import FlatParameters, Perceptron
+from pipenav.learning.perceptron import FlatParameters, Perceptron, Workspace
 
 Array32 = NDArray[np.float32]
 
@@ -66,9 +66,9 @@ class FusedUpdate:
         self._optimizer, self._log_std = policy.optimizer, policy.log_std.detach()
         self._value_weight, self._max_norm = model.vf_coef, model.max_grad_norm
         self.flat = FlatParameters([p for p in policy.parameters() if p.requires_grad])
-        extractor = policy.mlp_extractor
-        self.actor = Perceptron([*extractor.policy_net, policy.action_net], self.flat)
-        self.critic = Perceptron([*extractor.value_net, policy.value_net], self.flat)
+        extractor, workspace = policy.mlp_extractor, Workspace()
+        self.actor = Perceptron([*extractor.policy_net, policy.action_net], self.flat, workspace)
+        self.critic = Perceptron([*extractor.value_net, policy.value_net], self.flat, workspace)
         self._moments = torch.zeros_like(self.flat.values), torch.zeros_like(self.flat.values)
         self._steps = torch.tensor(0.0)
 
@@ -119,7 +119,7 @@ class FusedUpdate:
             clip: clip range of the probability ratio.
         """
         observations = torch.from_numpy(batch.observations)
-        layers, valued = self.actor.activations(observations), self.critic.activations(observations)
+        layers = self.actor.activations(observations)
         n, advantages, log_std = len(batch.returns), batch.advantages, self._log_std.numpy()
         apart = (batch.actions - layers[-1].numpy()) * np.exp(-log_std)
         log_ratio = log_probabilities(apart, log_std) - batch.log_probs
@@ -129,6 +129,7 @@ class FusedUpdate:
         # Where the clipped term is the smaller one, it does not depend on the policy.
         weight = np.where(clipped < gain, np.float32(0.0), gain) * np.float32(-1.0 / n)
         self.actor.backward(layers, torch.from_numpy(apart * np.exp(-log_std) * weight[:, None]))
+        valued = self.critic.activations(observations)
         error = valued[-1].numpy()[:, 0] - batch.returns
         self.critic.backward(valued, torch.from_numpy((error * np.float32(2.0 * self._value_weight / n))[:, None]))
         return StepLosses(
