@@ -12,7 +12,7 @@ from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import VecEnv
 
 from pipenav.arrays import Floats
-from pipenav.envs.shares import RobotShare, ShareStep, joined
+from pipenav.envs.shares import RobotShare, ShareStep
 from pipenav.envs.spaces import action_space, observation_space, one_info, step_info
 from pipenav.pipes.pipe import Pipe
 from pipenav.tasks.batch import TrainingBatch

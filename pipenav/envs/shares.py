@@ -118,9 +118,7 @@ class RobotShare:
         done = result.outcome != Outcome.RUNNING.value
         indices = np.flatnonzero(done)
         steps, rewards = self.batch.steps[indices], self._rewards[indices]
-        ended = Ended(
-            indices, result.outcome[indices], steps, rewards, observation[indices], result.cut_off[indices]
-        )
+        ended = Ended(indices, result.outcome[indices], steps, rewards, observation[indices], result.cut_off[indices])
         if len(indices):
             self._rewards[indices] = 0.0
             observation = self.batch.reset(indices).astype(np.float32)

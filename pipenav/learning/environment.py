@@ -13,7 +13,6 @@ from pipenav.tasks.registry import task_of
 from pipenav.tasks.rolling.batch import check_in_space
 from pipenav.tasks.task import EpisodeSource
 
-
 MOST_SHARES = 2
 """Shares of a training's robots that take turns: one moves while the other is attended to."""
 

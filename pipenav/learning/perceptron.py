@@ -50,6 +50,7 @@ class _Layer(NamedTuple):
     bias: Tensor
     weight_gradient: Tensor
     bias_gradient: Tensor
+    width: int
 
 
 class Workspace:
@@ -88,7 +89,8 @@ class Perceptron:
             raise PipenavError("only fully connected tanh networks can be trained: leave the network to its settings.")
         self._workspace = workspace
         self._layers = [
-            _Layer(m.weight.data, m.bias.data, flat.gradient(m.weight), flat.gradient(m.bias)) for m in linear
+            _Layer(m.weight.data, m.bias.data, flat.gradient(m.weight), flat.gradient(m.bias), m.out_features)
+            for m in linear
         ]
 
     def __call__(self, inputs: Tensor) -> Tensor:
@@ -102,7 +104,7 @@ class Perceptron:
         """
         values = [inputs]
         for i, layer in enumerate(self._layers):
-            out = self._workspace.tensor("values", i, len(inputs), len(layer.bias))
+            out = self._workspace.tensor("values", i, inputs.shape[0], layer.width)
             torch.addmm(layer.bias, values[i], layer.weight.t(), out=out)
             values.append(out.tanh_() if i + 1 < len(self._layers) else out)
         return values

@@ -67,7 +67,7 @@ def train(
     """
     torch.set_num_threads(1)  # physics has the cores; torch on one thread is 1.3 times faster for nets this small
     rng = np.random.default_rng(config.seed)
-    env = _environment(config, rng)
+    env = training_env(config, rng)
     try:
         model = new_model(config, env)
         checkpoint = load_checkpoint(folder.checkpoint, model) if resumed else Checkpoint()
@@ -95,7 +95,7 @@ def train(
         env.close()
 
 
-def _environment(config: TrainConfig, rng: np.random.Generator) -> TaskVecEnv:
+def training_env(config: TrainConfig, rng: np.random.Generator) -> TaskVecEnv:
     """The robots that a training steps together, in episodes that `rng` draws."""
     starting = task_of(config.randomise.starts(config.task))
     sets = [starting.parse_training_pipes([name]) for name in config.pipes]

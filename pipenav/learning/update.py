@@ -1,4 +1,4 @@
-"""PPO's update with its loss, gradient and optimiser fused: the numbers of Stable-Baselines3's, in a fifth of the time.
+"""PPO's update with its loss, gradient and optimiser fused: the numbers of Stable-Baselines3's, in less time.
 
 Losses are those of Schulman et al., Proximal Policy Optimization Algorithms (2017), eq 7 and 9, without an entropy term;
 advantages are normalised in each minibatch and the gradient's norm is bounded, as in Stable-Baselines3. The optimiser
@@ -145,9 +145,7 @@ class FusedUpdate:
         Loading a checkpoint gives the optimiser tensors of its own: these are copied in.
         """
         state = self._optimizer.state
-        for parameter, first, second in zip(
-            self.flat.parameters, *map(self.flat.views, self._moments), strict=True
-        ):
+        for parameter, first, second in zip(self.flat.parameters, *map(self.flat.views, self._moments), strict=True):
             slots = state[parameter]
             if not slots:
                 self._steps.zero_()
