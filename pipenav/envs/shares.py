@@ -8,8 +8,7 @@ depends on how long a thread takes.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from concurrent.futures import Executor, Future
+from concurrent.futures import Executor, Future, wait
 from typing import NamedTuple
 
 import numpy as np
@@ -76,7 +75,7 @@ class RobotShare:
         self.batch, self.rows = batch, slice(first, first + batch.n)
         self._threads = threads
         self._rewards = np.zeros(batch.n)
-        self._moving: Callable[[], None] | None = None
+        self._moving: Future[None] | None = None
 
     @property
     def moving(self) -> bool:
@@ -85,15 +84,15 @@ class RobotShare:
 
     def reset(self) -> Float32s:
         """Give up a control step that has begun, start all episodes anew, and return their observations, (n, size)."""
-        self.settle()
+        self._give_up()
         self._rewards[:] = 0.0
         return self.batch.reset().astype(np.float32)
 
-    def settle(self) -> None:
-        """Wait until the robots stand still, and forget a control step that has begun."""
-        moving, self._moving = self._moving, None
-        if moving is not None:
-            moving()
+    def _give_up(self) -> None:
+        """Wait until the robots stand still, whatever became of the control step that they began."""
+        if self._moving is not None:
+            wait([self._moving])
+        self._moving = None
 
     def send(self, actions: Floats | Float32s) -> None:
         """Begin a control step.
@@ -102,16 +101,18 @@ class RobotShare:
             actions: canonical actions in [-1, 1], (n, action_size).
         """
         move = self.batch.begin(actions)
-        if self._threads is None:
-            move()
-            self._moving = _nothing
+        if self._threads is not None:
+            self._moving = self._threads.submit(move)
         else:
-            moving: Future[None] = self._threads.submit(move)
-            self._moving = moving.result
+            move()
+            self._moving = Future()
+            self._moving.set_result(None)
 
     def receive(self) -> ShareStep:
         """End the control step that has begun; robots whose episodes ended start anew."""
-        self.settle()
+        assert self._moving is not None
+        self._moving.result()
+        self._moving = None
         result = self.batch.end()
         observation = result.observation.astype(np.float32)
         self._rewards += result.reward
@@ -126,12 +127,8 @@ class RobotShare:
 
     def close(self) -> None:
         """Release the simulator, once the robots stand still."""
-        self.settle()
+        self._give_up()
         self.batch.close()
-
-
-def _nothing() -> None:
-    """Nothing is to be waited for."""
 
 
 def joined(shares: list[RobotShare], ended: list[Ended]) -> Ended:
