@@ -19,7 +19,7 @@ from pipenav.jobs.job import (
 )
 from pipenav.jobs.place import HearProgress, Place, ShouldStop, Slots
 from pipenav.jobs.places import chosen_place, load_place
-from pipenav.jobs.store import JobStore
+from pipenav.jobs.store import JobStore, MemoryStore, Store
 
 __all__ = [
     "Done",
@@ -35,11 +35,13 @@ __all__ = [
     "JobsLost",
     "Kept",
     "Lost",
+    "MemoryStore",
     "Place",
     "Progressed",
     "ShouldStop",
     "Slots",
     "Stopped",
+    "Store",
     "chosen_place",
     "ending_of",
     "load_place",
