@@ -124,7 +124,7 @@ def _cells(located: Located) -> list[str]:
     """Results in one pipe, a cell for each of `HEADINGS`."""
     import numpy as np
 
-    from pipenav.evaluation.locate_stage import inside_second_leg
+    from pipenav.evaluation.locate_stage import inside_exit
     from pipenav.units import m_to_mm
 
     trajectory = located.trajectory
@@ -134,7 +134,8 @@ def _cells(located: Located) -> list[str]:
     if header.goal_m is not None and located.beam is not None:
         x, y = (f"{m_to_mm(value):.1f}" for value in header.goal_m)
         beam, step = f"{located.beam + 1} of {beams}", str(located.found)
-        inside = "yes" if inside_second_leg(header.pipe.require_corner(), np.array(header.goal_m)) else "no"
+        pipe, target = header.pipe.require_corner(), np.array(header.goal_m)
+        inside = "yes" if inside_exit(trajectory.robot, pipe, header.base_m, target) else "no"
     return [x, y, beam, step, inside, f"{force:.1f}", header.outcome or "-"]
 
 

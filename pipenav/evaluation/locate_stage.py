@@ -8,9 +8,10 @@ from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Simulator
 from pipenav.backends.messages import Command, Reading
 from pipenav.evaluation.stage import Stage, StageStep
-from pipenav.locating.locator import Locator, Told, require_arm
+from pipenav.locating.locator import LocateConfig, Locator, Told, require_arm
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots import frames
+from pipenav.robots.bend_reach import Bends, reach_along
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.outcome import Outcome, strongest_outcome
 from pipenav.tasks.reach.config import ReachConfig
@@ -93,14 +94,33 @@ class LocateStage(Stage):
 
     def _well_placed(self, index: int, target: Floats) -> bool:
         pipe = self._pipes[index]
-        return pipe is not None and inside_second_leg(pipe, frames.robot_to_pipe(target, self._base[index]))
+        base = float(self._base[index])
+        return pipe is not None and inside_exit(self.robot, pipe, base, frames.robot_to_pipe(target, base))
 
 
-def inside_second_leg(pipe: PipeCorner, point: Floats) -> bool:
-    """Whether a point (2,) of the pipe's frame lies inside the pipe and past the end of the inner wall's bend.
+def inside_exit(robot: RobotSpec, pipe: PipeCorner, base: float, point: Floats) -> bool:
+    """Whether a point (2,) of the pipe's frame is a target that a search may find.
 
-    In a tee or a cross it must not lie beside the second leg, in another pipe that leads the same way.
+    It must lie inside the pipe and past the end of the inner wall's bend. In a tee or a cross it must not lie beside
+    the second leg, in another pipe that leads the same way. In a swept bend whose end is too far away for the arm, it
+    may lie before that end by as much as the target that is wanted: the reach less the wanted depth, along the centre
+    line.
+
+    Args:
+        robot: the robot.
+        pipe: the pipe.
+        base: x of the robot's frame in the pipe's frame [m].
+        point: the point.
     """
+    if not pipe.contains(point):
+        return False
     distance, aside = pipe.along_second_leg(point).tolist()
-    beside = bool(pipe.branches) and abs(aside) > pipe.radius
-    return distance > pipe.inner_edge and not beside and bool(pipe.contains(point))
+    if distance > pipe.inner_edge:
+        return not (pipe.branches and abs(aside) > pipe.radius)
+    if not pipe.bend_radius:
+        return False
+    bend = Bends(*np.array([[pipe.radius], [pipe.bend_radius], [abs(pipe.heading_change)]]))
+    start = np.array([-pipe.inner_edge])
+    reach = reach_along(robot, bend, base - start)
+    seen = frames.pipe_to_robot(point[None] * [1.0, pipe.turn_sign], start)  # the bend's own frame, a left turn's
+    return bool(bend.distance(seen)[0] > min(bend.end[0], reach[0] - LocateConfig().depth))
