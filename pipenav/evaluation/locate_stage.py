@@ -1,4 +1,4 @@
-"""Approach I as a stage of a passage: n robots look for a target; success is a target inside the second leg."""
+"""Approach I as a stage of a passage: n robots look for a target; success is a target that is `well_placed`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from pipenav.tasks.task import EpisodeSource
 
 
 class LocateStage(Stage):
-    """The robots look for a target; finding one inside the second leg is the stage's success.
+    """The robots look for a target; finding one inside the second leg, or as far as the arm can reach, is success.
 
     Args:
         robot: a slide followed by hinges, with the fan that the locator wants (`robot_for`).
@@ -95,16 +95,14 @@ class LocateStage(Stage):
     def _well_placed(self, index: int, target: Floats) -> bool:
         pipe = self._pipes[index]
         base = float(self._base[index])
-        return pipe is not None and inside_exit(self.robot, pipe, base, frames.robot_to_pipe(target, base))
+        return pipe is not None and well_placed(self.robot, pipe, base, frames.robot_to_pipe(target, base))
 
 
-def inside_exit(robot: RobotSpec, pipe: PipeCorner, base: float, point: Floats) -> bool:
+def well_placed(robot: RobotSpec, pipe: PipeCorner, base: float, point: Floats) -> bool:
     """Whether a point (2,) of the pipe's frame is a target that a search may find.
 
-    It must lie inside the pipe and past the end of the inner wall's bend. In a tee or a cross it must not lie beside
-    the second leg, in another pipe that leads the same way. In a swept bend whose end is too far away for the arm, it
-    may lie before that end by as much as the target that is wanted: the reach less the wanted depth, along the centre
-    line.
+    It lies inside the second leg. In a swept bend whose end the arm cannot pass by the depth that is wanted, it may lie
+    before that end: up to that depth short of the reach, as elsewhere it may be up to that depth short.
 
     Args:
         robot: the robot.
@@ -112,15 +110,22 @@ def inside_exit(robot: RobotSpec, pipe: PipeCorner, base: float, point: Floats) 
         base: x of the robot's frame in the pipe's frame [m].
         point: the point.
     """
-    if not pipe.contains(point):
-        return False
-    distance, aside = pipe.along_second_leg(point).tolist()
-    if distance > pipe.inner_edge:
-        return not (pipe.branches and abs(aside) > pipe.radius)
-    if not pipe.bend_radius:
+    if inside_second_leg(pipe, point):
+        return True
+    if not pipe.bend_radius or not pipe.contains(point):
         return False
     bend = Bends(*np.array([[pipe.radius], [pipe.bend_radius], [abs(pipe.heading_change)]]))
     start = np.array([-pipe.inner_edge])
     reach = reach_along(robot, bend, base - start)
     seen = frames.pipe_to_robot(point[None] * [1.0, pipe.turn_sign], start)  # the bend's own frame, a left turn's
     return bool(bend.distance(seen)[0] > min(bend.end[0], reach[0] - LocateConfig().depth))
+
+
+def inside_second_leg(pipe: PipeCorner, point: Floats) -> bool:
+    """Whether a point (2,) of the pipe's frame lies inside the pipe and past the end of the inner wall's bend.
+
+    In a tee or a cross it must not lie beside the second leg, in another pipe that leads the same way.
+    """
+    distance, aside = pipe.along_second_leg(point).tolist()
+    beside = bool(pipe.branches) and abs(aside) > pipe.radius
+    return distance > pipe.inner_edge and not beside and bool(pipe.contains(point))

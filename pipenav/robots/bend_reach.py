@@ -26,8 +26,11 @@ RESERVE = 0.05
 CLEARANCE = 0.003
 """Distance from the walls that a reach keeps [m]: one and a half times the overlap that ends an episode."""
 
-ADVANCES, SWINGS = 8, 12
-"""Positions of the slide, and distances of the hinges from the turning point, that are tried."""
+ADVANCES = np.array([0.0, 0.02, 0.04, 0.06])
+"""Positions of the slide that are tried, back from its last [m]: half a link, which decides how links lie in a bend."""
+
+SWINGS = 12
+"""Distances of the hinges from the turning point that are tried."""
 
 
 class Bends(NamedTuple):
@@ -99,12 +102,13 @@ class _Polar(NamedTuple):
 def reach_along(robot: RobotSpec, bends: Bends, base: Floats) -> Floats:
     """Farthest distance along the middle line at which the tip can stand on it, (k,) [m].
 
-    The hinges stand on one line around the turning point, forward of each other, and the tip on the middle line; the
-    slide has advanced by a part of its travel. Of all such poses that keep `CLEARANCE` from the walls and `RESERVE`
-    from the joints' limits the one that reaches farthest counts. A link's outline lies in the strip of the robot's
-    width around its axis. The outer wall bounds a convex space and the inner wall a convex obstacle, so the strip is
-    free where its ends keep off the outer wall and it keeps off the turning point. Other poses may reach a little
-    farther. Where no pose is found, as in bends too narrow for the links, the reach is infinite: nothing is known.
+    The slide is out, the hinges stand on one line around the turning point, forward of each other, and the tip stands on
+    the middle line. Of all such poses that keep `CLEARANCE` from the walls and `RESERVE` from the joints' limits the
+    one that reaches farthest counts. A link's outline lies in the strip of the robot's width around its axis. The outer
+    wall bounds a convex space and the inner wall a convex obstacle, so the strip is free where its ends keep off the
+    outer wall and it keeps off the turning point. In elbows of a diameter or more, up to 90 deg, no pose is 50 mm farther:
+    a string from the first hinge, pulled taut around the inner wall, would be longer than the links. Where no pose is
+    found, as in corners so tight that links lie across them, the reach is infinite: nothing is known.
 
     Args:
         robot: an arm on a mount.
@@ -115,11 +119,11 @@ def reach_along(robot: RobotSpec, bends: Bends, base: Floats) -> Floats:
     first = int(np.argmax(robot.hinges))  # links before the first hinge only advance
     travel = RESERVE * (robot.upper - robot.lower)
     low, high = robot.lower + travel, robot.upper - travel
-    advances = np.linspace(0.0, high[:first].sum(), ADVANCES) + robot.lengths[:first].sum()
+    advances = high[:first].sum() - ADVANCES + robot.lengths[:first].sum()
     apart = robot.width / 2 + CLEARANCE
     nearest, widest = bends.middle_radius - bends.radius + apart, bends.middle_radius + bends.radius - apart
     swings = np.linspace(bends.middle_radius - bends.radius / 2, widest, SWINGS, axis=-1)  # (k, SWINGS)
-    shape = (k, ADVANCES, SWINGS)
+    shape = (k, len(ADVANCES), SWINGS)
     point = np.zeros((*shape, 2))
     point[..., 0] = (base[:, None] + advances)[..., None]
     heading, free = np.zeros(shape), np.broadcast_to((widest >= nearest)[:, None, None], shape)
@@ -163,12 +167,11 @@ def _meet(bends: Bends, point: Floats, length: float, away: Floats) -> Floats:
 
 
 def _off_turning_point(bends: Bends, start: Floats, end: Floats) -> Floats:
-    """Distances of segments (k, ..., 2) from the turning points, (k, ...) [m]."""
-    step = end - start
-    to_turning = np.stack([np.zeros_like(start[..., 0]), np.zeros_like(start[..., 0])], axis=-1) - start
-    to_turning[..., 1] += _spread(bends.middle_radius, start.ndim - 1)
-    share = np.clip((to_turning * step).sum(axis=-1) / (step * step).sum(axis=-1), 0.0, 1.0)
-    return np.asarray(np.linalg.norm(to_turning - share[..., None] * step, axis=-1))
+    """Distances of segments (k, ..., 2) from the turning points, negative where they pass inside of them: (k, ...) [m]."""
+    (dx, dy), (x, y) = np.moveaxis(end - start, -1, 0), np.moveaxis(-start, -1, 0)
+    y = y + _spread(bends.middle_radius, y.ndim)
+    share = np.clip((x * dx + y * dy) / (dx * dx + dy * dy), 0.0, 1.0)
+    return np.asarray(np.copysign(np.hypot(x - share * dx, y - share * dy), dx * y - dy * x))
 
 
 def _distance(seen: _Polar, bends: Bends) -> Floats:

@@ -10,7 +10,7 @@ from helpers.locating import ONE
 
 from pipenav.arrays import Floats
 from pipenav.backends.messages import Reading
-from pipenav.evaluation.locate_stage import inside_exit
+from pipenav.evaluation.locate_stage import inside_second_leg
 from pipenav.locating.locator import Exit, LocateConfig, robot_for
 from pipenav.locating.printed_locator import PrintedLocator, point_on_beam
 from pipenav.pipes.corner import PipeCorner
@@ -104,4 +104,4 @@ def test_the_printed_method_takes_a_straight_pipe_ahead_for_an_open_space() -> N
     assert decision.done[0]
     target = decision.target[0] + [base, 0.0]
     assert pipe.contains(target)
-    assert not inside_exit(robot, pipe, base, target)
+    assert not inside_second_leg(pipe, target)
