@@ -95,12 +95,12 @@ class MapLocator:
         self._map.add(
             indices, frames.robot_to_canonical(pose.tip, turn_sign), beams * turn_sign[:, None], reading.ranges
         )
-        corner = self._estimate(indices)
-        second_leg = (corner.votes >= config.votes) & (corner.agreement >= config.agreement)
         # Straight on, the pipe has room for a target that is too deep.
         room = np.where(self._straight[indices], STRAIGHT_SPREAD * config.depth, config.spread)
         hidden = self._tee[indices] | self._bend[indices]
         room[hidden & self._back[indices]] *= LAST_SPREAD  # it has seen what there is
+        corner = self._estimate(indices, room)
+        second_leg = (corner.votes >= config.votes) & (corner.agreement >= config.agreement)
         known = (corner.spread <= room) & (second_leg | self._straight[indices])
         self._agreed[indices] = np.where(known, self._agreed[indices] + 1, 0)
         sure = self._agreed[indices] >= config.scans
@@ -110,12 +110,14 @@ class MapLocator:
         self._target[indices[sure]] = target
         self._beam[indices[sure]] = np.abs(np.angle(np.exp(1j * off))).argmin(axis=1)
 
-    def _estimate(self, indices: Ints) -> CornerEstimate:
-        """Corners, or bends, that fit best what some robots have met."""
+    def _estimate(self, indices: Ints, room: Floats) -> CornerEstimate:
+        """Corners, or bends, that fit best what some robots have met; `room` is a target's spread, (k,) [m]."""
         bend, depth = self._bend[indices], self._config.depth
         if not bend.any():
             return self._map.corner(indices, depth, self._straight[indices])
-        bends = bend_estimate(self._robot, self._map.rays(indices[bend]), depth, self._config.tolerance)
+        bent = indices[bend]
+        rays, tolerance = self._map.rays(bent), self._config.tolerance
+        bends = bend_estimate(self._robot, rays, depth, tolerance, room[bend], self._back[bent])
         if bend.all():
             return bends
         corners = self._map.corner(indices[~bend], depth, self._straight[indices[~bend]])
