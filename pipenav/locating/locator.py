@@ -109,9 +109,7 @@ class Exit(NamedTuple):
     @property
     def told(self) -> Told:
         """Knowledge of this exit, for k = 1 robots."""
-        return Told(
-            np.array([self.turn_sign]), np.array([self.tee]), np.array([self.straight]), np.array([self.bend])
-        )
+        return Told(np.array([self.turn_sign]), np.array([self.tee]), np.array([self.straight]), np.array([self.bend]))
 
     @property
     def label(self) -> str:

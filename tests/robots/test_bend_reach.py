@@ -102,7 +102,10 @@ def test_through_elbows_no_controller_could_reach_much_farther(
 @settings(max_examples=25, deadline=None)
 @given(**BENDS, gap=GAPS)
 def test_bends_do_not_change_each_others_reach(d: float, angle: float, times: float, gap: float) -> None:
-    robot, pipes = load_robot("basic"), [PipeCorner.of(100, 90, "left", 150), PipeCorner.of(d, angle, "left", times * d)]
+    robot, pipes = (
+        load_robot("basic"),
+        [PipeCorner.of(100, 90, "left", 150), PipeCorner.of(d, angle, "left", times * d)],
+    )
     bases = np.array([-0.1, -gap]) - robot.length
     together = reach_along(robot, Bends(*map(np.concatenate, zip(*map(bends_of, pipes), strict=True))), bases)
     alone = [reach_along(robot, bends_of(pipe), bases[i : i + 1])[0] for i, pipe in enumerate(pipes)]

@@ -96,9 +96,7 @@ def sample(
 
 @lru_cache(maxsize=4096)  # every pipe of the largest shipped training set
 def _corner(pipe: PipeCorner) -> _CornerNumbers:
-    return _CornerNumbers(
-        pipe.turn_sign, abs(pipe.heading_change), pipe.radius, pipe.inner_edge, pipe.bend_radius
-    )
+    return _CornerNumbers(pipe.turn_sign, abs(pipe.heading_change), pipe.radius, pipe.inner_edge, pipe.bend_radius)
 
 
 def check_robot(robot: RobotSpec) -> None:
