@@ -28,15 +28,15 @@ STRAYS = 2
 WIDER = np.arange(0.0, 0.041, 0.005)
 """Radii of the pipe that are tried first [m], counted from the least that the beams allow."""
 
-NEAR_RADII = np.array([-0.004, -0.002, 0.0, 0.002, 0.004])
+NEAR_RADII = np.array([-0.003, 0.0, 0.003])
 """Radii that are tried then [m], counted from the best of the first ones."""
 
 HARDLY_BENT = 0.1
 """Distance past its start at which an inner wall has left its line by what a beam can tell [m]: the laser's tolerance of
 10 mm at radii of up to half a metre."""
 
-MOST_RAYS = 80
-"""Most rays that vote: as many as eight scans of ten beams; of more, every second or third."""
+MOST_RAYS = 60
+"""Most rays that vote: as many as six scans of ten beams; of more, every second or third."""
 
 NEARER = np.array([0.0, 0.02, 0.04, 0.06])
 """Distances by which a target may lie before the one that is wanted, where only a nearer one is sure [m]."""
@@ -60,7 +60,7 @@ COARSE = Grid(10, np.array([0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0]), np.deg2ra
 FINE = Grid(
     14,
     np.array([0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0]),
-    np.deg2rad(np.arange(15.0, 151.0, 7.5)),
+    np.deg2rad(np.arange(15.0, 151.0, 9.0)),
 )
 """Grids that are tried one after the other: with many radii of the pipe, and with those near the best one."""
 
