@@ -1,6 +1,6 @@
 """The bend ahead that fits best what the beams of a robot have met.
 
-The robot is told that a bend lies ahead, as a network's plan says it; how wide, how sharp and how far away it finds out.
+The robot is told that a bend lies ahead, as a network's plan says it; how wide, sharp and far away it is, it finds out.
 A bend has four unknowns: the pipe's radius r, where the bend starts, the radius of its centre line, and the change of
 heading. All are tried on a grid, and every beam votes: for a bend whose wall it ends at, against one beyond whose walls
 it ends or whose inner wall it goes through. Frame and names are those of `corner_map`.
@@ -32,8 +32,8 @@ NEAR_RADII = np.array([-0.003, 0.0, 0.003])
 """Radii that are tried then [m], counted from the best of the first ones."""
 
 HARDLY_BENT = 0.1
-"""Distance past its start at which an inner wall has left its line by what a beam can tell [m]: the laser's tolerance of
-10 mm at radii of up to half a metre."""
+"""Distance past its start at which an inner wall has left its line by what a beam can tell [m]: the tolerance of 10 mm
+at radii of up to half a metre."""
 
 MOST_RAYS = 60
 """Most rays that vote: as many as six scans of ten beams; of more, every second or third."""

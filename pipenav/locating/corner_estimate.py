@@ -1,4 +1,4 @@
-"""What a robot makes of the corner ahead, whichever way it is found."""
+"""Estimates of the corner ahead, by whichever map they are made."""
 
 from __future__ import annotations
 

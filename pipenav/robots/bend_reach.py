@@ -1,13 +1,13 @@
-"""How far along a swept bend an arm on a mount can reach, for k bends at once.
+"""The reach of an arm on a mount along a swept bend, for k bends at once.
 
-An arm passes a bend in several steps: each time the front half reaches a target, and the rear half follows. A step is as
-long as the arm's slide and its hinged links let it be. Through a mitre that is always enough; through a bend of
+An arm passes a bend in several steps: each time the front half reaches a target, and the rear half follows. A step is
+as long as the arm's slide and its hinged links let it be. Through a mitre that is always enough; through a bend of
 three diameters it is not, and a target behind such a bend could be reached by no controller.
 
 The frame here is the canonical one, moved along the first leg: x = 0 is where the inner wall starts to bend, the first
 leg's axis is y = 0, and the bend turns left around its turning point, (0, rho). rho is the radius of the middle line,
-the line that keeps one bore radius from the inner wall: the bend radius, or the bore's radius where the bend is so tight
-that its inner edge is sharp. Distances along the middle line count from x = 0.
+the line that keeps one bore radius from the inner wall: the bend radius, or the bore's radius where the bend is so
+tight that its inner edge is sharp. Distances along the middle line count from x = 0.
 """
 
 from __future__ import annotations
@@ -102,13 +102,13 @@ class _Polar(NamedTuple):
 def reach_along(robot: RobotSpec, bends: Bends, base: Floats) -> Floats:
     """Farthest distance along the middle line at which the tip can stand on it, (k,) [m].
 
-    The slide is out, the hinges stand on one line around the turning point, forward of each other, and the tip stands on
-    the middle line. Of all such poses that keep `CLEARANCE` from the walls and `RESERVE` from the joints' limits the
+    The slide is out, the hinges stand on one line around the turning point, forward of each other, and the tip stands
+    on the middle line. Of all such poses that keep `CLEARANCE` from the walls and `RESERVE` from the joints' limits the
     one that reaches farthest counts. A link's outline lies in the strip of the robot's width around its axis. The outer
     wall bounds a convex space and the inner wall a convex obstacle, so the strip is free where its ends keep off the
-    outer wall and it keeps off the turning point. In elbows of a diameter or more, up to 90 deg, no pose is 50 mm farther:
-    a string from the first hinge, pulled taut around the inner wall, would be longer than the links. Where no pose is
-    found, as in corners so tight that links lie across them, the reach is infinite: nothing is known.
+    outer wall and it keeps off the turning point. In elbows of a diameter or more, up to 90 deg, no pose comes 50 mm
+    farther: a string from the first hinge, pulled taut around the inner wall, would be longer than the links. Where no
+    pose is found, as in corners so tight that links lie across them, the reach is infinite: nothing is known.
 
     Args:
         robot: an arm on a mount.
@@ -167,7 +167,7 @@ def _meet(bends: Bends, point: Floats, length: float, away: Floats) -> Floats:
 
 
 def _off_turning_point(bends: Bends, start: Floats, end: Floats) -> Floats:
-    """Distances of segments (k, ..., 2) from the turning points, negative where they pass inside of them: (k, ...) [m]."""
+    """Distances of segments (k, ..., 2) from the turning points, negative where they pass inside: (k, ...) [m]."""
     (dx, dy), (x, y) = np.moveaxis(end - start, -1, 0), np.moveaxis(-start, -1, 0)
     y = y + _spread(bends.middle_radius, y.ndim)
     share = np.clip((x * dx + y * dy) / (dx * dx + dy * dy), 0.0, 1.0)

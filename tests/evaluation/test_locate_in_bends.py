@@ -54,9 +54,9 @@ def test_no_target_is_well_placed_before_the_bend_or_in_a_wall(
     pipe: PipeCorner, gap: float, back: float, aside: float
 ) -> None:
     base = -pipe.inner_edge - gap - ROBOT.length
-    start = np.array([-pipe.inner_edge, 0.0])
-    assert not well_placed(ROBOT, pipe, base, start + [-back * pipe.inner_edge, aside * pipe.diameter])
-    assert not well_placed(ROBOT, pipe, base, start + [0.0, 1.01 * pipe.radius * pipe.turn_sign])
+    before = np.array([-(1 + back) * pipe.inner_edge, aside * pipe.diameter])
+    assert not well_placed(ROBOT, pipe, base, before)
+    assert not well_placed(ROBOT, pipe, base, np.array([-pipe.inner_edge, 1.01 * pipe.radius * pipe.turn_sign]))
 
 
 @settings(max_examples=40, deadline=None)

@@ -1,4 +1,4 @@
-"""How far an arm reaches along a bend: its poses are real ones, and nothing much farther can be reached by any."""
+"""The reach of an arm along a bend: its poses are real ones, and nothing much farther can be reached by any."""
 
 from __future__ import annotations
 

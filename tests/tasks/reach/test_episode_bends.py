@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from pipenav.arrays import Floats
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.wall_distance import wall_distance
-from pipenav.robots import kinematics
+from pipenav.robots import frames, kinematics
 from pipenav.robots.robot import RobotSpec, load_robot
 from pipenav.tasks.reach import episode
 from pipenav.tasks.reach.config import ReachConfig
@@ -46,7 +46,7 @@ class Search:
         self.rng = np.random.default_rng(0)
 
     def blocked(self, q: Floats) -> Floats:
-        """How far poses (n, joints) are from being allowed, 0 where they are [m, rad]."""
+        """Distance of poses (n, joints) from being allowed, 0 where they are [m, rad]."""
         overlap = np.maximum(-wall_distance(self.robot, self.pipe, q, self.base), 0.0)
         return overlap + 0.1 * episode.at_limit(self.robot, TASK, q)
 
@@ -56,7 +56,7 @@ class Search:
         for _ in range(ROUNDS):
             q = mean + spread * self.rng.standard_normal((POSES, 4))
             q = np.clip(q, self.robot.lower, self.robot.upper)
-            tip = kinematics.forward(self.robot, q).tip + [self.base, 0.0]
+            tip = frames.robot_to_pipe(kinematics.forward(self.robot, q).tip, self.base)
             missed = np.maximum(np.linalg.norm(tip - target, axis=1) - TASK.reach_tolerance, 0.0)
             cost = missed + 3 * self.blocked(q)
             best = cost.argsort()[:KEPT]
