@@ -36,21 +36,18 @@ def main() -> None:
         if pipe.turn == "left" and pipe.bend_radius:
             key = round(pipe.bend_radius / pipe.diameter, 3), round(180 - rad_to_deg(pipe.angle), 1)
             rows[key] += [draw(robot, pipe, rng) for _ in range(given.draws)]
-    print(
-        "radius [D]  turn [deg]  nearer than drawn [%], by [mm]  out of reach by the string [%]  reach past the end [mm]"
-    )
+    print("radius [D]  turn [deg]  nearer [%], by [mm]  out of reach by the string [%]  reach past the end [mm]")
     for (times, turn), found in sorted(rows.items()):
         missing, out, past = np.array(found).T
         nearer = missing[missing > 0]
         by = m_to_mm(float(nearer.mean())) if len(nearer) else 0.0
         ends = f"{m_to_mm(float(past.min())):.0f} to {m_to_mm(float(past.max())):.0f}"
-        print(
-            f"{times:10g}  {turn:10g}  {100 * np.mean(missing > 0):15.0f}, {by:11.0f}  {100 * out.mean():30.0f}  {ends}"
-        )
+        share = 100 * np.mean(missing > 0)
+        print(f"{times:10g}  {turn:10g}  {share:10.0f}, {by:7.0f}  {100 * out.mean():30.0f}  {ends}")
 
 
 def draw(robot: RobotSpec, pipe: PipeCorner, rng: np.random.Generator) -> Floats:
-    """Facts of a start and a depth: what the reach lacks [m], whether the string is too long, and reach past the bend [m]."""
+    """Facts of a draw: what the reach lacks [m], whether the string is too long, and the reach past the bend [m]."""
     gap, depth = rng.uniform(*TASK.start_gap), rng.uniform(*TASK.target_depth)
     bends = Bends(np.array([pipe.radius]), np.array([pipe.bend_radius]), np.array([math.pi - pipe.angle]))
     base = -gap - robot.length
