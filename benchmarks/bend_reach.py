@@ -77,7 +77,7 @@ def taut_string(bends: Bends, start: Floats, end: Floats, keep_off: float) -> fl
     touching = between - sum(math.acos(radius / away) for away in far)
     if touching <= 0:
         return float(np.linalg.norm(end - start))
-    return radius * touching + sum(math.sqrt(away**2 - radius**2) for away in far)
+    return float(radius * touching + sum(math.sqrt(away**2 - radius**2) for away in far))
 
 
 if __name__ == "__main__":

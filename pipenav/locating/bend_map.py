@@ -14,6 +14,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipenav.arrays import Flags, Floats
 from pipenav.locating.corner_estimate import TIE, CornerEstimate
@@ -37,6 +38,9 @@ at radii of up to half a metre."""
 
 MOST_RAYS = 60
 """Most rays that vote: as many as six scans of ten beams; of more, every second or third."""
+
+LEAST_RAYS = 4
+"""Least rays that must end past the first start: fewer could not agree on a bend."""
 
 NEARER = np.array([0.0, 0.02, 0.04, 0.06])
 """Distances by which a target may lie before the one that is wanted, where only a nearer one is sure [m]."""
@@ -110,7 +114,7 @@ def bend_estimate(
     """
     estimates = []
     for i, near in enumerate(nearer):
-        seen = _telling(Rays(*(part[i] for part in rays)))
+        seen = _telling(rays.part(i))
         wanted = _Wanted(depth, float(room[i]), NEARER if near else NEARER[:1])
         estimates.append(_estimate(robot, seen, wanted, tolerance))
     return CornerEstimate(*map(np.concatenate, zip(*estimates, strict=True)))
@@ -127,8 +131,7 @@ class _Wanted(NamedTuple):
 def _telling(rays: Rays) -> Rays:
     """Rays of one robot that say something about walls, (m, ...)."""
     told = np.flatnonzero(~rays.near & np.isfinite(rays.end).all(axis=1))
-    kept = told[:: -(-len(told) // MOST_RAYS) or 1]
-    return Rays(*(part[kept] for part in rays))
+    return rays.part(told[:: -(-len(told) // MOST_RAYS) or 1])
 
 
 def _estimate(robot: RobotSpec, rays: Rays, wanted: _Wanted, tolerance: float) -> CornerEstimate:
@@ -137,7 +140,7 @@ def _estimate(robot: RobotSpec, rays: Rays, wanted: _Wanted, tolerance: float) -
     radii = max(least, robot.width / 2) + WIDER
     for grid in (COARSE, FINE):
         tried = _tried(robot, rays, radii, grid, tolerance)
-        if not len(tried.radius):
+        if np.count_nonzero(rays.met & (rays.end[:, 0] > tried.start.min(initial=np.inf))) < LEAST_RAYS:
             return _nothing_known()
         votes = _votes(rays, tried, tolerance)
         best = np.unravel_index(votes.total.argmax(), votes.total.shape)
@@ -182,14 +185,14 @@ def _target(robot: RobotSpec, numbers: Floats, weight: Floats, wanted: _Wanted) 
 
 def _tried(robot: RobotSpec, rays: Rays, radii: Floats, grid: Grid, tolerance: float) -> _Tried:
     """Bends to try: of each radius of the pipe, where the inner wall may end as far as beams can tell."""
-    low, high = edge_range(Rays(*(part[None] for part in rays)), radii[None], tolerance, robot.laser.range_min)
+    low, high = edge_range(rays.part(None), radii[None], tolerance, robot.laser.range_min)
     share = np.linspace(0.0, 1.0, grid.starts)
     starts = low[0, :, None] - HARDLY_BENT + (high - low + HARDLY_BENT)[0, :, None] * share  # (r, starts)
     shape = (len(radii), grid.starts, len(grid.radii))
     radius, start = np.broadcast_to(radii[:, None, None], shape), np.broadcast_to(starts[..., None], shape)
     seen = np.isfinite(start).ravel()
-    columns = (radius, start, 2 * radius * grid.radii)
-    return _Tried(*(column.ravel()[seen] for column in columns), grid.turns)
+    middle_radius = (2 * radius * grid.radii).ravel()[seen]
+    return _Tried(radius.ravel()[seen], start.ravel()[seen], middle_radius, grid.turns)
 
 
 def _votes(rays: Rays, tried: _Tried, tolerance: float) -> _Votes:
@@ -207,7 +210,7 @@ def _votes(rays: Rays, tried: _Tried, tolerance: float) -> _Votes:
     return _Votes(total, votes_ahead, votes_ahead / np.maximum(ahead.sum(axis=-1), 1)[:, None])
 
 
-def _off_walls(end: Floats, tried: _Tried) -> Floats:
+def _off_walls(end: Floats, tried: _Tried) -> NDArray[np.float32]:
     """Distance of the ends of rays (m, 2) past the walls of bends, negative inside: (c, turns, m).
 
     Single precision is enough for votes, and these are the arrays that take the time.
@@ -223,10 +226,9 @@ def _off_walls(end: Floats, tried: _Tried) -> Floats:
     offset = (start_across.T + rho[:, None]).astype(np.float32)[..., None] - across
     after = along > start_along.T.astype(np.float32)[..., None]
     after &= (from_start > 0)[:, None]
-    offset = np.where(after, offset, bent[:, None])
-    np.abs(offset, out=offset)
-    offset -= radius.astype(np.float32)[:, None, None]
-    return offset
+    walls: NDArray[np.float32] = np.abs(np.where(after, offset, bent[:, None]))
+    walls -= radius.astype(np.float32)[:, None, None]
+    return walls
 
 
 def _off_turning_point(tip: Floats, end: Floats, start: Floats, rho: Floats) -> Floats:

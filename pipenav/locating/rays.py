@@ -27,6 +27,10 @@ class Rays(NamedTuple):
     met: Flags
     near: Flags
 
+    def part(self, index: int | Ints | None) -> Rays:
+        """Rays of one robot or some; None puts an axis before those of one."""
+        return Rays(self.tip[index], self.direction[index], self.end[index], self.met[index], self.near[index])
+
 
 def weights(distance: Floats) -> Floats:
     """Votes by distance: 1 for a distance of 0, 0 from a distance of 1 on, a parabola in between.

@@ -25,7 +25,7 @@ def bends_of(pipe: PipeCorner) -> Bends:
 
 def in_pipe(pipe: PipeCorner, points: Floats) -> Floats:
     """Points of a left bend's own frame in the pipe's."""
-    return points - np.array([pipe.inner_edge, 0.0])
+    return np.asarray(points - np.array([pipe.inner_edge, 0.0]))
 
 
 @settings(max_examples=60, deadline=None)
@@ -60,7 +60,7 @@ def shortest_path(bends: Bends, start: Floats, end: Floats, keep_off: float) -> 
     if touching <= 0:
         return float(np.linalg.norm(end - start))
     tangents = math.sqrt(max(far_a**2 - radius**2, 0.0)) + math.sqrt(max(far_b**2 - radius**2, 0.0))
-    return tangents + radius * touching
+    return float(tangents + radius * touching)
 
 
 def farthest_by_string(robot: RobotSpec, bends: Bends, base: float) -> float:

@@ -35,7 +35,7 @@ def drawn(robot: RobotSpec, pipe: PipeCorner, seed: int, task: ReachConfig = TAS
 
 def in_pipe(episodes: episode.ReachEpisodes) -> Floats:
     """The first target in the pipe's frame, (2,)."""
-    return (episodes.target[0] + [episodes.base[0], 0.0]) * [1.0, episodes.turn_sign[0]]
+    return np.asarray((episodes.target[0] + [episodes.base[0], 0.0]) * [1.0, episodes.turn_sign[0]])
 
 
 class Search:
@@ -48,7 +48,7 @@ class Search:
     def blocked(self, q: Floats) -> Floats:
         """Distance of poses (n, joints) from being allowed, 0 where they are [m, rad]."""
         overlap = np.maximum(-wall_distance(self.robot, self.pipe, q, self.base), 0.0)
-        return overlap + 0.1 * episode.at_limit(self.robot, TASK, q)
+        return np.asarray(overlap + 0.1 * episode.at_limit(self.robot, TASK, q))
 
     def pose_at(self, target: Floats) -> Floats | None:
         """A pose with its tip on the target, by drawing poses around the best ones, again and again."""
@@ -61,7 +61,7 @@ class Search:
             cost = missed + 3 * self.blocked(q)
             best = cost.argsort()[:KEPT]
             if cost[best[0]] == 0.0:
-                return q[best[0]]
+                return np.asarray(q[best[0]])
             mean, spread = q[best].mean(axis=0), 0.9 * spread.clip(0.002) + 0.1 * q[best].std(axis=0)
         return None
 
