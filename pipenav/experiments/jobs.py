@@ -109,8 +109,7 @@ def training_jobs(plan: ExperimentPlan, threads: int) -> list[Job]:
     for agent in agents_of(list(plan.experiments)):
         for seed in plan.seeds:
             folder = plan.training_folder(agent, seed)
-            config = load_agents()[agent].config(seed, plan.settings.steps)
-            config = config.model_copy(update={"backend": plan.settings.backend})
+            config = load_agents()[agent].config(seed, plan.settings.steps, plan.settings.backend)
             if not (folder / TRAINED_FILE).exists():
                 jobs.append(Job(f"train {agent}, seed {seed}", config.steps, Training(config, folder, threads)))
     return jobs

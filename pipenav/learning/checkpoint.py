@@ -14,7 +14,7 @@ from stable_baselines3 import PPO
 
 from pipenav.arrays import Table
 from pipenav.errors import PipenavError, shown
-from pipenav.learning.config import MOST_STEPS
+from pipenav.learning.stage_tables import MOST_STAGES, MOST_STEPS
 from pipenav.storage.atomic_files import atomic_write
 from pipenav.storage.text_files import parse_json, read_bytes
 
@@ -26,12 +26,17 @@ LARGEST_FILE = 256 << 20
 """Largest checkpoint [bytes]: three times the weights and the optimiser's state of the largest networks."""
 
 
+NO_CHECK = -1.0
+"""Success of the best check before there is any."""
+
+
 class Checkpoint(Table):
     """Progress of a training, kept beside its weights."""
 
     steps: int = Field(0, ge=0, le=MOST_STEPS, description="control steps")
     seconds: float = Field(0.0, ge=0, description="seconds of training")
-    best_success: float = Field(-1.0, ge=-1, le=1, description="success of the best check; -1 before any")
+    best_success: float = Field(NO_CHECK, ge=NO_CHECK, le=1, description="success of the best check; -1 before any")
+    stage: int = Field(1, ge=1, le=MOST_STAGES, description="number of the stage that the training was in")
 
 
 def save_checkpoint(path: Path, model: PPO, checkpoint: Checkpoint) -> None:

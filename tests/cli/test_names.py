@@ -55,6 +55,8 @@ def leaves(table: Mapping[str, Any], before: str = "") -> set[str]:
     for key, value in table.items():
         if key == "actuators":
             found |= {leaf for part in value.values() for leaf in leaves(part, f"{before}{key}.NAME.")}
+        elif key == "stages":
+            found |= {f"{key}[].{inner}" for part in value for inner in part}
         elif isinstance(value, dict) and key != "options":
             found |= leaves(value, f"{before}{key}.")
         elif isinstance(value, list) and value and isinstance(value[0], dict):

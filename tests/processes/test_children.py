@@ -84,13 +84,6 @@ def test_a_folder_goes_at_the_end_of_its_context() -> None:
     assert not folder.exists()
 
 
-@pytest.fixture
-def helpers_for_children(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Children find the module of a worker that only tests have."""
-    path = [str(Path(__file__).resolve().parents[1]), *filter(None, [os.environ.get("PYTHONPATH")])]
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(path))
-
-
 @pytest.mark.usefixtures("helpers_for_children")
 def test_a_worker_outlives_the_thread_that_started_it() -> None:
     workers = []
