@@ -7,14 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from pipenav.arrays import Floats, Ints
-from pipenav.networks.model import SCALE_SPREAD, NetworkMap, Note, Origin
+from pipenav.networks.model import BORE_STEP, SCALE_SPREAD, NetworkMap, Note, Origin
 from pipenav.networks.polylines import ends_on_lines
 
 NEAR = 0.1
 """Distance at which an end that meets nothing lies on another line, or two nodes lie in one place [m]."""
-
-REAL_STEP = 1e-3
-"""Least difference of two bores that makes a reducer [m]: less is another wall thickness."""
 
 MANY = 5
 """Services at one node from which they are named: nobody builds a crossing of so many pipes."""
@@ -81,7 +78,7 @@ def _bores(network: NetworkMap) -> Iterator[Note]:
         )
     least, most = _bore_range(network)
     step = (most - least)[np.isfinite(most - least)]
-    if small := int(((step > 1e-6) & (step < REAL_STEP)).sum()):
+    if small := int(((step > 1e-6) & (step < BORE_STEP)).sum()):
         yield Note("small-reducer", "assumed", "bores that differ by less than 1 mm were taken for equal", small)
 
 

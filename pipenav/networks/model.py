@@ -21,6 +21,9 @@ Origins = NDArray[np.int8]
 SCALE_SPREAD = 1.3
 """Largest ratio of the 90th to the 10th percentile of stated over drawn length: above it, a map is a sketch."""
 
+BORE_STEP = 1e-3
+"""Least difference of two bores that makes a reducer [m]: less is another wall thickness."""
+
 Severity = Literal["info", "assumed", "refused"]
 
 

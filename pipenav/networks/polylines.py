@@ -192,7 +192,8 @@ def _crossed(a: Point, b: Point) -> list[tuple[int, int]]:
     steps = min(int(math.hypot(b[0] - a[0], b[1] - a[1]) / (CELL / 2)) + 1, MOST_CELLS)
     near = set()
     for step in range(steps + 1):
-        x, y = (a[k] + (b[k] - a[k]) * step / steps for k in (0, 1))
+        share = step / steps
+        x, y = a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share
         column, row = math.floor(x / CELL), math.floor(y / CELL)
         near |= {(column + i, row + j) for i in (-1, 0, 1) for j in (-1, 0, 1)}
     return list(near)

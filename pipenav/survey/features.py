@@ -9,7 +9,7 @@ from functools import cache
 from itertools import combinations, pairwise
 from typing import Literal, NamedTuple
 
-from pipenav.networks.model import Origin
+from pipenav.networks.model import BORE_STEP, Origin
 from pipenav.pipes.branch_pipes import BRANCH_ANGLE_RANGE_DEG
 from pipenav.survey.classes import (
     TEE_STEP_DEG,
@@ -154,7 +154,7 @@ def _feature(graph: MainsGraph, at: _At, geometry: Geometry) -> Feature:
     kind: FeatureKind = "end" if count == 1 else "junction"
     others = [i for i in range(count) if i not in pair]
     if count == 2:
-        changed = abs(at.bores[0] - at.bores[1]) >= 1e-3
+        changed = abs(at.bores[0] - at.bores[1]) >= BORE_STEP
         kind = "reducer" if changed else "bend" if 180 - angle >= CORNER_DEG else "joint"
     elif count in (3, 4) and angle >= NO_RUN_DEG:
         kind = "tee" if count == 3 else "cross"

@@ -13,16 +13,13 @@ import numpy as np
 
 from pipenav.arrays import Flags, Floats, Ints
 from pipenav.errors import PipenavError
-from pipenav.networks.model import NetworkMap
+from pipenav.networks.model import BORE_STEP, NetworkMap
 
 LEAST_LEG = 0.5
 """Shortest leg of a map that tells a direction [m]: shorter ones make sharp corners of drawing errors."""
 
 COLLINEAR = 0.02
 """Distance of a vertex from the line of its neighbours that counts as none [m]."""
-
-BORE_STEP = 1e-3
-"""Difference of two bores that counts as none [m]."""
 
 
 class Incidence(NamedTuple):
@@ -58,7 +55,6 @@ class MainsGraph:
         length: lengths, (s,) [m].
         diameter: inner diameters, NaN where none is known, (s,) [m].
         dropped: numbers of points that were left out, by the reason.
-        capped: whether a point is an end, (p,).
     """
 
     network: NetworkMap

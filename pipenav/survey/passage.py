@@ -118,9 +118,8 @@ class Ways(NamedTuple):
                 cost[i] = 0.0
         if limit in ("bores", "slopes", "unknown"):
             named = {"bores": "bore", "slopes": "climbs", "unknown": ""}[limit]
-            lifted = [s for s, reason in self.unknown.items() if named in reason]
             passable = passable.copy()
-            passable[lifted] = True
+            passable[[s for s, reason in self.unknown.items() if named in reason]] = True
             cost = [
                 0.0 if judgement.verdict == "unknown" and named in judgement.reason else c
                 for c, judgement in zip(cost, judgements, strict=True)

@@ -11,9 +11,11 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.errors import PipenavError
+from pipenav.networks.model import BORE_STEP
 from pipenav.pipes.network import NetworkNode, NetworkPipe, PipeNetwork
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_checks import MAX_CORNERS, CrossesItself
+from pipenav.survey.features import CORNER_DEG
 from pipenav.survey.reach import Label, way_to
 from pipenav.survey.survey import Survey
 from pipenav.units import m_to_mm, rad_to_deg
@@ -75,7 +77,7 @@ def _corners_of(result: Survey, label: Label) -> tuple[list[int], list[float]]:
     for i in range(1, len(points) - 1):
         before, after = graph.position[points[i]] - graph.position[kept[-1]], graph.position[points[i + 1]]
         turn = _angle(before, after - graph.position[points[i]])
-        if turn >= math.radians(2.5) or abs(all_bores[i] - bores[-1]) >= 1e-3:
+        if turn >= math.radians(CORNER_DEG) or abs(all_bores[i] - bores[-1]) >= BORE_STEP:
             kept.append(points[i])
             bores.append(all_bores[i])
     return [*kept, points[-1]], bores
@@ -119,7 +121,7 @@ def shortened_route(result: Survey, points: list[int], bores: list[float]) -> Pi
 
 def _radius(result: Survey, point: int, beside: list[float]) -> float:
     """Radius of the bend at a point [m]; a reducer, and an end, have none."""
-    if len(beside) < 2 or abs(beside[0] - beside[1]) >= 1e-3:
+    if len(beside) < 2 or abs(beside[0] - beside[1]) >= BORE_STEP:
         return 0.0
     return float(result.fittings.features[point].radius)
 
