@@ -39,6 +39,7 @@ LEFT = {
     "backends": 6.1,
     "pipes": 2.6,
     "robots": 5.8,
+    "jobs": 8.6,
     "storage": 7.0,
     "processes": 9.3,
     "units": 2.4,

@@ -19,7 +19,7 @@ PLUGINS = sorted(path.name for path in (ROOT / "plugins").iterdir() if (path / "
 FLOORS: list[set[str]] = [
     {"errors", "units", "arrays"},
     {"storage", "processes"},
-    {"pipes", "robots"},
+    {"jobs", "pipes", "robots"},
     {"backends", "drawing"},
     {"tasks", "disturbances", "locating", "export", "testing"},
     {"policies", "motions", "envs"},
@@ -33,7 +33,7 @@ FLOORS: list[set[str]] = [
 DOORS = {"__init__": 0, "__main__": 10, "env": 8, "train": 8}
 """Modules beside the packages, and the floor above which each stands: the ways in that other people's code knows."""
 
-OPEN_TO_PLUGINS = {"backends", "robots", "pipes", "errors", "arrays", "units"}
+OPEN_TO_PLUGINS = {"backends", "jobs", "robots", "pipes", "errors", "arrays", "units"}
 """Packages of pipenav that a plugin may import."""
 
 SIMULATORS = {"mujoco", "pybullet", "serial", "dynamixel_sdk"}
