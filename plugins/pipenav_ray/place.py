@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import pickle
 import time
-from typing import Any
+from typing import Any, NamedTuple
 
 import ray
 from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
@@ -118,8 +118,14 @@ class _RaySlots(Slots):
         self._stack.close()
 
 
-def _do(order: bytes, key: str, cores: int, relay: Any) -> bytes | Exception | None:
-    """Do a job in a worker of Ray: what its function returned, what it raised, or None where it has stopped."""
+class _Saved(NamedTuple):
+    """The answer of a job that was stopped, with what it sends."""
+
+    content: bytes
+
+
+def _do(order: bytes, key: str, cores: int, relay: Any) -> bytes | Exception | _Saved:
+    """Do a job in a worker of Ray: what its function returned, or what it raised, or how it was stopped."""
     try:
         function: JobFunction
         function, data = pickle.loads(order)
@@ -128,7 +134,8 @@ def _do(order: bytes, key: str, cores: int, relay: Any) -> bytes | Exception | N
     ending = ending_of(Job(key, key, function, data), RayControl(key, cores, relay))
     if isinstance(ending, Failed):
         return portable(ending.error)
-    return ending.content if isinstance(ending, Done) else None
+    assert not isinstance(ending, Lost)  # a job that is done here cannot be
+    return ending.content if isinstance(ending, Done) else _Saved(ending.content)
 
 
 def _ending(job: Job, reference: Any) -> Ending:
@@ -140,4 +147,4 @@ def _ending(job: Job, reference: Any) -> Ending:
         return Lost(job, f"{type(error).__name__}: {how[:200]}")
     if isinstance(answer, Exception):
         return Failed(job, answer)
-    return Stopped(job) if answer is None else Done(job, answer)
+    return Stopped(job, answer.content) if isinstance(answer, _Saved) else Done(job, answer)
