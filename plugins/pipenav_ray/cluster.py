@@ -161,7 +161,7 @@ def _initialise(**settings: Any) -> None:
 
 
 def _handlers() -> Mapping[int, Any]:
-    """What this process does on signals; nothing where that is not ours to change."""
+    """Handlers of the signals that Ray replaces; none where they are not ours to change."""
     if threading.current_thread() is not threading.main_thread():
         return {}
     return {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
