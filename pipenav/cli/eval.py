@@ -107,9 +107,7 @@ def evaluate(
     """
     from pipenav.evaluation.config import EvaluationConfig, todays_stage
 
-    required = _required_share(require)
-    if where.shard is not None:
-        refuse_ignored({"--require": require}, "a share of an evaluation has no success yet")
+    required = _required_share(require, where)
     if stage not in ("locate", "passage"):
         refuse_ignored({"--variant": variant}, "it says how --stage locate or passage locates a target")
     config = EvaluationConfig(
@@ -124,8 +122,7 @@ def evaluate(
         options=checked_options(simulator.backend, simulator.option or []),
         disturb=disturb,
     )
-    evaluation = _measured(config, out, where)
-    if evaluation is not None and required is not None and evaluation.success < required:
+    if (evaluation := _measured(config, out, where)) and required is not None and evaluation.success < required:
         raise PipenavError(f"success {100 * evaluation.success:.6g}% is below the required {require}.")
 
 
@@ -185,10 +182,12 @@ def _run_shard(checked: CheckedEvaluation, store: JobStore, place: Place, number
     say(f"share {shard} is done in {store.folder}: {left}; the same command without --shard writes the evaluation")
 
 
-def _required_share(text: str | None) -> float | None:
+def _required_share(text: str | None, where: ShardedPlaceOptions) -> float | None:
     """The share of successes that is required, from a percentage as it was typed."""
     if text is None:
         return None
+    if where.shard is not None:
+        refuse_ignored({"--require": text}, "a share of an evaluation has no success yet")
     try:
         percent = float(text.removesuffix("%"))
     except ValueError:
