@@ -21,7 +21,8 @@ WIDTH, FLOOR_HEIGHT = 11.0, 0.95
 
 LEFT = {
     "cli": 9.0,
-    "experiments": 4.6,
+    "experiments": 1.9,
+    "tuning": 4.6,
     "learning": 1.9,
     "recording": 4.5,
     "evaluation": 2.5,

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from pipenav.cli.options import SIMULATOR, BackendOption, SettingsOption, checked_options
+from pipenav.cli.percentages import share_of
 from pipenav.cli.terminal import progress_console, refuse_ignored, say, show
 from pipenav.errors import PipenavError
 
@@ -87,7 +87,7 @@ def evaluate(
     """
     from pipenav.evaluation.config import EvaluationConfig, todays_stage
 
-    required = _required_share(require)
+    required = None if require is None else share_of(require, "--require")
     if stage not in ("locate", "passage"):
         refuse_ignored({"--variant": variant}, "it says how --stage locate or passage locates a target")
     config = EvaluationConfig(
@@ -122,19 +122,6 @@ def _measured(config: EvaluationConfig, out: Path | None) -> Evaluation:
     show(evaluation_table(evaluation))
     say(f"evaluation folder {folder}: {', '.join(FILES)}")
     return evaluation
-
-
-def _required_share(text: str | None) -> float | None:
-    """The share of successes that is required, from a percentage as it was typed."""
-    if text is None:
-        return None
-    try:
-        percent = float(text.removesuffix("%"))
-    except ValueError:
-        percent = math.nan
-    if not 0 <= percent <= 100 or (0 < percent <= 1 and not text.endswith("%")):
-        raise PipenavError(f"--require {text} is not a percentage: write it as 99% or 99.5%.")
-    return percent / 100
 
 
 def _run(console: Console, checked: CheckedEvaluation) -> Evaluation:

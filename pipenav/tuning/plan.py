@@ -174,8 +174,8 @@ def _require_same_checks(config: TrainConfig, base: TrainConfig, what: str = "a 
     for key, value in mine.items():
         if value != preset[key]:
             raise PipenavError(
-                f"{what} would change {key}, and with it what the checks at the end of a trial measure: search settings "
-                "of learner, network, steps, task.reward, or of stages before the last one."
+                f"{what} would change {key}, and with it what the checks at the end of a trial measure: search keys of "
+                "learner, network, steps and task.reward, or of stages before the last one."
             )
 
 

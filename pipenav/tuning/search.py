@@ -1,4 +1,4 @@
-"""The driver of a search: asks the study for settings, has them trained at a place, and tells the study what came of it.
+"""The driver of a search: asks the study for settings, has them trained at a place, and tells the study what came.
 
 It may be killed at any moment. The journal then has the trials that ran, the store the results that had come in, and
 the training folders what was saved: the next driver takes all of it up.
@@ -7,8 +7,7 @@ the training folders what was saved: the next driver takes all of it up.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from pipenav.errors import PipenavError
 from pipenav.jobs import Done, Event, Job, JobStore, Kept, Place, Progressed, Stopped, run_jobs
@@ -112,7 +111,9 @@ class Search:
                 if job is not None:
                     yield job
         refused = 0
-        while sum(not record.preset and record.state != "refused" for record in self.study.records()) < self.plan.trials:
+        while (
+            sum(not record.preset and record.state != "refused" for record in self.study.records()) < self.plan.trials
+        ):
             record = self.study.ask()
             job = self._trial_job(record)
             refused = refused + 1 if job is None else 0

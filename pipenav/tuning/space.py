@@ -109,7 +109,9 @@ class SearchSpace(Table):
     def _keys_can_be_written(self) -> Self:
         for key in self.space:
             if not _BARE_KEY.fullmatch(key):
-                raise PydanticCustomError("key", f"space: {key!r} is no key of a training: see pipenav list training-keys")
+                raise PydanticCustomError(
+                    "key", f"space: {key!r} is no key of a training: see pipenav list training-keys"
+                )
         return self
 
 
