@@ -11,15 +11,20 @@ from typing import Any, NamedTuple
 from pydantic import JsonValue
 
 from pipenav.errors import ConfigError, PipenavError
-from pipenav.learning.config import EXTENDS, TrainConfig, load_config
+from pipenav.learning.config import EXTENDS, TrainConfig, load_config, nested, validate_config
 from pipenav.learning.rehearsal import rehearse
+from pipenav.learning.stage_tables import laid_over, merged
 from pipenav.learning.stages import require_one_interface, training_stages
 from pipenav.storage.text_files import read_toml
 from pipenav.tuning.objective import Objective
-from pipenav.tuning.space import SearchSpace, value_text
+from pipenav.tuning.space import STAGE_STEPS, SearchSpace, value_text
 
 FREE_TASK_KEYS = frozenset({"reward", "observation", "control"})
 """Keys of a task that change how it is learned, and not what a check counts as a success."""
+
+
+LAYER = "settings of a trial"
+"""Name of a trial's settings in messages."""
 
 
 class BaseTraining(NamedTuple):
@@ -46,8 +51,14 @@ class BaseTraining(NamedTuple):
             PipenavError: they do not fit each other.
         """
         common = [f"{key}={value_text(value)}" for key, value in _leaves(self.space.settings).items()]
-        options = {"steps": self.steps, "seed": self.seed if seed is None else seed, **(trial or {})}
-        return load_config(self.preset, self.file, [*common, *self.settings], options)
+        options = {"steps": self.steps, "seed": self.seed if seed is None else seed}
+        config = load_config(self.preset, self.file, [*common, *self.settings], options)
+        if not trial:
+            return config
+        layer: dict[str, Any] = {}
+        for key, value in trial.items():
+            layer = merged(layer, nested(key, value))
+        return validate_config(laid_over(config.model_dump(exclude_none=True), layer, LAYER), LAYER)
 
     @property
     def preset(self) -> str:
@@ -147,7 +158,7 @@ def checked_plan(base: BaseTraining, objective: Objective, trials: int, again: i
 
 def _check_key(plan: TunePlan, key: str, ends: Sequence[Any]) -> None:
     """Refuse a setting of which no value fits the preset, or that decides what the search measures."""
-    if plan.objective.name == "success" and (key == "steps" or (key.startswith("stages.") and key.endswith(".steps"))):
+    if plan.objective.name == "success" and (key == "steps" or STAGE_STEPS.fullmatch(key)):
         raise PipenavError(
             f"space: {key} decides how long a trial trains, and --objective success compares trials of one length: "
             "leave it out of the space, or choose --objective steps."

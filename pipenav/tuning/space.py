@@ -24,6 +24,9 @@ MOST_SETTINGS = 50
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
 
+STAGE_STEPS = re.compile(r"stages\.[^.]+\.steps")
+"""Keys of the number of steps of one stage."""
+
 Number = int | float
 
 
@@ -106,7 +109,10 @@ class SearchSpace(Table):
     )
 
     @model_validator(mode="after")
-    def _keys_can_be_written(self) -> Self:
+    def _keys_fit(self) -> Self:
+        part = next((key for key in self.space if STAGE_STEPS.fullmatch(key)), None)
+        if "steps" in self.space and part is not None:
+            raise PydanticCustomError("key", f"space: steps has {part} in it: search one of them")
         for key in self.space:
             if not _BARE_KEY.fullmatch(key):
                 raise PydanticCustomError(
