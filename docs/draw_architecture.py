@@ -21,9 +21,11 @@ WIDTH, FLOOR_HEIGHT = 11.0, 0.95
 
 LEFT = {
     "cli": 9.0,
-    "experiments": 4.6,
+    "experiments": 1.9,
+    "tuning": 4.6,
     "learning": 1.9,
     "recording": 4.5,
+    "survey": 7.3,
     "evaluation": 2.5,
     "deployment": 8.6,
     "comparison": 10.2,
@@ -35,6 +37,7 @@ LEFT = {
     "tasks": 6.1,
     "locating": 8.5,
     "testing": 10.2,
+    "networks": 10.2,
     "drawing": 2.38,
     "backends": 6.1,
     "pipes": 2.6,

@@ -25,7 +25,7 @@ FLOORS: list[set[str]] = [
     {"policies", "motions", "envs"},
     {"evaluation", "deployment", "comparison"},
     {"learning", "recording", "survey"},
-    {"experiments"},
+    {"experiments", "tuning"},
     {"cli"},
 ]
 """Packages (and the modules of the lowest floor) from the bottom to the top: each imports only what lies below it."""
@@ -39,6 +39,7 @@ OPEN_TO_PLUGINS = {"backends", "jobs", "robots", "pipes", "errors", "arrays", "u
 SIMULATORS = {"mujoco", "pybullet", "serial", "dynamixel_sdk"}
 HEAVY = {"torch", "stable_baselines3", "gymnasium", "matplotlib", "mujoco", "pybullet", "tensorboard", "trimesh"} | {
     "manifold3d",
+    "optuna",
     "shapely",
 }
 

@@ -183,6 +183,13 @@ def _experiment(options: Options) -> Options:
     return options._replace(arguments=("e",)).without(DROPPED).plus(*small, ("--out", "reported"))
 
 
+def _tune(options: Options) -> Options:
+    """A search of two trials in one corner, each as short as a documented training."""
+    settings = [("--set", setting) for setting in (*TRAINING, 'pipes=["d=100,angle=90"]', "task.max_steps=10")]
+    small = (("--space", "my-space.toml"), ("--trials", "2"), ("--again", "0"), ("--objective", "success"))
+    return Options("tune", (), (*small, ("--steps", "64"), *settings, ("--out", "searched")))
+
+
 def _run_real(options: Options) -> Options:
     if not options.has("--emulate"):
         return options
@@ -212,5 +219,6 @@ RULES: dict[str, Callable[[Options], Options]] = {
     "run-real": _run_real,
     "survey": _survey,
     "train": _train,
+    "tune": _tune,
     "view": _view,
 }
