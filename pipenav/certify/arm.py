@@ -9,11 +9,8 @@ import numpy as np
 
 from pipenav.arrays import Flags, Floats
 from pipenav.certify.cells import ROUNDING, Span
-from pipenav.certify.corner_walls import corner_walls
-from pipenav.certify.shapes import Shapes, shapes_of
-from pipenav.certify.slide_interval import Interval, SeenWalls, slide_interval
-from pipenav.pipes.corner import PipeCorner
-from pipenav.robots import kinematics
+from pipenav.certify.model import Model
+from pipenav.certify.slide_interval import Interval, slide_interval
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.reach.config import ReachConfig
 
@@ -22,46 +19,6 @@ WITHIN = 0.7
 
 LIMIT_SPARE = 0.01
 """Share of a joint's travel by which motions stay off its limits: twice what ends an episode of the task."""
-
-
-class Model(NamedTuple):
-    """What a certificate is about.
-
-    Attributes:
-        robot: the robot.
-        pipe: the corner.
-        bore: `plane` or `round`.
-        overlap: overlap with the wall that is allowed [m].
-    """
-
-    robot: RobotSpec
-    pipe: PipeCorner
-    bore: str = "plane"
-    overlap: float = 0.0
-
-    @property
-    def turn(self) -> float:
-        """Change of heading in the canonical frame [rad]."""
-        return math.pi - self.pipe.angle
-
-    def shapes(self, proof: bool, margin: float = 0.0) -> Shapes:
-        """Parts of the robot in the canonical frame, for a proof smaller by the overlap, for a motion with a margin."""
-        shapes = shapes_of(self.robot, self.pipe.turn_sign).eroded(self.overlap)
-        return shapes if proof else shapes.inflated(margin)
-
-    def walls(self, shapes: Shapes, proof: bool) -> SeenWalls:
-        """Walls that the parts see."""
-        boxes, discs = (corner_walls(self.pipe, part.height, self.bore, proof) for part in (shapes.boxes, shapes.discs))
-        return SeenWalls(boxes, discs)
-
-    @property
-    def limits(self) -> tuple[Floats, Floats]:
-        """Smallest and largest positions of the joints in the canonical frame, (joints,) each [rad or m]."""
-        lower, upper = np.array(self.robot.lower), np.array(self.robot.upper)
-        if self.pipe.turn_sign < 0:
-            hinges = self.robot.hinges
-            return np.where(hinges, -upper, lower), np.where(hinges, -lower, upper)
-        return lower, upper
 
 
 class Ends(NamedTuple):
@@ -163,8 +120,8 @@ class ArmSpans:
         """Number of headings."""
         return len(self._lower) - 1
 
-    def __call__(self, centres: Floats, half: float) -> tuple[Span, Span]:
-        """Outer and inner spans of cells.
+    def __call__(self, centres: Floats, half: float) -> tuple[Span, Span, Interval]:
+        """Outer and inner spans of cells, and the free slides in their middles.
 
         Args:
             centres: headings in the middle of the cells, (n, axes) [rad].
@@ -174,10 +131,15 @@ class ArmSpans:
         possible = np.flatnonzero(self._within_limits(centres, 2 * half))
         found = self._outer(centres[possible], half)
         _put(outer, possible, found)
-        certain = possible[found.free]
-        certain = certain[self._within_limits(centres[certain], -2 * half)]
-        _put(inner, certain, self._inner(centres[certain], half))
-        return outer, inner
+        possible = possible[found.free]
+        exact, middle = self.interval(centres[possible]), self._empty(len(centres))
+        exact.high[~self._within_limits(centres[possible], -TURNED)] = -np.inf
+        middle.low[possible], middle.high[possible] = exact
+        certain = exact.low <= exact.high
+        certain &= self._within_limits(centres[possible], -2 * half)
+        rows = possible[certain]
+        _put(inner, rows, self._inner(centres[rows], half, Interval(exact.low[certain], exact.high[certain])))
+        return outer, inner, Interval(middle.low, middle.high)
 
     def interval(self, headings: Floats) -> Interval:
         """Slides at which a motion may be, for exact headings of the hinged links, (n, axes) [rad]."""
@@ -216,9 +178,8 @@ class ArmSpans:
         at = self._tip_slides(centres, reach)
         return Span(low, high, start & (low <= high), np.maximum(low, at.low) <= np.minimum(high, at.high))
 
-    def _inner(self, centres: Floats, half: float) -> Span:
+    def _inner(self, centres: Floats, half: float, exact: Interval) -> Span:
         free = slide_interval(self._motion, self._motion_walls, _with_base(centres), -half)
-        exact = self.interval(centres)
         low, high = np.maximum(free.low, exact.low), np.minimum(free.high, exact.high)
         start_slide = sum(self.ends.start_slide) / 2
         inside = (np.abs(centres - self.ends.start) <= half + TURNED).all(axis=1)
@@ -266,8 +227,3 @@ def configuration(model: Model, base: float, slides: Floats, headings: Floats) -
     bends = np.remainder(bends + math.pi, 2 * math.pi) - math.pi
     q = np.concatenate([(slides - base)[:, None], bends], axis=1)
     return np.asarray(q * model.robot.mirror_signs if model.pipe.turn_sign < 0 else q)
-
-
-def tip(model: Model, q: Floats) -> Floats:
-    """Tips in the robot's own frame, (n, 2) [m]."""
-    return kinematics.forward(model.robot, q).tip

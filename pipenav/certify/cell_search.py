@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -11,8 +11,11 @@ import numpy as np
 from pipenav.arrays import Flags, Floats, Ints
 from pipenav.certify.cells import ROUNDING, Cells, Evaluate, Span, coarsest, neighbours, overlapping, split, width_of
 
-MOST_CELLS = 400_000
-"""Most cells of a search: some hundred megabytes and a minute."""
+MOST_WORK = 600_000
+"""Most cells that a search looks at, those of every round counted: a few seconds."""
+
+LEAST_SHARE = 30
+"""Cells among which one is refined in every round at least."""
 
 NEARLY_SHORTEST = 0.5
 """Length of the paths whose cells are refined at once, as a multiple of the shortest one's."""
@@ -32,47 +35,63 @@ class Searched(NamedTuple):
 
     Attributes:
         verdict: `path`, `none` where there is a proof, or `undecided`.
-        cells: all cells at the end.
-        path: rows of the cells on a path, in order: through free cells alone, or where it is undecided through others
-            too; empty where there is none.
+        motion: configurations of a motion, (rows, coordinates); None where there is none.
         finest: width of the smallest cells [rad].
     """
 
     verdict: Literal["path", "none", "undecided"]
-    cells: Cells
-    path: Sequence[int]
+    motion: Floats | None
     finest: float
 
 
-def search(evaluate: Evaluate, axes: int, resolution: float) -> Searched:
-    """Refine cells until start and goal are joined by free cells, or apart.
+Attempt = Callable[[Cells, Sequence[int]], Floats | None]
+"""Makes a motion through the middles of some cells and tests it: configurations, or None where the test fails."""
+
+
+def search(evaluate: Evaluate, axes: int, resolution: float, attempt: Attempt) -> Searched:
+    """Refine cells until a motion is found, or start and goal are apart.
 
     Args:
         evaluate: spans of cells.
         axes: number of headings.
         resolution: width of the smallest cells [rad].
+        attempt: makes a motion of a path through cells.
     """
     deepest = max(0, math.ceil(math.log2(float(width_of(0)) / resolution) - 1e-9))
-    cells = coarsest(evaluate, axes)
+    cells, work, finest = coarsest(evaluate, axes), 0, float(width_of(0))
+    tried: set[tuple[int, ...]] = set()
     while True:
         cells = _between(cells)
-        finest = float(cells.width.min(initial=float(width_of(0))))
         if not len(cells.level):
-            return Searched("none", cells, [], finest)
+            return Searched("none", None, finest)
         ways = _Ways.of(cells, deepest)
         path = ways.shortest()
         doubtful = _doubtful(cells, path)
-        if not doubtful.any():
-            return Searched("path", cells, path, finest)
-        through = ways.total <= ways.total.min() + NEARLY_SHORTEST * cells.width
-        open_ = doubtful & (cells.level < deepest)
-        coarse = cells.level <= cells.level[open_].min(initial=deepest)
-        if cells.level.min() < UNIFORM:
-            coarse, through = cells.level < UNIFORM, cells.level < UNIFORM
-        refine = (open_ | (through & ~_known(cells))) & coarse & (cells.level < deepest)
-        if not refine.any() or len(cells.level) > MOST_CELLS:
-            return Searched("undecided", cells, path, finest)
+        keys = tuple(cells.index[path].ravel().tolist())
+        if keys not in tried and (cells.middle.low[path] <= cells.middle.high[path]).all():
+            tried.add(keys)
+            if (motion := attempt(cells, path)) is not None:
+                return Searched("path", motion, finest)
+        refine = _to_refine(cells, ways, doubtful, deepest)
+        work += len(cells.level)
+        if not refine.any() or work > MOST_WORK:
+            return Searched("undecided", None, finest)
         cells = split(evaluate, cells, refine)
+        finest = min(finest, float(cells.width.min(initial=finest)))
+
+
+def _to_refine(cells: Cells, ways: _Ways, doubtful: Flags, deepest: int) -> Flags:
+    """Cells to halve: the largest doubtful ones of the shortest path, and their like on paths of nearly its length."""
+    if cells.level.min() < min(UNIFORM, deepest):
+        return np.asarray(cells.level < UNIFORM)
+    open_ = doubtful & (cells.level < deepest)
+    level = int(cells.level[open_].min(initial=deepest))
+    like = ~_known(cells) & (cells.level <= level) & (cells.level < deepest)
+    near = ways.total.min() + NEARLY_SHORTEST * cells.width
+    if like.any():  # some at least, so that the number of rounds stays small
+        share = min(len(cells.level) // LEAST_SHARE, int(like.sum()) - 1)
+        near = np.maximum(near, np.partition(ways.total[like], share)[share])
+    return np.asarray(open_ & (cells.level <= level)) | (like & (ways.total <= near))
 
 
 def _known(cells: Cells) -> Flags:
@@ -136,7 +155,8 @@ class _Ways(NamedTuple):
         pairs = neighbours(cells)
         sure = overlapping(cells.inner, pairs, 0.0)
         pairs = overlapping(cells.outer, pairs, ROUNDING)
-        cost = np.where(_known(cells), LEAST, np.where(cells.level < deepest, 1.0, STUCK)) * cells.width
+        hopeful = np.where(cells.middle.low <= cells.middle.high, 0.5, np.where(cells.level < deepest, 1.0, STUCK))
+        cost = np.where(_known(cells), LEAST, hopeful) * cells.width
         keys = pairs[:, 0] * n + pairs[:, 1]
         joined = np.isin(keys, sure[:, 0] * n + sure[:, 1])
         both_free = cells.inner.free[pairs].all(axis=1)

@@ -16,6 +16,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from pipenav.arrays import Flags, Floats, Ints
+from pipenav.certify.slide_interval import Interval
 
 ROUNDING = 1e-6
 """Slack of every comparison in a proof [m]: floating-point errors are a millionth of it."""
@@ -57,16 +58,19 @@ class Cells(NamedTuple):
         index: place on the torus in units of the cell's own width, (n, axes).
         outer: values at which any heading of the cell may be free.
         inner: values at which all headings of the cell are free.
+        middle: values at which the heading in its middle is free.
     """
 
     level: Ints
     index: Ints
     outer: Span
     inner: Span
+    middle: Interval
 
     def rows(self, which: Ints | Flags) -> Self:
         """Some of the cells."""
-        return type(self)(self.level[which], self.index[which], self.outer.rows(which), self.inner.rows(which))
+        spans = self.outer.rows(which), self.inner.rows(which)
+        return type(self)(self.level[which], self.index[which], *spans, _rows(self.middle, which))
 
     @property
     def width(self) -> Floats:
@@ -84,8 +88,8 @@ def width_of(level: Ints | int) -> Floats:
     return np.asarray(2 * math.pi / (COARSEST * 2.0 ** np.asarray(level)))
 
 
-Evaluate = Callable[[Floats, float], tuple[Span, Span]]
-"""Outer and inner spans of cells: from their middles, (n, axes) [rad], and their half width [rad]."""
+Evaluate = Callable[[Floats, float], tuple[Span, Span, Interval]]
+"""Outer and inner spans of cells, and the free values in their middles: from their middles, (n, axes) [rad], and their half width [rad]."""
 
 
 def coarsest(evaluate: Evaluate, axes: int) -> Cells:
@@ -115,15 +119,20 @@ def split(evaluate: Evaluate, cells: Cells, which: Flags) -> Cells:
 def _evaluated(evaluate: Evaluate, level: Ints, index: Ints) -> Cells:
     """Cells of one level, without those that are not free."""
     half = float(width_of(int(level[0]))) / 2
-    outer, inner = evaluate(-math.pi + (index + 0.5) * 2 * half, half)
-    return Cells(level, index, outer, inner).rows(outer.free)
+    outer, inner, middle = evaluate(-math.pi + (index + 0.5) * 2 * half, half)
+    return Cells(level, index, outer, inner, middle).rows(outer.free)
+
+
+def _rows(interval: Interval, which: Ints | Flags) -> Interval:
+    return Interval(interval.low[which], interval.high[which])
 
 
 def _joined(parts: list[Cells]) -> Cells:
     outer = Span(*(np.concatenate(columns) for columns in zip(*(part.outer for part in parts), strict=True)))
     inner = Span(*(np.concatenate(columns) for columns in zip(*(part.inner for part in parts), strict=True)))
     level = np.concatenate([part.level for part in parts])
-    return Cells(level, np.concatenate([part.index for part in parts]), outer, inner)
+    middle = Interval(*(np.concatenate(columns) for columns in zip(*(part.middle for part in parts), strict=True)))
+    return Cells(level, np.concatenate([part.index for part in parts]), outer, inner, middle)
 
 
 def neighbours(cells: Cells) -> Ints:

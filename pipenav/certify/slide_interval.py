@@ -36,6 +36,18 @@ class Interval(NamedTuple):
     high: Floats
 
 
+class Height(NamedTuple):
+    """Heights of chains.
+
+    Attributes:
+        y: y of the first link's rear end, (n,) [m].
+        spread: largest difference of it, for intervals as with a spread of the headings [m].
+    """
+
+    y: Floats
+    spread: float
+
+
 class SeenWalls(NamedTuple):
     """Walls that each part of a chain sees.
 
@@ -48,7 +60,9 @@ class SeenWalls(NamedTuple):
     discs: CornerWalls
 
 
-def slide_interval(shapes: Shapes, walls: SeenWalls, headings: Floats, spread: float = 0.0) -> Interval:
+def slide_interval(
+    shapes: Shapes, walls: SeenWalls, headings: Floats, spread: float = 0.0, height: Height | None = None
+) -> Interval:
     """Free slides of a chain.
 
     With a spread, the interval holds every slide at which any chain is free whose headings differ by at most that much
@@ -61,11 +75,11 @@ def slide_interval(shapes: Shapes, walls: SeenWalls, headings: Floats, spread: f
         headings: absolute headings of the links, (n, links) [rad].
         spread: largest difference of each heading, the first link's aside, which keeps its own; negative for slides
             that are free for all of them [rad].
+        height: y of the first link's rear end, by default on the first leg's axis.
     """
     low, high = np.full(len(headings), -np.inf), np.full(len(headings), np.inf)
     active = np.arange(len(headings))
-    x, y = np.zeros(len(headings)), np.zeros(len(headings))
-    moved = 0.0  # distance by which the link's rear end can have moved
+    x, (y, moved) = np.zeros(len(headings)), height or Height(np.zeros(len(headings)), 0.0)
     for link, length in enumerate(shapes.lengths.tolist()):
         turned = spread if link else 0.0
         cos, sin = np.cos(headings[active, link]), np.sin(headings[active, link])
