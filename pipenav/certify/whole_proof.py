@@ -182,4 +182,3 @@ class PairSpans:
             np.where(sure, 0.0, np.inf), np.where(sure, 0.0, -np.inf), start & sure, sure & (at.leg_gap >= moved)
         )
         return Span(low, high, start, goal), inner, Interval(empty.low, empty.high)
-
