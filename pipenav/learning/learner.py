@@ -1,7 +1,7 @@
 """The learner: Stable-Baselines3's PPO, half of whose robots move while it attends to the other half.
 
 The shares of the robots take turns (`pipenav.envs.shares`). They stand still during updates: robots that moved on with
-actions of the policy before the update, an eighth of a rollout, would take a tenth more steps to learn as much.
+actions of the policy before the update, an eighth of a rollout, learned measurably slower.
 """
 
 from __future__ import annotations
