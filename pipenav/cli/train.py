@@ -88,11 +88,7 @@ def train(
         pipenav train --resume runs/arm
         pipenav train --preset thesis-position --seeds 8 --jobs 4 --out runs/position
     """
-    from pipenav.storage.lock import one_writer
-
     several.refuse_place_alone()
-    out, start, resume = folders.out, folders.start, folders.resume
-
     options = {
         "backend": backend,
         "steps": steps,
@@ -102,10 +98,19 @@ def train(
         "pipes": pipes,
     }
     recipe = _Recipe(preset, config, set_ or [], options)
-    if several.seeds is not None:
-        refuse_ignored({"--resume": resume, "--from": start}, "--seeds begins new trainings, and goes on with its own")
-        _train_seeds(recipe, out, several)
+    if several.seeds is None:
+        _train_one(recipe, folders)
         return
+    given = {"--resume": folders.resume, "--from": folders.start}
+    refuse_ignored(given, "--seeds begins new trainings, and goes on with its own")
+    _train_seeds(recipe, folders.out, several)
+
+
+def _train_one(recipe: _Recipe, folders: FolderOptions) -> None:
+    """Train, or go on; leaves with 128 + the signal where it is stopped."""
+    from pipenav.storage.lock import one_writer
+
+    out, start, resume = folders.out, folders.start, folders.resume
     path = _new_path(recipe, out, start) if resume is None else _path_to_resume(recipe, resume, out, start)
     with one_writer(path):
         training = _new_training(recipe, path, start) if resume is None else _resumed_training(recipe, path)
