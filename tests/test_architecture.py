@@ -20,12 +20,12 @@ FLOORS: list[set[str]] = [
     {"errors", "units", "arrays"},
     {"storage", "processes"},
     {"jobs", "pipes", "robots"},
-    {"backends", "drawing"},
+    {"backends", "drawing", "networks"},
     {"tasks", "disturbances", "locating", "export", "testing"},
     {"policies", "motions", "envs"},
     {"evaluation", "deployment", "comparison"},
-    {"learning", "recording"},
-    {"experiments"},
+    {"learning", "recording", "survey"},
+    {"experiments", "tuning"},
     {"cli"},
 ]
 """Packages (and the modules of the lowest floor) from the bottom to the top: each imports only what lies below it."""
@@ -39,6 +39,7 @@ OPEN_TO_PLUGINS = {"backends", "jobs", "robots", "pipes", "errors", "arrays", "u
 SIMULATORS = {"mujoco", "pybullet", "serial", "dynamixel_sdk"}
 HEAVY = {"torch", "stable_baselines3", "gymnasium", "matplotlib", "mujoco", "pybullet", "tensorboard", "trimesh"} | {
     "manifold3d",
+    "optuna",
     "shapely",
 }
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ import typer
 
 from pipenav.cli.option_groups import OptionGroup, takes_option_groups
 from pipenav.cli.options import SIMULATOR, BackendOption, SettingsOption, checked_options
+from pipenav.cli.percentages import share_of
 from pipenav.cli.place_options import ShardedPlaceOptions
 from pipenav.cli.signals import Interrupted
 from pipenav.cli.terminal import progress_console, refuse_ignored, say, show
@@ -188,13 +188,7 @@ def _required_share(text: str | None, where: ShardedPlaceOptions) -> float | Non
         return None
     if where.shard is not None:
         refuse_ignored({"--require": text}, "a share of an evaluation has no success yet")
-    try:
-        percent = float(text.removesuffix("%"))
-    except ValueError:
-        percent = math.nan
-    if not 0 <= percent <= 100 or (0 < percent <= 1 and not text.endswith("%")):
-        raise PipenavError(f"--require {text} is not a percentage: write it as 99% or 99.5%.")
-    return percent / 100
+    return share_of(text, "--require")
 
 
 def _run(
