@@ -15,7 +15,7 @@ from pipenav.cli import main
 
 Words = tuple[str, ...]
 
-DROPPED = {"--out", "--episodes", "--seed", "--steps", "--seeds"}
+DROPPED = {"--out", "--episodes", "--seed", "--steps", "--seeds", "--jobs", "--cluster", "--shard"}
 """Options that change nothing of what a test looks at: commands that differ in them alone are run once."""
 
 CORNERS = {
