@@ -126,7 +126,8 @@ def _run(search: Search, place: Place) -> None:
 
                 complete = search.run(place, told, stopped)
         except PipenavError:
-            write_report(search)  # of what is done: a job was lost, or a setting cannot be trained
+            if search.preset() is not None:
+                write_report(search)  # of what is done, where a job was lost or settings cannot be trained
             raise
         if not complete:
             say(f"stopped and saved in {plan.out}; the same command goes on from there")

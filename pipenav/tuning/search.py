@@ -24,8 +24,8 @@ PRESET = "preset"
 RESULTS = "results"
 """Folder in that of a search, with what its jobs returned."""
 
-CORES = 64
-"""Cores that a training can use at most: it has some hundred robots to step."""
+CORES = 4
+"""Cores that a trial can use: more make a training of some hundred robots hardly faster."""
 
 MOST_REFUSED = 100
 """Suggestions in a row that fit no training, after which a search ends."""
@@ -104,24 +104,25 @@ class Search:
     def _trials(self) -> Iterator[Job]:
         """The preset's job, those of trials that ran when a driver was killed, then new ones."""
         yield self._job(PRESET, self.plan.config)
-        records = self.study.records()
-        for record in records:
+        for record in self.study.records():
             if record.state == "running":
                 job = self._trial_job(record)
                 if job is not None:
                     yield job
         refused = 0
-        while (
-            sum(not record.preset and record.state != "refused" for record in self.study.records()) < self.plan.trials
-        ):
+        while self._tried() < self.plan.trials:
             record = self.study.ask()
             job = self._trial_job(record)
             refused = refused + 1 if job is None else 0
             if refused == MOST_REFUSED:
-                problem = self.study.record(record.number).problem
-                raise PipenavError(f"the last {refused} settings fit no training, {problem} Narrow the space.")
+                problem = self.study.record(record.number).problem.rstrip(".")
+                raise PipenavError(f"the last {refused} settings fit no training, {problem}: narrow the space.")
             if job is not None:
                 yield job
+
+    def _tried(self) -> int:
+        """Number of trials that are done or run."""
+        return sum(not record.preset and record.state != "refused" for record in self.study.records())
 
     def _trial_job(self, record: TrialRecord) -> Job | None:
         """The job of a trial; None where its settings fit no training."""
