@@ -148,8 +148,9 @@ def _table(search: Search) -> Table:
     from pipenav.tuning.report import trial_rows
 
     table = Table(box=None, pad_edge=False)
-    for heading in ("trial", search.plan.objective.title, "success [%]", "seconds", "", *search.plan.space.space):
-        table.add_column(Text(heading.rpartition(".")[2]))
+    settings = [key.rpartition(".")[2] for key in search.plan.space.space]
+    for heading in ("trial", search.plan.objective.title, "success [%]", "seconds", "", *settings):
+        table.add_column(Text(heading))
     for row in trial_rows(search)[:SHOWN_ROWS]:
         table.add_row(*map(Text, (row.name, row.value, row.success, row.seconds, row.state, *row.settings)))
     return table

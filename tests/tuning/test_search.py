@@ -192,4 +192,6 @@ def test_a_space_in_which_nothing_fits_ends_the_search(tmp_path: Path) -> None:
     with pytest.raises(PipenavError, match=f"the last {MOST_REFUSED} settings fit no training, .*must divide"):
         run(Search(nothing_fits))
     assert Search(nothing_fits).preset() is not None
+    write_report(Search(nothing_fits))
+    assert "100 suggestions fitted no training" in (tmp_path / REPORT_FILE).read_text(encoding="utf-8")
     assert (tmp_path / RESULTS / PRESET).exists()
