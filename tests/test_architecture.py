@@ -20,11 +20,11 @@ FLOORS: list[set[str]] = [
     {"errors", "units", "arrays"},
     {"storage", "processes"},
     {"jobs", "pipes", "robots"},
-    {"backends", "drawing"},
+    {"backends", "drawing", "networks"},
     {"tasks", "disturbances", "locating", "export", "testing"},
     {"policies", "motions", "envs"},
     {"evaluation", "deployment", "comparison"},
-    {"learning", "recording"},
+    {"learning", "recording", "survey"},
     {"experiments", "tuning"},
     {"cli"},
 ]

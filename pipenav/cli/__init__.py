@@ -41,6 +41,10 @@ COMMANDS = {
         "pipenav.cli.view:view",
         "Draw what a policy, a behaviour or a trajectory file does, from above: links, beams, target, contact forces.",
     ),
+    "survey": (
+        "pipenav.cli.survey:survey",
+        "Find out which part of a pipe network a robot can inspect, from which entry points, and what stops it.",
+    ),
     "locate-target": (
         "pipenav.cli.locate_target:locate_target",
         "Let the robot find a target (approach I), knowing only whether the corner turns left or right.",

@@ -19,7 +19,8 @@ from pipenav.jobs.job import (
 )
 from pipenav.jobs.place import HearProgress, Place, ShouldStop, Slots
 from pipenav.jobs.places import chosen_place, load_place
-from pipenav.jobs.store import JobStore
+from pipenav.jobs.store import JobStore, MemoryStore, Store
+from pipenav.processes.cores import usable_cores
 
 __all__ = [
     "Done",
@@ -35,14 +36,17 @@ __all__ = [
     "JobsLost",
     "Kept",
     "Lost",
+    "MemoryStore",
     "Place",
     "Progressed",
     "ShouldStop",
     "Slots",
     "Stopped",
+    "Store",
     "chosen_place",
     "ending_of",
     "load_place",
     "portable",
     "run_jobs",
+    "usable_cores",
 ]

@@ -11,7 +11,7 @@ from typing import Any
 from pipenav.errors import PipenavError
 from pipenav.jobs.job import Done, Ending, Event, Failed, Job, Kept, Lost, Progressed
 from pipenav.jobs.place import Place, ShouldStop, Slots
-from pipenav.jobs.store import JobStore
+from pipenav.jobs.store import Store
 
 POLL_S = 0.2
 """Longest time between two questions whether to stop [s]."""
@@ -55,7 +55,7 @@ def run_jobs(
     jobs: Iterable[Job],
     hear: Hear = hear_nothing,
     should_stop: ShouldStop = never,
-    store: JobStore | None = None,
+    store: Store | None = None,
 ) -> bool:
     """Run jobs at a place; they are asked for one by one, as slots become free.
 
@@ -64,7 +64,7 @@ def run_jobs(
         jobs: the jobs, which may be endless or be made while earlier ones run.
         hear: called with every event.
         should_stop: whether to stop; the jobs that run may save first.
-        store: a `JobStore` that keeps what the jobs return, and has what earlier drivers kept; None without one.
+        store: keeps what the jobs return, and has what earlier drivers kept.
 
     Returns:
         False where it was asked to stop before all jobs were done.
@@ -87,7 +87,7 @@ def run_jobs(
         return _Run(slots, chain([first], left), hear, store).until_done(should_stop)
 
 
-def _left(jobs: Iterable[Job], hear: Hear, store: JobStore | None) -> Iterator[Job]:
+def _left(jobs: Iterable[Job], hear: Hear, store: Store | None) -> Iterator[Job]:
     """The jobs whose results are not kept."""
     for job in jobs:
         if store is not None and store.has(job.key):
@@ -99,7 +99,7 @@ def _left(jobs: Iterable[Job], hear: Hear, store: JobStore | None) -> Iterator[J
 class _Run:
     """Jobs on their way through the slots of a place."""
 
-    def __init__(self, slots: Slots, left: Iterator[Job], hear: Hear, store: JobStore | None) -> None:
+    def __init__(self, slots: Slots, left: Iterator[Job], hear: Hear, store: Store | None) -> None:
         self._slots, self._left, self._hear, self._store = slots, left, hear, store
         self._again: list[Job] = []
         self._tried: Counter[str] = Counter()
@@ -151,7 +151,6 @@ class _Run:
             self._slots.stop(job)
         while self._slots.busy and (patience := until - time.monotonic()) > 0:
             for ending in self._slots.wait(patience):
-                if isinstance(ending, Done):
-                    if self._store is not None:
-                        self._store.write(ending.job.key, ending.content)
-                    self._hear(ending)
+                if isinstance(ending, Done) and self._store is not None:
+                    self._store.write(ending.job.key, ending.content)
+                self._hear(ending)

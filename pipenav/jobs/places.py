@@ -26,15 +26,17 @@ def load_place(name: str) -> type[Place]:
         UnknownName: no installed distribution declares it.
         PipenavError: two declare it, its import fails, or it is no place.
     """
-    points = sorted(entry_points(group=GROUP), key=lambda point: point.name)
-    found = [point for point in points if point.name == name]
+    points = entry_points(group=GROUP)
+    found = {point.value: point for point in points if point.name == name}
     if not found:
         raise UnknownName("place for jobs", name, {point.name for point in points})
     if len(found) > 1:
-        declared = " and ".join(sorted(point.value for point in found))
-        raise PipenavError(f"place {name!r} is declared twice, as {declared}: uninstall one of them.")
+        raise PipenavError(
+            f"place {name!r} is declared twice, as {' and '.join(sorted(found))}: uninstall one of them."
+        )
+    (point,) = found.values()
     try:
-        loaded = found[0].load()
+        loaded = point.load()
     except ImportError as error:
         remedy = INSTALL.get(name, "install what it needs")
         raise PipenavError(f"place {name!r} cannot be used, {error}: {remedy}.") from error

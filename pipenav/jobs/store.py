@@ -8,7 +8,7 @@ import json
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from pydantic import JsonValue
 
@@ -21,6 +21,41 @@ REQUEST = "request.json"
 
 HEADER = b"pipenav job 1 "
 """Beginning of a result's file; the SHA-256 of the result and a line's end follow, then the result."""
+
+
+class Store(Protocol):
+    """Results of jobs by key, see `JobStore`."""
+
+    def has(self, key: str) -> bool:
+        """Whether there is a result of a job."""
+        ...
+
+    def read(self, key: str) -> bytes | None:
+        """The result of a job; None where there is none."""
+        ...
+
+    def write(self, key: str, content: bytes) -> None:
+        """Keep the result of a job."""
+        ...
+
+
+class MemoryStore:
+    """Results that are kept as long as this process lives."""
+
+    def __init__(self) -> None:
+        self._kept: dict[str, bytes] = {}
+
+    def has(self, key: str) -> bool:
+        """Whether there is a result of a job."""
+        return key in self._kept
+
+    def read(self, key: str) -> bytes | None:
+        """The result of a job; None where there is none."""
+        return self._kept.get(key)
+
+    def write(self, key: str, content: bytes) -> None:
+        """Keep the result of a job."""
+        self._kept[key] = content
 
 
 class JobStore:

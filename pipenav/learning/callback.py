@@ -113,11 +113,10 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         counts.min_range += float(env.min_range.sum())
         counts.reward += float(rewards.sum())
         counts.samples += len(rewards)
-        for info in self.locals["infos"]:
-            if info:
-                counts.episodes += 1
-                counts.successes += info["outcome"] == Outcome.REACHED.label
-                counts.episode_steps += info["episode"]["l"]
+        ended = self.locals["ended"]
+        counts.episodes += len(ended.robots)
+        counts.successes += np.count_nonzero(ended.outcome == Outcome.REACHED)
+        counts.episode_steps += int(ended.steps.sum())
         self.stopped = self.stopped or self._should_stop()
         return not self.stopped
 
@@ -277,5 +276,5 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         """Save the last control step and stop."""
         before, actions = np.asarray(self.model._last_obs), np.asarray(self.locals["actions"])
         seen = Seen(before, actions, self.locals["new_obs"], self.locals["rewards"])
-        write_cause(self._folder, self.num_timesteps, seen, self.training_env.batch.pipes)
+        write_cause(self._folder, self.num_timesteps, seen, self.training_env.pipes)
         raise TrainingDiverged(self.num_timesteps, self._folder)

@@ -12,16 +12,15 @@ from typing import NamedTuple
 
 import numpy as np
 import torch
-from stable_baselines3 import PPO
 from stable_baselines3.common.logger import configure
 
 from pipenav.envs.sb3_env import TaskVecEnv
 from pipenav.learning.callback import TrainingCallback
 from pipenav.learning.checkpoint import Checkpoint, load_checkpoint, load_weights, steps_done
 from pipenav.learning.config import TrainConfig
-from pipenav.learning.environment import open_training_batch
+from pipenav.learning.environment import open_training_batches
+from pipenav.learning.learner import Learner
 from pipenav.learning.progress import TrainingProgress
-from pipenav.learning.rollouts import DrivenRollouts
 from pipenav.learning.schedule import LearningRate
 from pipenav.learning.stages import TrainingStage, stage_at, training_stages
 from pipenav.learning.training_folder import TrainingFolder
@@ -107,10 +106,10 @@ def _train_stage(
     stage, folder, resumed, start = beginning
     config = stage.config
     rng = np.random.default_rng(config.seed)
-    env = _environment(config, rng)
+    env = training_env(config, rng)
     try:
         model = new_model(config, env, stage.learning_rate)
-        checkpoint = load_checkpoint(folder.checkpoint, model) if resumed else Checkpoint()
+        checkpoint = load_checkpoint(folder.checkpoint, model, stage.number) if resumed else Checkpoint()
         if start is not None:
             load_weights(TrainingFolder.open(start).folder.checkpoint, model)
         if resumed:  # other episodes than those that the training has had already
@@ -118,7 +117,7 @@ def _train_stage(
         should_stop()  # who is asked knows from here on that a stop is saved
         model.set_logger(configure(str(folder.path), ["tensorboard"]))
         callback = TrainingCallback(stage, folder, checkpoint, report, should_stop)
-        env.batch.stagger(rng)
+        env.stagger(rng)
         try:
             model.learn(max(stage.end - checkpoint.steps, 0), callback=callback, reset_num_timesteps=False)
         except (
@@ -133,18 +132,18 @@ def _train_stage(
         env.close()
 
 
-def _environment(config: TrainConfig, rng: np.random.Generator) -> TaskVecEnv:
+def training_env(config: TrainConfig, rng: np.random.Generator) -> TaskVecEnv:
     """The robots that a training steps together, in episodes that `rng` draws."""
     starting = task_of(config.randomise.starts(config.task))
     sets = [starting.parse_training_pipes([name]) for name in config.pipes]
     source = random_episodes(starting, load_robot(config.robot), sets, rng, EPISODE_STOCK)
-    return TaskVecEnv(open_training_batch(config, config.learner.robots, source))
+    return TaskVecEnv(*open_training_batches(config, config.learner.robots, source))
 
 
-def new_model(config: TrainConfig, env: TaskVecEnv, learning_rate: LearningRate | None = None) -> PPO:
+def new_model(config: TrainConfig, env: TaskVecEnv, learning_rate: LearningRate | None = None) -> Learner:
     """A fresh learner, as the configuration says; its learning rate falls over its whole training if not given."""
     learner = config.learner
-    model = PPO(
+    model = Learner(
         "MlpPolicy",
         env,
         n_steps=learner.rollout_steps,
@@ -161,6 +160,5 @@ def new_model(config: TrainConfig, env: TaskVecEnv, learning_rate: LearningRate 
             "activation_fn": torch.nn.Tanh,
         },
     )
-    model.rollout_buffer = DrivenRollouts(env.batch, model)
     model.policy.log_std.requires_grad_(False)  # the schedule of the configuration sets it
     return model

@@ -6,6 +6,7 @@ A command that no rule here knows is refused, so that a new one in the docs gets
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import NamedTuple
 
 import pytest
@@ -113,7 +114,7 @@ class Options(NamedTuple):
         return (self.command, *self.arguments, *words)
 
 
-FLAGS = {"--dry-run", "--emulate", "--help", "--live", "--replay", "--write-servos", "--yes"}
+FLAGS = {"--check", "--dry-run", "--emulate", "--help", "--live", "--replay", "--untethered", "--write-servos", "--yes"}
 
 
 def pipenav(*words: str) -> int:
@@ -195,6 +196,12 @@ def _run_real(options: Options) -> Options:
     return options.plus(("--ticks", "5"), ("--patience", "10"))
 
 
+def _survey(options: Options) -> Options:
+    """The example's map is read and checked; trials would take minutes."""
+    example = str(Path(__file__).resolve().parents[2] / "examples/schutterwald/network.json")
+    return options._replace(arguments=(example,)).without(("--routes", "--out", "--check")).plus(("--check", None))
+
+
 RULES: dict[str, Callable[[Options], Options]] = {
     "backends": _as_it_stands,
     "calibrate": _as_it_stands,
@@ -210,6 +217,7 @@ RULES: dict[str, Callable[[Options], Options]] = {
     "replay": _as_it_stands,
     "robots": _as_it_stands,
     "run-real": _run_real,
+    "survey": _survey,
     "train": _train,
     "tune": _tune,
     "view": _view,

@@ -5,6 +5,9 @@ The policy takes a robot through each corner. Between corners its `Pilot` drives
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
 
 from pipenav.arrays import Flags, Floats, Ints
@@ -120,13 +123,16 @@ class RollingBatch(TrainingBatch):
     def stagger(self, rng: np.random.Generator) -> None:
         self._ages = rng.integers(0, self.config.max_steps // 2, self.n)
 
-    def step(self, action: Floats) -> StepResult:
+    def begin(self, action: Floats) -> Callable[[], None]:
         reading, pilot = self._backend.read(), self._pilot
         joints, turn_sign = reading.body.q, pilot.turn_sign
         wanted = observation.to_command(self.robot, self.config, action, joints, pilot.set_points, turn_sign)
         self._driven = pilot.policy_drives
         self._action = np.where(self._driven[:, None], np.clip(action, -1.0, 1.0), 0.0)
-        self._backend.step(*pilot.command(reading, wanted.values))
+        return partial(self._backend.step, *pilot.command(reading, wanted.values))
+
+    def end(self) -> StepResult:
+        pilot, turn_sign = self._pilot, self._pilot.turn_sign
         self.steps += 1
         reading, truth = self._backend.read(), self._backend.truth()
         pilot.sense(reading)

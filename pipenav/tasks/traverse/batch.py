@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
 
 from pipenav.arrays import Floats, Ints
@@ -106,15 +109,17 @@ class TraverseBatch(TrainingBatch):
     def stagger(self, rng: np.random.Generator) -> None:
         self._ages = rng.integers(0, self.config.max_steps // 2, self.n)
 
-    def step(self, action: Floats) -> StepResult:
+    def begin(self, action: Floats) -> Callable[[], None]:
         joints = self._q[:, -self._set_points.shape[1] :]
         command = observation.to_command(
             self.robot, self.config, action, joints, self._set_points, self._turn_signs[:, 0]
         )
         self._set_points = command.values[:, : joints.shape[1]].copy()
-        self._simulator.step(command)
-        self.steps += 1
         self._action = np.clip(action, -1.0, 1.0)
+        return partial(self._simulator.step, command)
+
+    def end(self) -> StepResult:
+        self.steps += 1
         reading, truth = self._simulator.read(), self._simulator.truth()
         self._q, self._ranges = self._configuration(reading, truth), reading.ranges.copy()
         points, every, last = self.points, np.arange(self.n), self._lines.corners - 1
