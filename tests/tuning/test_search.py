@@ -107,7 +107,7 @@ def test_another_search_is_refused_in_the_folder(whole: Search) -> None:
 
 
 def test_a_killed_worker_costs_only_its_trial(tmp_path: Path) -> None:
-    search, killed = Search(tiny_plan(tmp_path, trials=3, steps=2048)), []
+    search, killed = Search(tiny_plan(tmp_path, trials=3, steps=1024)), []
 
     def told(_news: SearchNews) -> None:
         """Kill a worker as soon as there are two."""
@@ -127,7 +127,7 @@ from pathlib import Path
 from helpers.tuning import tiny_plan
 from pipenav.jobs.processes import ProcessesPlace
 from pipenav.tuning.search import Search
-search = Search(tiny_plan(Path(sys.argv[1]), trials=3, steps=2048))
+search = Search(tiny_plan(Path(sys.argv[1]), trials=3, steps=1024))
 search.run(ProcessesPlace("2"), lambda news: print(news.ended, flush=True) if news.ended else None, lambda: False)
 """
 
@@ -137,13 +137,13 @@ def test_a_killed_driver_loses_no_trial(tmp_path: Path) -> None:
     with subprocess.Popen([sys.executable, "-c", DRIVER, str(tmp_path)], stdout=subprocess.PIPE, text=True) as driver:
         assert driver.stdout is not None
         first = driver.stdout.readline()
-        wait_until(lambda: len(list((tmp_path / "trainings").iterdir())) >= 2, "two trainings have begun")
+        wait_until(lambda: len(list((tmp_path / "trainings").iterdir())) >= 3, "a trial runs beside another training")
         workers = workers_of(driver)
         driver.kill()
     assert first
     wait_until(lambda: not any(Path(f"/proc/{number}").exists() for number in workers), "the workers have ended")
     kept = {file.name: file.read_bytes() for file in (tmp_path / RESULTS).iterdir()}
-    search = Search(tiny_plan(tmp_path, trials=3, steps=2048))
+    search = Search(tiny_plan(tmp_path, trials=3, steps=1024))
     running = [record.settings for record in search.study.records() if record.state == "running"]
     assert running
     assert run(search)
