@@ -193,7 +193,9 @@ class ArmSpans:
         every = _with_base(headings)
         x, y = np.cos(every) @ self._lengths, np.sin(every) @ self._lengths
         low, high = np.full(len(headings), -np.inf), np.full(len(headings), np.inf)
-        for axis, (along_x, along_y) in enumerate(((math.cos(turn), math.sin(turn)), (-math.sin(turn), math.cos(turn)))):
+        for axis, (along_x, along_y) in enumerate(
+            ((math.cos(turn), math.sin(turn)), (-math.sin(turn), math.cos(turn)))
+        ):
             at = x * along_x + y * along_y
             if abs(along_x) < SQUARE:
                 outside = (at < least[axis] - tolerance - SQUARE) | (at > most[axis] + tolerance + SQUARE)

@@ -164,9 +164,7 @@ class _Ways(NamedTuple):
         weights = cost[pairs].mean(axis=1) + np.where(both_free & ~joined, cells.width[pairs].mean(axis=1), 0.0)
         graph = _graph(n, pairs, weights)
         start, goal = _ends(cells.outer, cells.inner, "start"), _ends(cells.outer, cells.inner, "goal")
-        ahead, before, _ = dijkstra(
-            graph, directed=False, indices=start, min_only=True, return_predecessors=True
-        )
+        ahead, before, _ = dijkstra(graph, directed=False, indices=start, min_only=True, return_predecessors=True)
         behind = dijkstra(graph, directed=False, indices=goal, min_only=True)
         ends = np.zeros(n, bool)
         ends[goal] = True

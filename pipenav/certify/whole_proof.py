@@ -140,7 +140,7 @@ def _room_in_bend(model: Model, shapes: Shapes, heading: float) -> float:
     at = np.full((len(y), 1), heading)
     free = slide_interval(shapes, model.walls(shapes, True), at, 0.0, Height(y, PLACES / 2))
     possible = free.high > -np.inf
-    return float((free.high - free.low)[possible].max(initial=-np.inf))
+    return float((free.high[possible] - free.low[possible]).max(initial=-np.inf))
 
 
 class PairSpans:
@@ -182,4 +182,3 @@ class PairSpans:
             np.where(sure, 0.0, np.inf), np.where(sure, 0.0, -np.inf), start & sure, sure & (at.leg_gap >= moved)
         )
         return Span(low, high, start, goal), inner, Interval(empty.low, empty.high)
-
