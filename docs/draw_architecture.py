@@ -24,6 +24,7 @@ LEFT = {
     "experiments": 4.6,
     "learning": 1.9,
     "recording": 4.5,
+    "certify": 5.3,
     "evaluation": 2.5,
     "deployment": 8.6,
     "comparison": 10.2,

@@ -22,7 +22,7 @@ from pipenav.errors import ConfigError, PipenavError
 from pipenav.motions.trajectory import Trajectory, TrajectoryHeader
 from pipenav.motions.trajectory_file import read_trajectory, write_trajectory
 from pipenav.pipes.json_keys import PipeInFile
-from pipenav.robots import kinematics
+from pipenav.robots import frames, kinematics
 from pipenav.robots.robot import RobotSpec
 from pipenav.storage.atomic_files import atomic_write
 from pipenav.storage.text_files import read_json, shown_path
@@ -207,7 +207,7 @@ def trajectory(certified: Certified) -> Trajectory:
 
 
 def _reach(model: Model, q: Floats, base: float) -> float:
-    points = kinematics.waypoints(model.robot, q) + [base, 0.0]
+    points = frames.robot_to_pipe(kinematics.waypoints(model.robot, q), base)
     return math.ceil(100 * float(np.hypot(points[..., 0], points[..., 1]).max()) + 1) / 100
 
 
