@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
-import subprocess
 import sys
 import tempfile
 import time
@@ -19,7 +17,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
-ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(Path(__file__).parent))  # also where PYTHONSAFEPATH is set
+
+from revisions import ROOT, run_pipenav, tree_of
 
 RENAMED = {"run": "route", "min_clearance_m": "min_range_m", "front": "reach", "front-rear": "reach-rear"}
 """Keys and values of eval.json that have had another name: the older one, then today's."""
@@ -75,31 +75,21 @@ def main() -> None:
         earlier, now = given.earlier or Path(scratch, "earlier"), Path(scratch, "now")
         missing = [name for name in names if not (earlier / name / "done").exists()]
         if missing:
-            tree = Path(scratch, "tree")
-            git("worktree", "add", "--detach", str(tree), given.revision)
-            try:
+            with tree_of(given.revision) as tree:
                 run_jobs(tree, missing, earlier)
-            finally:
-                git("worktree", "remove", "--force", str(tree))
         run_jobs(ROOT, names, now)
         found = [f"{name}: {problem}" for name in names for problem in differences(name, earlier, now)]
     print(*found, f"{len(names)} jobs, {len(found)} differences", sep="\n")
     sys.exit(bool(found))
 
 
-def git(*arguments: str) -> None:
-    subprocess.run(["git", "-C", str(ROOT), *arguments], check=True, capture_output=True)
-
-
 def run_jobs(tree: Path, names: list[str], results: Path) -> None:
     """Run jobs with the code of a tree, each in a folder of its own under `results`."""
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(tree), str(tree / "plugins")])}
     for name in names:
         folder = results / name
         folder.mkdir(parents=True, exist_ok=True)
         started = time.monotonic()
-        command = [sys.executable, "-P", "-m", "pipenav", *JOBS[name].command.split()]
-        subprocess.run(command, check=True, cwd=folder, env=environment, stdout=subprocess.DEVNULL)
+        run_pipenav(tree, JOBS[name].command, folder)
         (folder / "done").touch()
         print(f"{time.monotonic() - started:6.1f} s  {tree.name}: {name}", file=sys.stderr)
 

@@ -21,6 +21,7 @@ from typing import Any
 for variable in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ[variable] = "1"  # before numpy is imported; physics has the cores
 
+import mujoco
 import mujoco.batch
 import numpy as np
 
@@ -85,8 +86,9 @@ class Bare:
         """Duration of a control period from where the robots are now [s]."""
         live = self._live.views.batch
         if self._batch is None or self._batch.nstate != live.nstate:
-            self._batch = mujoco.batch.Batch(live.model, live.nsim)
+            self._batch = mujoco.batch.Batch(live.model, live.nsim, persistent=True)  # as the models' sleep asks for
         self._batch.set_models(live.models)
+        self._batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)  # places the walls
         self._batch.state[:] = live.state
         begin = time.perf_counter()
         self._batch.rollout(substeps, record=())

@@ -1,8 +1,8 @@
 """Speed of the default preset, as ratios measured in one go: `python benchmarks/throughput.py`.
 
 (a) bare physics: the same model in MuJoCo's Batch on all cores, nothing else
-(b) the vector environment: laser, reward and resets as well
-(c) training with the default preset, updates included
+(b) the vector environment: laser, reward and resets as well, in turns of two shares as in (c)
+(c) training with the first stage of the default preset, updates included
 (d) Stable-Baselines3's default PPO on one Gymnasium environment under DummyVecEnv
 
 They are measured alternately, several times, and the medians are compared, since the machine may be shared. Then (c)
@@ -23,6 +23,7 @@ for variable in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ[variable] = "1"  # before numpy is imported; physics has the cores
 
 import gymnasium
+import mujoco.batch
 import numpy as np
 import torch
 from stable_baselines3 import PPO
@@ -34,31 +35,27 @@ from pipenav.backends.simulators import open_simulator
 from pipenav.backends.wall_boxes import wall_boxes
 from pipenav.envs.sb3_env import TaskVecEnv
 from pipenav.learning.config import TrainConfig, load_config
-from pipenav.learning.schedule import noise_at
-from pipenav.learning.train import EPISODE_STOCK, new_model
+from pipenav.learning.schedule import Schedule, noise_at
+from pipenav.learning.stages import training_stages
+from pipenav.learning.train import new_model, training_env
 from pipenav.pipes.corner_sets import parse_corners
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach import episode
 from pipenav.tasks.reach.batch import ReachBatch
-from pipenav.tasks.reach.task import ReachTask
-from pipenav.tasks.sampling import random_episodes
+from pipenav.tasks.registry import task_of
 
 HELD_OUT = [f"d={d},angle={a},turn={t}" for d in (76, 93, 114) for a in (58, 78, 98, 118) for t in ("left", "right")]
 """Pipes that are in no training set."""
 
 
-def make_batch(config: TrainConfig, seed: int) -> ReachBatch:
+def make_env(config: TrainConfig, seed: int) -> TaskVecEnv:
     """Robots of a training with this configuration."""
-    robot, n = load_robot(config.robot), config.learner.robots
-    sets = [parse_corners([name]) for name in config.pipes]
+    sets = [task_of(config.task).parse_training_pipes([name]) for name in config.pipes]
     slots = max(len(pipe.segments) for pipes in sets for pipe in pipes)
     for pipes in sets:  # computed once for each pipe, in the first seconds of a training
         wall_boxes(pipes, slots, np.zeros(len(pipes)))
-    rng = np.random.default_rng(seed)
-    source = random_episodes(ReachTask(config.task), robot, sets, rng, EPISODE_STOCK)
-    simulator = open_simulator(config.backend, robot, n, config.options, slots)
-    return ReachBatch(robot, config.task, simulator, n, source)
+    return training_env(config, np.random.default_rng(seed))
 
 
 class Rates(NamedTuple):
@@ -68,38 +65,78 @@ class Rates(NamedTuple):
     full: float
 
 
-class SideBySide:
-    """Measures (a) and (b) on the same robots, states and actions, control step by control step.
+class Moment(NamedTuple):
+    """Everything that decides how the robots move in one control step.
 
-    The learner of (c) acts, so that contacts are as frequent as in training.
+    Attributes:
+        states: states of the simulations with the controls of this step, (n, size).
+        walls: sizes of all geoms, (n, geoms, 3) [m].
+        actions: actions of the step, (n, actions).
+    """
+
+    states: np.ndarray
+    walls: np.ndarray
+    actions: np.ndarray
+
+
+class SideBySide:
+    """Measures (a) and (b) on the same robots, states and actions.
+
+    A first environment goes ahead, with the learner of (c) acting, so that contacts are as frequent as in training.
+    Then bare physics repeats its control steps one by one, and a second environment with the same episodes repeats
+    them in turns of its shares, as the learner has them.
     """
 
     def __init__(self, config: TrainConfig, actor: PPO) -> None:
-        self.batch = make_batch(config, seed=1)
-        self.env, self.actor = TaskVecEnv(self.batch), actor
-        self.observation = self.env.reset()
-        backend = self.batch._simulator
-        self.physics, self.substeps = backend._batch, backend._substeps
+        self.ahead, self.behind, self.actor = make_env(config, seed=1), make_env(config, seed=1), actor
+        self.observation = self.ahead.reset()
+        assert np.array_equal(self.observation, self.behind.reset())
+        self.simulators = [share.batch._simulator for share in self.ahead.shares]
+        first = self.simulators[0]
+        self.physics = mujoco.batch.Batch(first._model, self.ahead.num_envs)
+        for name in ("actuator_gainprm", "actuator_biasprm"):  # servos of one kind of robot, the same for all
+            self.physics.expand(name)
+        self.walls = self.physics.expand("geom_size")
 
     def rates(self, steps: int) -> Rates:
         """Measure both over so many control steps."""
-        bare = full = 0.0
-        for _ in range(steps):
-            actions, _ = self.actor.predict(self.observation)
-            before = self.physics.state.copy()
-            started = time.perf_counter()
-            self.observation, *_ = self.env.step(actions)
-            full += time.perf_counter() - started
-            after = self.physics.state.copy()
-            controls = self.physics.bind("ctrl").copy()
-            self.physics.state[:] = before
-            self.physics.bind("ctrl")[:] = controls
-            started = time.perf_counter()
-            self.physics.step(nstep=self.substeps)
-            bare += time.perf_counter() - started
-            self.physics.state[:] = after
-        samples = steps * self.batch.n
+        moments = [self._go_ahead() for _ in range(steps)]
+        bare = sum(self._bare_seconds(moment) for moment in moments)
+        started = time.perf_counter()
+        for k, moment in enumerate(moments):
+            for share in self.behind.shares:
+                step = self.behind.receive(share) if k else None
+                share.send(moment.actions[share.rows])
+        steps_seen = [self.behind.receive(share) for share in self.behind.shares]
+        full = time.perf_counter() - started
+        assert step is None or np.array_equal(
+            np.concatenate([step.observation for step in steps_seen]), self.observation
+        )
+        samples = steps * self.ahead.num_envs
         return Rates(samples / bare, samples / full)
+
+    def _go_ahead(self) -> Moment:
+        actions, _ = self.actor.predict(self.observation)
+        states = [simulator._batch.state.copy() for simulator in self.simulators]
+        walls = [simulator._batch.expand("geom_size").copy() for simulator in self.simulators]
+        self.observation, *_ = self.ahead.step(actions)
+        for simulator, state in zip(self.simulators, states, strict=True):
+            controls, now = simulator._batch.bind("ctrl").copy(), simulator._batch.state.copy()
+            simulator._batch.state[:] = state
+            simulator._batch.bind("ctrl")[:] = controls
+            state[:] = simulator._batch.state
+            simulator._batch.state[:] = now
+        return Moment(np.concatenate(states), np.concatenate(walls), actions)
+
+    def _bare_seconds(self, moment: Moment) -> float:
+        """Time of bare physics for one control step of all robots [s]."""
+        servos = self.simulators[0]
+        self.physics.expand("actuator_gainprm")[:] = servos._gain[0]
+        self.physics.expand("actuator_biasprm")[:] = servos._bias[0]
+        self.physics.state[:], self.walls[:] = moment.states, moment.walls
+        started = time.perf_counter()
+        self.physics.step(nstep=servos._substeps)
+        return time.perf_counter() - started
 
 
 def rate(action: Callable[[], object], samples: int) -> float:
@@ -133,7 +170,9 @@ class UntilSolved(BaseCallback):
 
     def _on_rollout_start(self) -> None:
         if self.set_noise:
-            self.model.policy.log_std.data.fill_(np.log(noise_at(self.config, self.num_timesteps)))
+            self.model.policy.log_std.data.fill_(
+                np.log(noise_at(self.config.learner, Schedule(0, self.config.steps), self.num_timesteps))
+            )
 
     def _on_step(self) -> bool:
         if self.num_timesteps < self.next:
@@ -147,12 +186,12 @@ class UntilSolved(BaseCallback):
 
 
 def held_out_success(model: PPO, config: TrainConfig, each: int = 10) -> float:
-    """Success rate of a model on the held-out pipes, with `each` episodes in each."""
+    """Success rate of a model on the held-out pipes, with `each` episodes in each, at the default physics step."""
     robot = load_robot(config.robot)
     pipes = [pipe for pipe in parse_corners(HELD_OUT) for _ in range(each)]
     rng = np.random.default_rng(3)
     episodes = episode.sample(robot, config.task, pipes, rng)
-    backend = open_simulator(config.backend, robot, len(pipes), config.options)
+    backend = open_simulator(config.backend, robot, len(pipes), {})
     batch = ReachBatch(robot, config.task, backend, len(pipes), lambda _: episodes)
     observation, ended = batch.reset(), np.zeros(len(pipes), np.int8)
     while not ended.all():
@@ -169,14 +208,14 @@ def main() -> None:
     parser.add_argument("--limit", type=float, default=240.0, help="seconds that (d) may train for")
     arguments = parser.parse_args()
     torch.set_num_threads(1)
-    config = load_config()
+    config = training_stages(load_config())[0].config
     print(json.dumps(measure_rates(config, arguments.repeats) | measure_times(config, arguments.limit), indent=1))
 
 
 def measure_rates(config: TrainConfig, repeats: int) -> dict[str, float]:
     """Rates of (a) to (d) and their ratios, by their names in the output."""
     n, steps = config.learner.robots, config.learner.rollout_steps
-    ours = new_model(config, TaskVecEnv(make_batch(config, seed=4)))
+    ours = new_model(config, make_env(config, seed=4))
     plain = PPO("MlpPolicy", DummyVecEnv([baseline_env]), device="cpu", seed=0)
     ours.learn(10 * n * steps)  # past the first flailing
     plain.learn(256)
@@ -203,7 +242,7 @@ def measure_rates(config: TrainConfig, repeats: int) -> dict[str, float]:
 
 def measure_times(config: TrainConfig, limit: float) -> dict[str, float]:
     """Training times of (c) and (d), by their names in the output."""
-    ours = new_model(config, TaskVecEnv(make_batch(config, seed=5)))
+    ours = new_model(config, make_env(config, seed=5))
     fast = UntilSolved(config, 4096, limit, set_noise=True)
     ours.learn(config.steps, callback=fast)
     plain = PPO("MlpPolicy", DummyVecEnv([baseline_env]), device="cpu", seed=0)

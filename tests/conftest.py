@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 from collections.abc import Iterator
@@ -26,6 +27,13 @@ settings.register_profile("default", deadline=None)  # a loaded machine is no fa
 settings.register_profile("quick", max_examples=20, deadline=None)
 settings.load_profile("default")
 pytest_plugins = ["helpers.workshop"]
+
+
+@pytest.fixture
+def helpers_for_children(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Children find the module of a worker that only tests have."""
+    path = [str(Path(__file__).resolve().parent), *filter(None, [os.environ.get("PYTHONPATH")])]
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(path))
 
 
 @pytest.fixture(scope="session")

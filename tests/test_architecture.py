@@ -19,14 +19,14 @@ PLUGINS = sorted(path.name for path in (ROOT / "plugins").iterdir() if (path / "
 FLOORS: list[set[str]] = [
     {"errors", "units", "arrays"},
     {"storage", "processes"},
-    {"pipes", "robots"},
-    {"backends", "drawing"},
+    {"jobs", "pipes", "robots"},
+    {"backends", "drawing", "networks"},
     {"tasks", "disturbances", "locating", "export", "testing"},
     {"policies", "motions", "envs"},
     {"certify"},
     {"evaluation", "deployment", "comparison"},
-    {"learning", "recording"},
-    {"experiments"},
+    {"learning", "recording", "survey"},
+    {"experiments", "tuning"},
     {"cli"},
 ]
 """Packages (and the modules of the lowest floor) from the bottom to the top: each imports only what lies below it."""
@@ -34,12 +34,13 @@ FLOORS: list[set[str]] = [
 DOORS = {"__init__": 0, "__main__": 11, "env": 9, "train": 9}
 """Modules beside the packages, and the floor above which each stands: the ways in that other people's code knows."""
 
-OPEN_TO_PLUGINS = {"backends", "robots", "pipes", "errors", "arrays", "units"}
+OPEN_TO_PLUGINS = {"backends", "jobs", "robots", "pipes", "errors", "arrays", "units"}
 """Packages of pipenav that a plugin may import."""
 
 SIMULATORS = {"mujoco", "pybullet", "serial", "dynamixel_sdk"}
 HEAVY = {"torch", "stable_baselines3", "gymnasium", "matplotlib", "mujoco", "pybullet", "tensorboard", "trimesh"} | {
     "manifold3d",
+    "optuna",
     "shapely",
 }
 

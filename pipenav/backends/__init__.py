@@ -35,7 +35,7 @@ from pipenav.backends.spatial import HALVES, SpaceBackend, SpaceReading, SpaceTr
 from pipenav.backends.viewer import HasWindow, Sight, Viewer
 from pipenav.backends.wall_boxes import OUTER_THICKNESS, PARKED, WALL_HALF_HEIGHT, Edge, WallBoxes, wall_boxes
 from pipenav.processes.children import Worker, WorkerEnded, start_python, start_worker, worker_end
-from pipenav.processes.temporary import temporary_folder
+from pipenav.storage.temporary import temporary_folder
 from pipenav.storage.text_files import read_toml
 
 __all__ = [

@@ -106,6 +106,15 @@ class Simulator(Backend):
     moves_in_space: ClassVar[bool] = False
     """Whether the class offers robots in space, by `in_space`."""
 
+    robots_are_independent: ClassVar[bool] = False
+    """Whether a robot's readings are the same to the last bit whichever other robots are stepped together with it."""
+
+    steps_in_threads: ClassVar[bool] = False
+    """Whether a simulator's `step` may run in another thread than the rest, and leaves Python to the others meanwhile.
+
+    Then half of a training's robots move while the other half is attended to.
+    """
+
     @abstractmethod
     def truth(self) -> Truth:
         """State of the world now, and contacts of the last control period."""

@@ -29,6 +29,10 @@ COMMANDS = {
         "Make a pipe, a corner or a network: STL meshes, MuJoCo, URDF and SDF models, a drawing, its numbers.",
     ),
     "train": ("pipenav.cli.train:train", "Train a policy by PPO and save it as one file, best.zip."),
+    "tune": (
+        "pipenav.cli.tune:tune",
+        "Search for better settings of a training, by many short trainings that tell where to look next.",
+    ),
     "eval": (
         "pipenav.cli.eval:evaluate",
         "Measure in which pipes a policy passes: success with 95 % intervals, failures, ranges, contact, pictures.",
@@ -36,6 +40,10 @@ COMMANDS = {
     "view": (
         "pipenav.cli.view:view",
         "Draw what a policy, a behaviour or a trajectory file does, from above: links, beams, target, contact forces.",
+    ),
+    "survey": (
+        "pipenav.cli.survey:survey",
+        "Find out which part of a pipe network a robot can inspect, from which entry points, and what stops it.",
     ),
     "locate-target": (
         "pipenav.cli.locate_target:locate_target",

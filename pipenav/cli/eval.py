@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import typer
 
+from pipenav.cli.option_groups import OptionGroup, takes_option_groups
 from pipenav.cli.options import SIMULATOR, BackendOption, SettingsOption, checked_options
+from pipenav.cli.percentages import share_of
+from pipenav.cli.place_options import ShardedPlaceOptions
+from pipenav.cli.signals import Interrupted
 from pipenav.cli.terminal import progress_console, refuse_ignored, say, show
 from pipenav.errors import PipenavError
 
@@ -18,7 +24,9 @@ if TYPE_CHECKING:
 
     from pipenav.evaluation.config import EvaluationConfig
     from pipenav.evaluation.evaluate import CheckedEvaluation
+    from pipenav.evaluation.part_plan import Shard
     from pipenav.evaluation.results import Evaluation
+    from pipenav.jobs import JobStore, Place
 
 POLICY_HELP = "best.zip, a shipped policy's name, or baseline:random, :centreline, :sequence, :sequence-line."
 STAGE_HELP = (
@@ -56,7 +64,19 @@ RequireOption = Annotated[
 ]
 
 
+@dataclass(frozen=True)
+class SimulatorOptions(OptionGroup):
+    """The choice of a simulator."""
+
+    panel: ClassVar[str] = SIMULATOR
+    backend: BackendOption = "mujoco"
+    option: SettingsOption = None
+
+
+@takes_option_groups
 def evaluate(
+    simulator: SimulatorOptions,
+    where: ShardedPlaceOptions,
     policy: PolicyOption = None,
     stage: StageOption = None,
     variant: VariantOption = None,
@@ -64,8 +84,6 @@ def evaluate(
     pipes: PipesOption = None,
     episodes: EpisodesOption = 20,
     seed: SeedOption = 0,
-    backend: BackendOption = "mujoco",
-    option: SettingsOption = None,
     disturb: DisturbOption = None,
     out: OutOption = None,
     require: RequireOption = None,
@@ -73,7 +91,8 @@ def evaluate(
     """Measure in which pipes a policy passes: success with 95 % intervals, failures, ranges, contact, pictures.
 
     Every stage begins where the one before ended. Success of `rear` is a share of the episodes whose front half
-    reached its target.
+    reached its target. The result is the same wherever it runs. Finished parts are kept: after Ctrl-C the same command
+    goes on from there.
 
     Examples:
 
@@ -84,10 +103,11 @@ def evaluate(
         pipenav eval --policy baseline:centreline --pipes d=90,angle=60 --pipes d=90,angle=60,turn=right
         pipenav eval --policy pirate --pipes runs-level --option timestep=0.001
         pipenav eval --policy arm --disturb real-world --require 90%
+        pipenav eval --policy arm --episodes 100 --jobs 2
     """
     from pipenav.evaluation.config import EvaluationConfig, todays_stage
 
-    required = _required_share(require)
+    required = _required_share(require, where)
     if stage not in ("locate", "passage"):
         refuse_ignored({"--variant": variant}, "it says how --stage locate or passage locates a target")
     config = EvaluationConfig(
@@ -98,55 +118,94 @@ def evaluate(
         stage=todays_stage(stage),
         robot=robot,
         variant=variant or "map",
-        backend=backend,
-        options=checked_options(backend, option or []),
+        backend=simulator.backend,
+        options=checked_options(simulator.backend, simulator.option or []),
         disturb=disturb,
     )
-    evaluation = _measured(config, out)
-    if required is not None and evaluation.success < required:
+    if (evaluation := _measured(config, out, where)) and required is not None and evaluation.success < required:
         raise PipenavError(f"success {100 * evaluation.success:.6g}% is below the required {require}.")
 
 
-def _measured(config: EvaluationConfig, out: Path | None) -> Evaluation:
-    """Run an evaluation, write its folder and show it."""
+def _measured(config: EvaluationConfig, out: Path | None, where: ShardedPlaceOptions) -> Evaluation | None:
+    """Run an evaluation, write its folder and show it; None after a share of it."""
     from pipenav.evaluation.evaluate import CheckedEvaluation
-    from pipenav.evaluation.folder import check_folder, default_folder
+    from pipenav.evaluation.folder import UNFINISHED, check_folder, default_folder
     from pipenav.evaluation.report import FILES, evaluation_table, write_evaluation
+    from pipenav.jobs import JobStore
     from pipenav.storage.lock import one_writer
 
+    place, shard = where.place(), where.shard_numbers()
     checked = CheckedEvaluation(config)
-    with one_writer(out or default_folder(checked.config)) as folder:
+    with one_writer(out or default_folder(checked.config), shared=shard is not None) as folder:
         check_folder(folder, checked.config)
-        evaluation = _run(progress_console(), checked)
+        store = JobStore(folder / UNFINISHED, checked.parts.request())
+        with _kept(checked, store):
+            if shard is not None:
+                _run_shard(checked, store, place, shard)
+                return None
+            _run(progress_console(), checked, store, place)
+            evaluation = checked.merged(store)
         write_evaluation(folder, evaluation)
+        store.remove()
     show(evaluation_table(evaluation))
+    if len(checked.cpus) > 1:
+        say(f"parts were computed by {len(checked.cpus)} kinds of processors: their last digits may differ", "yellow")
     say(f"evaluation folder {folder}: {', '.join(FILES)}")
     return evaluation
 
 
-def _required_share(text: str | None) -> float | None:
+@contextmanager
+def _kept(checked: CheckedEvaluation, store: JobStore) -> Iterator[None]:
+    """Say what is kept of an evaluation that ends early."""
+    try:
+        yield
+    except BaseException as error:
+        parts = checked.parts.count
+        done = parts - checked.missing(store)
+        if not done:
+            store.remove()
+        elif isinstance(error, Interrupted):
+            say(f"{done} of {parts} parts are kept in {store.folder}; the same command goes on from there")
+        raise
+
+
+def _run_shard(checked: CheckedEvaluation, store: JobStore, place: Place, numbers: tuple[int, int]) -> None:
+    """Run a share of an evaluation's parts, and say what the other shares have left."""
+    from pipenav.evaluation.part_plan import Shard
+    from pipenav.storage.lock import one_writer
+
+    shard = Shard(*numbers)
+    with one_writer(store.folder / f"shard-{shard.number}-of-{shard.of}"):
+        _run(progress_console(), checked, store, place, shard)
+    missing = checked.missing(store)
+    left = f"{missing} of {checked.parts.count} parts are missing" if missing else "all parts are there"
+    say(f"share {shard} is done in {store.folder}: {left}; the same command without --shard writes the evaluation")
+
+
+def _required_share(text: str | None, where: ShardedPlaceOptions) -> float | None:
     """The share of successes that is required, from a percentage as it was typed."""
     if text is None:
         return None
-    try:
-        percent = float(text.removesuffix("%"))
-    except ValueError:
-        percent = math.nan
-    if not 0 <= percent <= 100 or (0 < percent <= 1 and not text.endswith("%")):
-        raise PipenavError(f"--require {text} is not a percentage: write it as 99% or 99.5%.")
-    return percent / 100
+    if where.shard is not None:
+        refuse_ignored({"--require": text}, "a share of an evaluation has no success yet")
+    return share_of(text, "--require")
 
 
-def _run(console: Console, checked: CheckedEvaluation) -> Evaluation:
-    """Run an evaluation under a bar for each of its stages."""
+def _run(
+    console: Console, checked: CheckedEvaluation, store: JobStore, place: Place, shard: Shard | None = None
+) -> None:
+    """Run the parts of an evaluation that are missing under a bar for each of its stages."""
     from pipenav.cli.progress_bars import episode_bar
 
+    kept = checked.parts.count - checked.missing(store)
+    if kept:
+        say(f"{kept} of {checked.parts.count} parts are there already, in {store.folder}", console=console)
     with episode_bar(console) as bar:
         bars: dict[str, TaskID] = {}
 
         def report(stage: str, total: int, done: int, successes: int) -> None:
             if stage not in bars:
                 bars[stage] = bar.add_task(stage, total=total)
-            bar.update(bars[stage], completed=done, description=f"{stage}: success {successes / done:.1%}")
+            bar.update(bars[stage], total=total, completed=done, description=f"{stage}: success {successes / done:.1%}")
 
-        return checked.run(report)
+        checked.run_parts(store, report, place, shard)

@@ -54,7 +54,8 @@ def locate_target(
 ) -> None:
     """Let the robot find a target (approach I), knowing only whether the corner turns left or right.
 
-    Exit code 1 if no target was found, or one outside the second leg.
+    Exit code 1 if no target was found, or one outside the second leg; in a long bend it may lie as far in as the arm
+    can reach.
 
     `pipenav eval --stage locate` measures it over many starts.
 
@@ -117,14 +118,14 @@ def _write(folder: Path, located: Located) -> None:
     atomic_write(folder / f"{name}.png", png(locate_figure(located)))
 
 
-HEADINGS = ("target x [mm]", "target y [mm]", "beam", "found at step", "inside second leg", "peak force [N]", "outcome")
+HEADINGS = ("target x [mm]", "target y [mm]", "beam", "found at step", "well placed", "peak force [N]", "outcome")
 
 
 def _cells(located: Located) -> list[str]:
     """Results in one pipe, a cell for each of `HEADINGS`."""
     import numpy as np
 
-    from pipenav.evaluation.locate_stage import inside_second_leg
+    from pipenav.evaluation.locate_stage import well_placed
     from pipenav.units import m_to_mm
 
     trajectory = located.trajectory
@@ -134,7 +135,8 @@ def _cells(located: Located) -> list[str]:
     if header.goal_m is not None and located.beam is not None:
         x, y = (f"{m_to_mm(value):.1f}" for value in header.goal_m)
         beam, step = f"{located.beam + 1} of {beams}", str(located.found)
-        inside = "yes" if inside_second_leg(header.pipe.require_corner(), np.array(header.goal_m)) else "no"
+        pipe, target = header.pipe.require_corner(), np.array(header.goal_m)
+        inside = "yes" if well_placed(trajectory.robot, pipe, header.base_m, target) else "no"
     return [x, y, beam, step, inside, f"{force:.1f}", header.outcome or "-"]
 
 
@@ -178,5 +180,5 @@ def _table(found: list[Located]) -> Table:
         style = None if located.trajectory.succeeded else "red"
         table.add_row(located.trajectory.header.pipe.label, *_cells(located), style=style)
     good = sum(located.trajectory.succeeded for located in found)
-    table.caption, table.caption_justify = f"found inside the second leg: {good} of {len(found)} pipes", "left"
+    table.caption, table.caption_justify = f"found well placed: {good} of {len(found)} pipes", "left"
     return table

@@ -24,7 +24,6 @@ def presets_table() -> Table:
     table = Table("preset", "robot", "control", "steps", "what it trains", box=None, pad_edge=False)
     for name in preset_names():
         config = load_config(name)
-        table.add_row(
-            Text(name, "bold"), config.robot, config.task.control, f"{config.steps:,}", Text(config.description)
-        )
+        steps = f"{config.steps:,}" + (f" in {len(config.stages)} stages" if config.stages else "")
+        table.add_row(Text(name, "bold"), config.robot, config.task.control, steps, Text(config.description))
     return table

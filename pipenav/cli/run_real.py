@@ -90,6 +90,7 @@ def run_real(
 
 def _pipe(given: PipeOptions, emulate: bool) -> PipeCorner | None:
     """The pipe around the arm; None where it is not known."""
+    from pipenav.pipes.bend_radius import bend_radius_mm
     from pipenav.pipes.corner import PipeCorner
     from pipenav.pipes.tee import TeePassage, tee
 
@@ -100,18 +101,22 @@ def _pipe(given: PipeOptions, emulate: bool) -> PipeCorner | None:
     diameter, angle = (130.0 if given.d is None else given.d), (90.0 if given.angle is None else given.angle)
     if given.tee:
         return tee(diameter, angle, TeePassage("straight" if given.straight_on else "into", given.turn))
-    return PipeCorner.of(diameter, angle, given.turn)
+    return PipeCorner.of(diameter, angle, given.turn, bend_radius_mm(given.bend_radius, diameter))
 
 
 def _exit(given: PipeOptions) -> Exit:
     """The exit that the arm is told to take."""
     from pipenav.locating.locator import Exit
+    from pipenav.pipes.bend_radius import bend_radius_mm
 
     if given.turn not in ("left", "right"):
         raise PipenavError(f"turn {given.turn!r} is neither left nor right: give the side that the pipe turns to.")
     if given.straight_on and not given.tee:
         raise PipenavError("--straight-on is an exit of a tee: give --tee too, and the side of its branch as --turn.")
-    return Exit("left" if given.turn == "left" else "right", given.tee, given.straight_on)
+    bend = bend_radius_mm(given.bend_radius, 1.0) > 0  # in bores of any width, a radius is more than 0 or none
+    if bend and given.tee:
+        raise PipenavError("the pipe ahead is a bend or a tee, not both: give --bend-radius or --tee.")
+    return Exit("left" if given.turn == "left" else "right", given.tee, given.straight_on, bend)
 
 
 def _target(text: str | None, robot: RobotSpec) -> Floats | None:

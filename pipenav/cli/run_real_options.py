@@ -39,6 +39,14 @@ class PipeOptions(OptionGroup):
     straight_on: Annotated[
         bool, typer.Option("--straight-on", help="Go straight on in the tee, past its branch at --turn.")
     ] = False
+    bend_radius: Annotated[
+        str,
+        typer.Option(
+            metavar="MM|1.5D",
+            help="The pipe ahead is a bend of this radius. The arm is told that it is one, and finds out the rest.",
+            show_default="0, a sharp corner",
+        ),
+    ] = "0"
     target: Annotated[
         str | None, typer.Option(metavar="X,Y", help="Target in the robot's frame in mm, instead of looking for one.")
     ] = None

@@ -17,7 +17,7 @@ from pipenav.cli.progress_bars import percentage_bar
 from pipenav.cli.signals import Interrupted, StopRequest, stop_signals
 from pipenav.cli.terminal import progress_console, say
 from pipenav.errors import PipenavError, shown
-from pipenav.learning.config import DEFAULT_PRESET, TrainConfig, load_config, preset_below, validate_config
+from pipenav.learning.config import DEFAULT_PRESET, TrainConfig, load_config, preset_below
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -41,9 +41,16 @@ PresetOption = Annotated[
 ]
 ConfigOption = Annotated[Path | None, typer.Option(help=CONFIG_HELP, rich_help_panel=RECIPE)]
 SetOption = Annotated[
-    list[str] | None, typer.Option("--set", help="key=value that overrides both; repeatable.", rich_help_panel=RECIPE)
+    list[str] | None,
+    typer.Option(
+        "--set",
+        help="key=value that overrides both, in all stages; stages.NAME.key in one; repeatable.",
+        rich_help_panel=RECIPE,
+    ),
 ]
-StepsOption = Annotated[int | None, typer.Option(help="Control steps of all robots together.", rich_help_panel=RECIPE)]
+StepsOption = Annotated[
+    int | None, typer.Option(help="Control steps of all robots together, in all stages.", rich_help_panel=RECIPE)
+]
 SeedOption = Annotated[int | None, typer.Option(help="Seed of everything random.", rich_help_panel=RECIPE)]
 RobotOption = Annotated[str | None, typer.Option(help="Robot; see `pipenav robots`.", rich_help_panel=RECIPE)]
 ControlOption = Annotated[str | None, typer.Option(help="torque or position.", rich_help_panel=RECIPE)]
@@ -80,7 +87,7 @@ def train(
         pipenav train --backend mujoco
         pipenav train --preset thesis-position --seed 1 --out runs/position-1
         pipenav train --pipes d=90,angle=60 --steps 50000 --set learner.epochs=4
-        pipenav train --preset pirate-gravity-runs --from runs/pirate-gravity
+        pipenav train --from runs/arm --pipes d=75,angle=58 --out runs/mine
         pipenav train --resume runs/arm
     """
     from pipenav.storage.lock import one_writer
@@ -98,7 +105,7 @@ def train(
     with one_writer(path):
         training = _new_training(recipe, path, start) if resume is None else _resumed_training(recipe, path)
         say(
-            f"training {training.name} on {training.config.backend}: {training.config.steps:,} steps, "
+            f"training {training.name} on {training.config.backend}: {_steps_in_words(training.config)}, "
             f"training folder {training.folder.path}"
         )
         with stop_signals() as stopped:
@@ -180,6 +187,12 @@ def _new_training(recipe: _Recipe, path: Path, start: Path | None) -> _Training:
     return _Training(recipe.name, TrainingFolder.create(path, config, current_command()), config, start=start)
 
 
+def _steps_in_words(config: TrainConfig) -> str:
+    """The length of a training: `160,000 steps in 2 stages (coarse, fine)`."""
+    names = [stage.name for stage in config.stages]
+    return f"{config.steps:,} steps" + (f" in {len(names)} stages ({', '.join(names)})" if names else "")
+
+
 def _path_to_resume(recipe: _Recipe, path: Path, out: Path | None, start: Path | None) -> Path:
     """The folder of a training to go on with, of which only the number of steps may change."""
     from pipenav.learning.training_folder import TrainingFolder
@@ -200,8 +213,9 @@ def _resumed_training(recipe: _Recipe, path: Path) -> _Training:
     steps = recipe.options["steps"]
     if steps is not None:
         from pipenav.learning.checkpoint import steps_done
+        from pipenav.learning.stages import with_steps
 
-        config = validate_config(config.model_dump() | {"steps": steps}, "--resume")
+        config = with_steps(config, steps)
         if (done := steps_done(folder.checkpoint)) > steps:
             raise PipenavError(f"{path} has {done:,} steps behind it, given --steps {steps}: give more than that.")
     return _Training(str(path), folder, config, resumed=True)
@@ -211,35 +225,30 @@ def _check_names(config: TrainConfig) -> None:
     """Refuse unknown names, and a robot or a backend that cannot do it, before a folder is made for them."""
     from pipenav.backends.registry import check_options
     from pipenav.backends.simulators import load_simulator
+    from pipenav.learning.stages import require_one_interface, training_stages
     from pipenav.robots.robot import load_robot
     from pipenav.tasks.registry import task_of
 
-    task = task_of(config.task)
-    task.check_robot(load_robot(config.robot))
-    task.parse_training_pipes(config.pipes)
-    check_options(config.backend, load_simulator(config.backend), config.options)
+    require_one_interface(config)
+    for stage in training_stages(config):
+        task = task_of(stage.config.task)
+        task.check_robot(load_robot(config.robot))
+        task.parse_training_pipes(stage.config.pipes)
+        check_options(config.backend, load_simulator(config.backend), stage.config.options)
 
 
 def _check_start(start: Path, config: TrainConfig) -> None:
     """Refuse a training whose weights do not fit the new one, before a folder is made for it."""
+    from pipenav.learning.stages import interface
     from pipenav.learning.training_folder import TrainingFolder
 
     other = TrainingFolder.open(start).config
-    if _interface(config) != _interface(other):
+    if interface(config) != interface(other):
         raise PipenavError(
             f"{start} was trained with another network, observation or control (robot {other.robot!r}, "
             f"{other.task.kind}, {other.task.observation}, {other.task.control}, network.policy "
             f"{list(other.network.policy)}): give --from a training that has the new one's."
         )
-
-
-def _interface(config: TrainConfig) -> tuple[object, ...]:
-    """Everything in which two trainings must be equal for one to take the other's weights."""
-    from pipenav.robots.robot import load_robot
-    from pipenav.tasks.registry import task_of
-
-    scale = task_of(config.task).observation_scale(load_robot(config.robot)).tolist()
-    return config.network, config.task.kind, config.task.observation, config.task.control, scale
 
 
 def _run(console: Console, training: _Training, stopped: StopRequest) -> TrainingSummary:
@@ -264,8 +273,9 @@ def _run(console: Console, training: _Training, stopped: StopRequest) -> Trainin
 def progress_text(progress: TrainingProgress) -> str:
     """The progress of a training in words."""
     success = "no episode has ended yet" if math.isnan(progress.success) else f"success {progress.success:.1%}"
+    stage = f"{progress.stage}: " if progress.stage else ""
     least = f"least laser reading {progress.min_range * 1e3:.0f} mm"
-    return f"{progress.steps_per_s:,.0f} steps/s, {success}, {least}"
+    return f"{stage}{progress.steps_per_s:,.0f} steps/s, {success}, {least}"
 
 
 @contextmanager

@@ -97,6 +97,7 @@ def mission_settings(exit_: Exit, target: Floats | None, retreat: bool) -> dict[
         "side": exit_.turn_sign,
         "tee": exit_.tee,
         "straight_on": exit_.straight,
+        "bend": exit_.bend,
         "period_s": CONTROL_PERIOD,
         "goal_m": None if target is None else [float(x) for x in target],
         "locate": LocateConfig().model_dump(),
@@ -109,5 +110,6 @@ def mission_of(policy: Policy, settings: dict[str, Any]) -> Mission:
     target = None if settings["goal_m"] is None else np.array(settings["goal_m"], float)
     locate = LocateConfig.model_validate(settings["locate"])
     turn: Turn = "left" if settings["side"] > 0 else "right"
-    exit_ = Exit(turn, bool(settings.get("tee")), bool(settings.get("straight_on")))  # missions of before know no tees
+    # Missions of before know no tees and no bends.
+    exit_ = Exit(turn, *(bool(settings.get(key)) for key in ("tee", "straight_on", "bend")))
     return Mission(policy, exit_, settings["period_s"], target, locate, settings["retreat"])

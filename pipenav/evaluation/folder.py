@@ -17,6 +17,9 @@ from pipenav.storage.shipped import policies_dir
 
 RECORD = "eval.json"
 
+UNFINISHED = "unfinished"
+"""Folder in an evaluation folder with the parts that are finished, until all are."""
+
 UNNAMED_STAGES = (None, "reach", "traverse")
 """Stages that the name of an evaluation folder leaves out: the policy's own task."""
 

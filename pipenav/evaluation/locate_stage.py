@@ -1,4 +1,4 @@
-"""Approach I as a stage of a passage: n robots look for a target; success is a target inside the second leg."""
+"""Approach I as a stage of a passage: n robots look for a target; success is a target that is `well_placed`."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Simulator
 from pipenav.backends.messages import Command, Reading
 from pipenav.evaluation.stage import Stage, StageStep
-from pipenav.locating.locator import Locator, Told, require_arm
+from pipenav.locating.locator import LocateConfig, Locator, Told, require_arm
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots import frames
+from pipenav.robots.bend_reach import Bends, reach_along
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.outcome import Outcome, strongest_outcome
 from pipenav.tasks.reach.config import ReachConfig
@@ -19,7 +20,7 @@ from pipenav.tasks.task import EpisodeSource
 
 
 class LocateStage(Stage):
-    """The robots look for a target; finding one inside the second leg is the stage's success.
+    """The robots look for a target; finding one inside the second leg, or as far as the arm can reach, is success.
 
     Args:
         robot: a slide followed by hinges, with the fan that the locator wants (`robot_for`).
@@ -93,7 +94,31 @@ class LocateStage(Stage):
 
     def _well_placed(self, index: int, target: Floats) -> bool:
         pipe = self._pipes[index]
-        return pipe is not None and inside_second_leg(pipe, frames.robot_to_pipe(target, self._base[index]))
+        base = float(self._base[index])
+        return pipe is not None and well_placed(self.robot, pipe, base, frames.robot_to_pipe(target, base))
+
+
+def well_placed(robot: RobotSpec, pipe: PipeCorner, base: float, point: Floats) -> bool:
+    """Whether a point (2,) of the pipe's frame is a target that a search may find.
+
+    It lies inside the second leg. In a swept bend whose end the arm cannot pass by the depth that is wanted, it may lie
+    before that end: up to that depth short of the reach, as elsewhere it may be up to that depth short.
+
+    Args:
+        robot: the robot.
+        pipe: the pipe.
+        base: x of the robot's frame in the pipe's frame [m].
+        point: the point.
+    """
+    if inside_second_leg(pipe, point):
+        return True
+    if not pipe.bend_radius or not pipe.contains(point):
+        return False
+    bend = Bends(*np.array([[pipe.radius], [pipe.bend_radius], [abs(pipe.heading_change)]]))
+    start = np.array([-pipe.inner_edge])
+    reach = reach_along(robot, bend, base - start)
+    seen = frames.pipe_to_robot(point[None] * [1.0, pipe.turn_sign], start)  # the bend's own frame, a left turn's
+    return bool(bend.distance(seen)[0] > min(bend.end[0], reach[0] - LocateConfig().depth))
 
 
 def inside_second_leg(pipe: PipeCorner, point: Floats) -> bool:

@@ -7,9 +7,8 @@ mirrored final pose of a successful front half and plays the passage backwards (
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -39,8 +38,9 @@ from pipenav.motions.mirror import join, rear_motion
 from pipenav.motions.trajectory import Motion
 from pipenav.pipes.pipe import Pipe
 from pipenav.policies.controller import AnyController
+from pipenav.processes.cores import usable_cores
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.outcome import Outcome
+from pipenav.tasks.outcome import Outcome, PassageStage
 from pipenav.tasks.reach.episode import ReachEpisodes
 from pipenav.tasks.registry import TaskConfig, require_reach, task_of
 
@@ -67,6 +67,8 @@ class EpisodePlan:
         seed: seed of starts and, where none is located, of targets.
         simulator: the simulator.
         disturbance: disturbances, drawn anew in every stage.
+        first: number of the first episode, where the first pipe begins with a later one than 0.
+        count: number of episodes in all; None for as many as the pipes have.
     """
 
     robot: RobotSpec
@@ -76,6 +78,17 @@ class EpisodePlan:
     seed: int
     simulator: SimulatorSettings = DEFAULT_SIMULATOR
     disturbance: Disturbance = UNDISTURBED
+    first: int = 0
+    count: int | None = None
+
+    @property
+    def numbers(self) -> range:
+        """Numbers of the episodes, of which the first pipe has those from 0, the next one those after."""
+        return range(self.first, len(self.pipes) * self.episodes if self.count is None else self.first + self.count)
+
+    def on(self, simulator: SimulatorSettings) -> EpisodePlan:
+        """The same episodes on another simulator."""
+        return replace(self, simulator=simulator)
 
 
 class StageResult(NamedTuple):
@@ -84,7 +97,8 @@ class StageResult(NamedTuple):
     Attributes:
         jobs: numbers of the episodes that the stage was tried in, (k,).
         results: results of these episodes, in order.
-        motions: joint positions from the start to the end of each episode, k arrays (rows, joints); none for a rear.
+        motions: joint positions from the start to the end of each episode, k arrays (rows, joints); none for a rear,
+            and where nobody asked for them.
         targets: the targets that were found, (k, 2) in the canonical frame; NaN where none was, and for other stages.
     """
 
@@ -110,14 +124,21 @@ class Passages:
     Args:
         plan: the episodes.
         report_progress: see `ReportProgress`.
+        keep_motions: whether results have the motions, which the rear half needs, and which take most of the memory.
     """
 
-    def __init__(self, plan: EpisodePlan, report_progress: ReportProgress = report_nothing) -> None:
-        self._plan, self._report_progress = plan, report_progress
+    def __init__(
+        self, plan: EpisodePlan, report_progress: ReportProgress = report_nothing, keep_motions: bool = True
+    ) -> None:
+        self._plan, self._report_progress, self._keep_motions = plan, report_progress, keep_motions
         self._task = task_of(plan.task)
-        self._pipes = [pipe for pipe in plan.pipes for _ in range(plan.episodes)]
+        self._pipes = [plan.pipes[number // plan.episodes] for number in plan.numbers]
         starts = plan.disturbance.starts(plan.task)
-        self._given = random_start(plan.robot, starts, plan.pipes, plan.episodes, plan.seed)
+        self._numbered = random_start(plan.robot, starts, plan.pipes, plan.episodes, plan.seed)
+
+    def _given(self, job: int) -> Any:
+        """The start and the target of an episode."""
+        return self._numbered(self._plan.first + job)
 
     def locate(self, variant: Variant = "map") -> StageResult:
         """Locate a target in every episode (approach I)."""
@@ -128,7 +149,7 @@ class Passages:
             locator = LOCATORS[variant](robot, LocateConfig(), n)
             return LocateStage(robot, locator, task, simulator, lambda indices: joined(queue.take(indices)))
 
-        return self._run("locating", make, robot, np.arange(len(self._pipes)), self._given)
+        return self._run(PassageStage.LOCATE, make, robot, np.arange(len(self._pipes)), self._given)
 
     def task(self, controller: AnyController, located: StageResult | None = None) -> StageResult:
         """Reach or traverse in every episode, or in those where a target was located."""
@@ -154,16 +175,20 @@ class Passages:
         """The task in pipes of which some leave the plane; nothing comes after it, so no motions are kept."""
         jobs = np.sort(np.concatenate([flat, rolled]))
         results = EpisodeResults.empty(len(jobs), self._plan.robot)
+        total, in_plane = len(jobs), 0
         if len(flat):
             make, robot = self._make(controller), self._plan.robot
-            in_plane = self._run(self._task.stage, make, robot, flat, self._given).results
-            results.put(np.searchsorted(jobs, flat), in_plane)
+            found = self._run(self._task.stage, make, robot, flat, self._given, total).results
+            results.put(np.searchsorted(jobs, flat), found)
+            in_plane = int((found.outcome == Outcome.REACHED).sum())
         in_space = run_queue(
             lambda queue: rolling_stage(controller, self._plan.simulator, queue),
             lambda i: self._given(int(rolled[i])),
             len(rolled),
-            max(robots_for(len(rolled)), min(len(rolled), os.cpu_count() or 1)),
-            lambda done, successes: self._report_progress(f"{self._task.stage} in space", len(rolled), done, successes),
+            max(robots_for(len(rolled)), min(len(rolled), usable_cores())),
+            lambda done, successes: self._report_progress(
+                self._task.stage, total, len(flat) + done, in_plane + successes
+            ),
         )
         results.put(np.searchsorted(jobs, rolled), in_space)
         return StageResult.without_motions(jobs, results)
@@ -194,7 +219,7 @@ class Passages:
             lambda i: motions[int(jobs[i])],
             [motions[int(job)].pipe for job in jobs],
             self._plan.simulator,
-            lambda done, successes: self._report_progress("rear", len(jobs), done, successes),
+            lambda done, successes: self._report_progress(PassageStage.REAR, len(jobs), done, successes),
         )
         return StageResult.without_motions(jobs, results)
 
@@ -213,29 +238,38 @@ class Passages:
         return disturbed(simulator, self._plan.robot, n, self._plan.disturbance, self._plan.seed)
 
     def _run(
-        self, name: str, make: MakeStage, robot: RobotSpec, jobs: Ints, start: Callable[[int], Any]
+        self,
+        name: str,
+        make: MakeStage,
+        robot: RobotSpec,
+        jobs: Ints,
+        start: Callable[[int], Any],
+        total: int | None = None,
     ) -> StageResult:
+        """Run a stage; `total` counts the stage's episodes where these are not all."""
         if not len(jobs):
             return _nothing(robot)
         recorded: list[RecordedStage] = []
         pipes = [self._pipes[job] for job in jobs]
         most_steps = self._plan.task.max_steps * max(len(pipe.interior_angles) for pipe in pipes)
+        rows = most_steps + 1 if self._keep_motions else 0
 
         def begin(i: int) -> Any:
             return start(int(jobs[i]))
 
         def make_recorded(simulator: Simulator, queue: EpisodeQueue[Any]) -> Stage:
             stage = make(self._disturbed(simulator, len(queue.running)), queue)
-            recorded.append(RecordedStage(stage, queue, begin, most_steps + 1))
+            recorded.append(RecordedStage(stage, queue, begin, rows))
             return recorded[0]
 
         def report(done: int, successes: int) -> None:
-            self._report_progress(name, len(jobs), done, successes)
+            self._report_progress(name, total or len(jobs), done, successes)
 
         results = run_stage(make_recorded, robot, begin, pipes, self._plan.simulator, report)
         (kept,) = recorded
         targets = [kept.targets.get(i, np.full(2, np.nan)) for i in range(len(jobs))]
-        return StageResult(jobs, results, [kept.motions[i] for i in range(len(jobs))], np.reshape(targets, (-1, 2)))
+        motions = [kept.motions[i] for i in range(len(jobs))] if self._keep_motions else []
+        return StageResult(jobs, results, motions, np.reshape(targets, (-1, 2)))
 
 
 def _nothing(robot: RobotSpec) -> StageResult:
@@ -253,4 +287,4 @@ def run_task(
 ) -> EpisodeResults:
     """Run the controller's task alone: reach a given target, or traverse; the arguments are an `EpisodePlan`'s."""
     plan = EpisodePlan(controller.robot, controller.task, pipes, episodes, seed, simulator, disturbance)
-    return Passages(plan).task(controller).results
+    return Passages(plan, keep_motions=False).task(controller).results

@@ -21,7 +21,7 @@ class RecordedStage(Stage):
         stage: the stage.
         queue: the source of its episodes.
         start: gives an episode by its number.
-        rows: most rows of a motion.
+        rows: most rows of a motion; 0 to keep none, only targets.
 
     Attributes:
         motions: joint positions of each episode from its start to its end, (rows, joints).
@@ -31,6 +31,7 @@ class RecordedStage(Stage):
     def __init__(self, stage: Stage, queue: EpisodeQueue[Any], start: Callable[[int], Any], rows: int) -> None:
         self.robot, self.n = stage.robot, stage.n
         self._stage, self._queue, self._start = stage, queue, start
+        self._keeps = rows > 0
         self._rows = np.zeros((stage.n, rows, stage.robot.coordinates))
         self.motions: dict[int, Floats] = {}
         self.targets: dict[int, Floats] = {}
@@ -41,20 +42,29 @@ class RecordedStage(Stage):
 
     def start(self, indices: Ints) -> None:
         self._stage.start(indices)
+        if not self._keeps:
+            return
         for index in indices:
             self._rows[index, 0] = self._start(max(int(self._queue.running[index]), 0)).q[0]
 
     def step(self) -> StageStep:
         step = self._stage.step()
+        if self._keeps:
+            self._keep(step)
+        for index in np.flatnonzero(step.outcome != Outcome.RUNNING):
+            job = int(self._queue.running[index])
+            if isinstance(self._stage, LocateStage):
+                self.targets.setdefault(job, self._stage.target[index].copy())
+        return step
+
+    def _keep(self, step: StageStep) -> None:
+        """Keep a step, and the motions that end with it."""
         # A robot without work is stepped on beyond its time; nobody reads its rows.
         count = np.minimum(self._stage.steps, self._rows.shape[1] - 1)
         self._rows[np.arange(self.n), count] = step.q
         for index in np.flatnonzero(step.outcome != Outcome.RUNNING):
             job = int(self._queue.running[index])
             self.motions.setdefault(job, self._rows[index, : count[index] + 1].copy())
-            if isinstance(self._stage, LocateStage):
-                self.targets.setdefault(job, self._stage.target[index].copy())
-        return step
 
     def close(self) -> None:
         self._stage.close()

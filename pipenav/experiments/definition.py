@@ -27,9 +27,9 @@ class Agent(Table):
     preset: str
     settings: dict[str, Any] = Field(default_factory=dict, description="dotted keys of TrainConfig")
 
-    def config(self, seed: int, steps: int | None) -> TrainConfig:
-        """The resolved configuration; `steps` None keeps the preset's."""
-        return load_config(self.preset, options={**self.settings, "seed": seed, "steps": steps})
+    def config(self, seed: int, steps: int | None, backend: str | None = None) -> TrainConfig:
+        """The resolved configuration; None keeps the preset's."""
+        return load_config(self.preset, options={**self.settings, "seed": seed, "steps": steps, "backend": backend})
 
 
 class Row(Table):

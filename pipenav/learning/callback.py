@@ -13,12 +13,12 @@ from stable_baselines3.common.callbacks import BaseCallback
 from pipenav.arrays import Floats
 from pipenav.backends.simulators import SimulatorSettings
 from pipenav.evaluation.passage import run_task
-from pipenav.learning.checkpoint import Checkpoint, save_checkpoint
-from pipenav.learning.config import TrainConfig
+from pipenav.learning.checkpoint import NO_CHECK, Checkpoint, save_checkpoint
 from pipenav.learning.divergence import Seen, TrainingDiverged, is_sound, write_cause
 from pipenav.learning.figures import write_training_plot
 from pipenav.learning.progress import TrainingProgress
 from pipenav.learning.schedule import noise_at
+from pipenav.learning.stages import TrainingStage
 from pipenav.learning.training_folder import TrainingFolder
 from pipenav.policies.header import PolicyHeader, header_for
 from pipenav.policies.named import PolicyController
@@ -63,26 +63,34 @@ class _WatchedController(PolicyController):
 
 
 class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3 is imported untyped
-    """Sets the noise, counts, checks, saves; stops on request and on non-finite values."""
+    """Sets the noise, counts, checks, saves; stops on request and on non-finite values.
+
+    Args:
+        stage: stage that is trained.
+        folder: folder of the training.
+        checkpoint: progress at the beginning.
+        report: called after each update.
+        should_stop: asked at every step.
+    """
 
     def __init__(
         self,
-        config: TrainConfig,
+        stage: TrainingStage,
         folder: TrainingFolder,
         checkpoint: Checkpoint,
         report: Callable[[TrainingProgress], None] | None,
         should_stop: Callable[[], bool],
     ) -> None:
         super().__init__()
-        self._config, self._folder = config, folder
+        self._stage, self._folder = stage, folder
         self._report, self._should_stop = report, should_stop
-        self.best_success = checkpoint.best_success
+        self.best_success = checkpoint.best_success if checkpoint.stage >= stage.checked_since else NO_CHECK
         self.stopped = False
-        self._check_success = math.nan
+        self._check_success, self._check_steps, self._check_seconds = math.nan, 0, math.nan
         self._earlier_seconds = checkpoint.seconds
         self._started = self._last_time = time.monotonic()
         self._last_steps = checkpoint.steps
-        self._next_check = checkpoint.steps + config.check.every
+        self._next_check = checkpoint.steps + stage.config.check.every
         self._counts = _Counts()
 
     @property
@@ -90,9 +98,12 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         return self._earlier_seconds + time.monotonic() - self._started
 
     def _on_rollout_start(self) -> None:
-        self.model.policy.log_std.data.fill_(math.log(noise_at(self._config, self.num_timesteps)))
+        self.model.policy.log_std.data.fill_(math.log(self._noise()))
         if self.n_calls:
             self._after_update()
+
+    def _noise(self) -> float:
+        return noise_at(self._stage.config.learner, self._stage.schedule, self.num_timesteps)
 
     def _on_step(self) -> bool:
         env, counts = self.training_env, self._counts
@@ -102,11 +113,10 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         counts.min_range += float(env.min_range.sum())
         counts.reward += float(rewards.sum())
         counts.samples += len(rewards)
-        for info in self.locals["infos"]:
-            if info:
-                counts.episodes += 1
-                counts.successes += info["outcome"] == Outcome.REACHED.label
-                counts.episode_steps += info["episode"]["l"]
+        ended = self.locals["ended"]
+        counts.episodes += len(ended.robots)
+        counts.successes += np.count_nonzero(ended.outcome == Outcome.REACHED)
+        counts.episode_steps += int(ended.steps.sum())
         self.stopped = self.stopped or self._should_stop()
         return not self.stopped
 
@@ -115,7 +125,7 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         self.require_sound()
         self._report_progress()
         if self.num_timesteps >= self._next_check:
-            self._next_check += self._config.check.every
+            self._next_check += self._stage.config.check.every
             self.save()
             self.check()
             self.save()
@@ -127,10 +137,17 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         self.save()  # from here on there is a training to resume, whatever happens
 
     def finish(self) -> None:
-        """Leave the folder whole. A training that was asked to stop is not checked: that may take long."""
+        """Leave the folder whole. A training that was asked to stop is not checked: that may take long.
+
+        Nor is the end of a stage that another one follows: its checks go on.
+        """
         self.require_sound()
         self._report_progress()
         self.save()
+        if self.stopped or self._stage.last:
+            self._conclude()
+
+    def _conclude(self) -> None:
         if not self.stopped:
             self.check()
         if not self._folder.best.exists():
@@ -143,11 +160,14 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         if steps == self._last_steps:
             return
         progress = TrainingProgress(
+            stage=self._stage.label,
             steps=steps,
             steps_per_s=(steps - self._last_steps) / max(now - self._last_time, 1e-9),
             success=counts.successes / counts.episodes if counts.episodes else math.nan,
             min_range=counts.min_range / max(counts.samples, 1),
             check_success=self._check_success,
+            check_steps=self._check_steps,
+            check_seconds=self._check_seconds,
         )
         self._add_row(progress)
         self._last_time, self._last_steps = now, steps
@@ -160,6 +180,7 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         counts = self._counts
         self._folder.add_progress(
             {
+                "stage": self._stage.number,
                 "steps": progress.steps,
                 "seconds": f"{self.seconds:.2f}",
                 "steps_per_s": f"{progress.steps_per_s:.0f}",
@@ -179,25 +200,32 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         save_checkpoint(
             folder.checkpoint,
             model,
-            Checkpoint(steps=model.num_timesteps, seconds=self.seconds, best_success=self.best_success),
+            Checkpoint(
+                steps=model.num_timesteps,
+                seconds=self.seconds,
+                best_success=self.best_success,
+                stage=self._stage.number,
+            ),
         )
         folder.write_progress()
         self._last_saved = time.monotonic()
 
     def check(self) -> None:
         """Measure the policy in last.zip, without its noise, and keep it as best.zip if none was better."""
+        steps, seconds = self.num_timesteps, self.seconds
         try:
             self._check_success = self._measure()
         except _CheckStopped:
             self.stopped = True
             return
+        self._check_steps, self._check_seconds = steps, seconds
         if self._check_success >= self.best_success:  # of equals the later one, which explored less
             self.best_success = self._check_success
             save_policy(self._folder.best, self.model, self._header())
 
     def _measure(self) -> float:
-        """Success of the noise-free policy on episodes spread evenly over the training pipes."""
-        config, check = self._config, self._config.check
+        """Success of the noise-free policy on episodes spread evenly over the stage's pipes."""
+        config, check = self._stage.checked, self._stage.checked.check
         pipes = task_of(config.task).parse_training_pipes(config.pipes)
         chosen = [pipes[i] for i in np.linspace(0, len(pipes) - 1, min(check.episodes, len(pipes))).astype(int)]
         each = math.ceil(check.episodes / len(chosen))
@@ -217,14 +245,16 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
             self.save()
 
     def _header(self) -> PolicyHeader:
-        config = self._config
+        stage, config = self._stage, self._stage.config
         training: dict[str, str | int | float | bool] = {
             "steps": self.num_timesteps,
             "seconds": round(self.seconds, 1),
             "seed": config.seed,
             "description": config.description,
         }
-        return header_for(load_robot(config.robot), config.task, list(config.pipes), training)
+        if stage.record:
+            training["stages"] = stage.record
+        return header_for(load_robot(config.robot), config.task, stage.trained_pipes, training)
 
     def require_sound(self, rollout: bool = False, overflow: bool = False) -> None:
         """Make sure that the policy is finite.
@@ -246,5 +276,5 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         """Save the last control step and stop."""
         before, actions = np.asarray(self.model._last_obs), np.asarray(self.locals["actions"])
         seen = Seen(before, actions, self.locals["new_obs"], self.locals["rewards"])
-        write_cause(self._folder, self.num_timesteps, seen, self.training_env.batch.pipes)
+        write_cause(self._folder, self.num_timesteps, seen, self.training_env.pipes)
         raise TrainingDiverged(self.num_timesteps, self._folder)

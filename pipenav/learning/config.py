@@ -1,4 +1,4 @@
-"""The configuration of a training: a preset, overlaid with a file, with `--set` and with options.
+"""The configuration of a training: a preset, with a file, `--set` and options laid over it.
 
 A preset may begin with `extends = "NAME"`: it then says only what differs from the preset of that name, which must not
 extend another one itself. An empty table in it, such as `options = {}`, leaves nothing of the table below. A file for
@@ -19,6 +19,15 @@ from pydantic_core import PydanticCustomError
 from pipenav.arrays import Table
 from pipenav.disturbances.disturbance import UNDISTURBED, Disturbance
 from pipenav.errors import ConfigError, PipenavError, UnknownName, shown
+from pipenav.learning.stage_tables import (
+    DEFAULT_BACKEND,
+    MOST_STAGES,
+    MOST_STEPS,
+    STAGES,
+    StageConfig,
+    laid_over,
+    merged,
+)
 from pipenav.storage import shipped
 from pipenav.storage.text_files import MAX_DEPTH, parse_toml, read_toml
 from pipenav.tasks.reach.config import ReachConfig
@@ -28,9 +37,6 @@ DEFAULT_PRESET = "arm"
 
 EXTENDS = "extends"
 """Key by which a preset or a file names the preset that it differs from."""
-
-MOST_STEPS = 10**12
-"""Most control steps of a training: years on any machine."""
 
 _Widths = tuple[Annotated[int, Field(ge=1, le=4096)], ...]
 
@@ -106,7 +112,7 @@ class TrainConfig(Table):
 
     description: str = Field(description="one line for `pipenav presets`")
     robot: str = Field("basic", description="robot, by name or as the path of its robot.toml")
-    backend: str = Field("mujoco", description="simulator backend")
+    backend: str = Field(DEFAULT_BACKEND, description="simulator backend")
     options: dict[str, Any] = Field(default_factory=dict, description="the backend's own settings")
     pipes: tuple[str, ...] = Field(
         ("thesis-train",), strict=False, min_length=1, max_length=100, description="pipe sets to train in"
@@ -118,6 +124,25 @@ class TrainConfig(Table):
     learner: LearnerConfig = LearnerConfig()
     check: CheckConfig = CheckConfig()
     randomise: Disturbance = UNDISTURBED
+    stages: tuple[StageConfig, ...] = Field(
+        (), strict=False, max_length=MOST_STAGES, description="parts with other settings, one after the other"
+    )
+
+    @model_validator(mode="after")
+    def _stages_fit(self) -> TrainConfig:
+        names = [stage.name for stage in self.stages]
+        if len(set(names)) < len(names):
+            problem = f"{STAGES}: two stages have one name, given {', '.join(names)}: give each its own"
+            raise PydanticCustomError("stages", problem)
+        together = sum(stage.steps for stage in self.stages)
+        if names and together != self.steps:
+            problem = f"steps: the stages have {together} steps together, given {self.steps}: make them agree"
+            raise PydanticCustomError("stages", problem)
+        return self
+
+    def in_stage(self, stage: StageConfig) -> dict[str, Any]:
+        """Table of this configuration as it is in one of its stages, for `validate_config`."""
+        return merged(self.model_dump(exclude={STAGES}), stage.settings())
 
 
 def preset_names() -> list[str]:
@@ -131,7 +156,7 @@ def load_config(
     settings: Sequence[str] = (),
     options: Mapping[str, Any] | None = None,
 ) -> TrainConfig:
-    """A preset, overlaid in this order by a TOML file, by `key=value` settings and by options.
+    """A preset with a TOML file laid over it, and `key=value` settings and options over both.
 
     Args:
         preset: name of a shipped preset; None: what the file extends, or the default.
@@ -148,8 +173,9 @@ def load_config(
     table = _preset_table(preset)
     where = f"preset {preset}"
     if file is not None:
-        table = _overlay(table, {key: value for key, value in read_toml(file).items() if key != EXTENDS})
         where = str(file)
+        table = laid_over(table, {key: value for key, value in read_toml(file).items() if key != EXTENDS}, where)
+    typed: dict[str, Any] = {}
     for text in settings:
         key, equals, value = text.partition("=")
         if not (equals and key.strip()):
@@ -158,12 +184,12 @@ def load_config(
             raise PipenavError(
                 f"setting {shown(text)} has a key of more than {MAX_DEPTH} parts: see pipenav list training-keys."
             )
-        table = _overlay(table, _nested(key.strip(), toml_value(value.strip())))
+        typed = merged(typed, nested(key.strip(), toml_value(value.strip())))
         where = f"--set {shown(text, quoted=False)}"
     for key, value in (options or {}).items():
         if value is not None:
-            table = _overlay(table, _nested(key, value))
-    return validate_config(table, where)
+            typed = merged(typed, nested(key, value))
+    return validate_config(laid_over(table, typed, where), where)
 
 
 def preset_below(preset: str | None, file: Path | None) -> str:
@@ -200,12 +226,12 @@ def _preset_table(name: str) -> dict[str, Any]:
     where, table = f"preset {name}", _read_preset(name)
     extended = _extended_name(table, where)
     if extended is None:
-        return table
+        return laid_over({}, table, where)
     below = _read_preset(extended)
     if EXTENDS in below:
         raise ConfigError(f"{where}: extends: preset {extended!r} extends {below[EXTENDS]!r} itself: extend that one.")
-    kept = {key: value for key, value in below.items() if table.get(key) != {}}
-    return _overlay(kept, {key: value for key, value in table.items() if key != EXTENDS})
+    own = {key: value for key, value in table.items() if key != EXTENDS}
+    return laid_over(laid_over({}, below, f"preset {extended}"), own, where)
 
 
 def _read_preset(name: str) -> dict[str, Any]:
@@ -213,7 +239,14 @@ def _read_preset(name: str) -> dict[str, Any]:
 
 
 def validate_config(table: Mapping[str, Any], where: str) -> TrainConfig:
-    """A TrainConfig from plain values; errors name `where` and the nearest key."""
+    """A TrainConfig from plain values, sound in each of its stages; errors name `where` and the nearest key."""
+    config = _validated(table, where)
+    for stage in config.stages:
+        _validated(config.in_stage(stage), f"{where}: stage {stage.name}")
+    return config
+
+
+def _validated(table: Mapping[str, Any], where: str) -> TrainConfig:
     try:
         return TrainConfig.model_validate(table)
     except ValidationError as error:
@@ -237,17 +270,10 @@ def _models(annotation: Any) -> list[type[BaseModel]]:
     return [model for part in get_args(annotation) for model in _models(part)]
 
 
-def _overlay(below: dict[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
-    merged = dict(below)
-    for key, value in above.items():
-        nested = isinstance(value, Mapping) and isinstance(merged.get(key), Mapping)
-        merged[key] = _overlay(merged[key], value) if nested else value
-    return merged
-
-
-def _nested(dotted: str, value: Any) -> dict[str, Any]:
+def nested(dotted: str, value: Any) -> dict[str, Any]:
+    """Tables inside each other with a value at a dotted key."""
     first, _, rest = dotted.partition(".")
-    return {first: _nested(rest, value) if rest else value}
+    return {first: nested(rest, value) if rest else value}
 
 
 def toml_value(text: str) -> Any:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from pipenav.backends.simulators import open_simulator, open_space
+from pipenav.backends.simulators import load_simulator, open_simulator, open_space
 from pipenav.disturbances.disturbed_backend import disturbed
 from pipenav.learning.config import TrainConfig
 from pipenav.robots.robot import load_robot
@@ -12,6 +12,16 @@ from pipenav.tasks.batch import TrainingBatch
 from pipenav.tasks.registry import task_of
 from pipenav.tasks.rolling.batch import check_in_space
 from pipenav.tasks.task import EpisodeSource
+
+MOST_SHARES = 2
+"""Shares of a training's robots that take turns: one moves while the other is attended to."""
+
+
+def open_training_batches(config: TrainConfig, n: int, source: EpisodeSource[Any]) -> list[TrainingBatch]:
+    """Robots of a training in as many batches as can take turns, see `open_training_batch`."""
+    shares = min(MOST_SHARES, n) if load_simulator(config.backend).steps_in_threads else 1
+    sizes = [(n + i) // shares for i in range(shares)]
+    return [open_training_batch(config, size, source) for size in sizes]
 
 
 def open_training_batch(config: TrainConfig, n: int, source: EpisodeSource[Any]) -> TrainingBatch:

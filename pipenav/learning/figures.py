@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipenav.drawing.style import INK, MAIN, SECOND, THIRD, heading, plain, png
+from pipenav.drawing.style import INK, MAIN, MUTED, SECOND, THIRD, heading, plain, png
 from pipenav.learning.progress import progress_columns, read_progress
 from pipenav.storage.atomic_files import atomic_write
 
@@ -34,6 +35,9 @@ def training_figure(columns: dict[str, list[float]], name: str) -> Figure:
     _curve(top, steps, _scaled(checks, 100), color=SECOND, label="check, without noise", drawstyle="steps-post")
     _curve(bottom, steps, _scaled(ranges, 1000), color=THIRD)
     top.set(ylim=(-2, 103), ylabel="success [%]")
+    for begin in _stage_begins(steps, columns.get("stage", [])):
+        for axes in (top, bottom):
+            axes.axvline(begin, color=MUTED, lw=1.0, ls=":", zorder=0)
     bottom.set_ylim(bottom=0)
     bottom.set(ylabel="mean of the least\nlaser reading [mm]", xlabel="control steps")
     bottom.xaxis.set_major_formatter("{x:,.0f}")
@@ -48,6 +52,11 @@ def training_figure(columns: dict[str, list[float]], name: str) -> Figure:
         f"{steps[-1]:,.0f} control steps{took}" if steps else "no steps yet",
     )
     return figure
+
+
+def _stage_begins(steps: Sequence[float], stages: Sequence[float]) -> list[float]:
+    """Control steps at which a stage followed another one; files of older versions have no stages."""
+    return [steps[i] for i, (before, now) in enumerate(pairwise(stages)) if now > before]
 
 
 def _scaled(values: Sequence[float], factor: float) -> list[float]:

@@ -21,6 +21,7 @@ PROGRESS_COLUMNS = (
     "episode_steps",
     "std",
     "check_success",
+    "stage",
 )
 
 MAX_ROWS, MAX_COLUMNS = 100_000, 50
@@ -34,18 +35,23 @@ class TrainingProgress(NamedTuple):
     """Progress of a training, reported after each update.
 
     Attributes:
+        stage: words that name the stage; empty where the training has no stages.
         steps: control steps so far.
         steps_per_s: control steps per second since the last report.
         success: share of the episodes since the last report that reached their target; NaN without any.
         min_range: mean over steps of the smallest laser reading [m].
         check_success: success of the last noise-free check; NaN before the first.
+        check_steps, check_seconds: control steps, and seconds of training, at the beginning of that check.
     """
 
+    stage: str
     steps: int
     steps_per_s: float
     success: float
     min_range: float
     check_success: float
+    check_steps: int = 0
+    check_seconds: float = math.nan
 
 
 def read_progress(path: Path) -> str:

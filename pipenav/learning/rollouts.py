@@ -1,4 +1,4 @@
-"""Rollouts in which the policy does not drive at every step.
+"""Rollouts, share by share, in which the policy does not drive at every step, and the minibatches made of them.
 
 In space a robot's pilot drives between corners, and the policy's actions do nothing. Those steps stay in the rollout:
 their rewards are what earlier actions led to, and the critic must know what they are worth, since a rollout may end
@@ -10,26 +10,43 @@ steps.
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 from stable_baselines3 import PPO
-from stable_baselines3.common.buffers import RolloutBuffer, RolloutBufferSamples
+from stable_baselines3.common.buffers import RolloutBuffer
 
-from pipenav.tasks.batch import TrainingBatch
+from pipenav.envs.shares import RobotShare, ShareStep
+from pipenav.learning.update import Minibatch
+
+SPREAD_GUARD = 1e-8
+"""Number that keeps normalised advantages finite, as in Stable-Baselines3."""
+
+
+class Decision(NamedTuple):
+    """Actions of a share's n robots.
+
+    Attributes:
+        observation: observations that they answer, (n, size).
+        actions: actions as they were drawn, not bounded, (n, actions).
+        log_probs: logarithms of the probabilities with which they were drawn, (n,).
+    """
+
+    observation: np.ndarray
+    actions: np.ndarray
+    log_probs: np.ndarray
 
 
 class DrivenRollouts(RolloutBuffer):  # type: ignore[misc]  # Stable-Baselines3 is imported untyped
-    """The learner's rollouts; where all steps are driven, the same as Stable-Baselines3's own.
+    """The learner's rollouts, which know whose actions counted.
 
-    Args:
-        batch: the robots, which say after each step whose actions counted.
-        model: the learner.
+    Attributes:
+        driven: whether each action counted, (steps, n).
     """
 
-    def __init__(self, batch: TrainingBatch, model: PPO) -> None:
-        self._batch = batch
-        self._driven = np.ones((model.n_steps, batch.n, 1), bool)
+    def __init__(self, model: PPO) -> None:
+        self.driven = np.ones((model.n_steps, model.n_envs), bool)
         super().__init__(
             model.n_steps,
             model.observation_space,
@@ -37,17 +54,47 @@ class DrivenRollouts(RolloutBuffer):  # type: ignore[misc]  # Stable-Baselines3 
             device=model.device,
             gae_lambda=model.gae_lambda,
             gamma=model.gamma,
-            n_envs=batch.n,
+            n_envs=model.n_envs,
         )
 
-    def add(self, *args: Any, **kwargs: Any) -> None:
-        self._driven[self.pos, :, 0] = self._batch.driven
-        super().add(*args, **kwargs)
+    def put(self, row: int, share: RobotShare, decision: Decision, step: ShareStep) -> None:
+        """Keep a control step of a share's robots, all but the values of its observations.
 
-    def _get_samples(self, batch_inds: np.ndarray, env: Any = None) -> RolloutBufferSamples:
-        """Samples of a minibatch; steps that were not driven get the mean advantage, which PPO's norm makes 0."""
-        samples = super()._get_samples(batch_inds, env)
-        driven = self.to_torch(self.swap_and_flatten(self._driven)[batch_inds, 0])
-        counted = samples.advantages[driven]
-        mean = counted.mean() if len(counted) else samples.advantages.new_zeros(())
-        return samples._replace(advantages=samples.advantages.where(driven, mean))
+        Args:
+            row: number of the step in the rollout.
+            share: the share.
+            decision: actions of the step.
+            step: what they led to.
+        """
+        at = row, share.rows
+        self.observations[at], self.actions[at], self.log_probs[at] = decision
+        self.rewards[at], self.driven[at] = step.reward, share.batch.driven
+
+    def minibatches(self, size: int, epochs: int) -> Iterator[Minibatch]:
+        """Samples of each gradient step of an update, every epoch in another order.
+
+        Args:
+            size: samples in a minibatch; it divides all samples.
+            epochs: passes over the rollout.
+        """
+        columns = self.observations, self.actions, self.log_probs, self.advantages, self.returns, self.driven
+        flat = [column.swapaxes(0, 1).reshape(-1, *column.shape[2:]) for column in columns]
+        for _ in range(epochs):
+            # Stable-Baselines3 seeds this generator, and shuffles by it.
+            order = np.random.permutation(len(flat[0]))  # noqa: NPY002
+            for chosen in np.split(order, range(size, len(order), size)):
+                observations, actions, log_probs, advantages, returns, driven = (column[chosen] for column in flat)
+                yield Minibatch(observations, actions, log_probs, normalised(advantages, driven), returns)
+
+
+def normalised(advantages: np.ndarray, driven: np.ndarray) -> np.ndarray:
+    """Advantages of a minibatch with mean 0 and standard deviation 1; 0 where the step was not driven, (n,).
+
+    Args:
+        advantages: estimated advantages, (n,).
+        driven: whether each action counted, (n,).
+    """
+    n, counted = len(advantages), np.count_nonzero(driven)
+    apart = (advantages - (advantages @ driven) / np.float32(max(counted, 1))) * driven
+    spread = np.sqrt(apart @ apart / np.float32(max(n - 1, 1)))
+    return np.asarray(apart / (spread + np.float32(SPREAD_GUARD)))

@@ -1,4 +1,8 @@
-"""Training: Stable-Baselines3's PPO on a batched task, with a training folder that survives anything."""
+"""Training: Stable-Baselines3's PPO on a batched task, with a training folder that survives anything.
+
+A stage of a training begins as a resumed training goes on: from the checkpoint, with new robots in new episodes. So a
+training that is stopped between two stages, and resumed, computes what an uninterrupted one computes.
+"""
 
 from __future__ import annotations
 
@@ -8,17 +12,17 @@ from typing import NamedTuple
 
 import numpy as np
 import torch
-from stable_baselines3 import PPO
 from stable_baselines3.common.logger import configure
 
 from pipenav.envs.sb3_env import TaskVecEnv
 from pipenav.learning.callback import TrainingCallback
-from pipenav.learning.checkpoint import Checkpoint, load_checkpoint, load_weights
+from pipenav.learning.checkpoint import Checkpoint, load_checkpoint, load_weights, steps_done
 from pipenav.learning.config import TrainConfig
-from pipenav.learning.environment import open_training_batch
+from pipenav.learning.environment import open_training_batches
+from pipenav.learning.learner import Learner
 from pipenav.learning.progress import TrainingProgress
-from pipenav.learning.rollouts import DrivenRollouts
 from pipenav.learning.schedule import LearningRate
+from pipenav.learning.stages import TrainingStage, stage_at, training_stages
 from pipenav.learning.training_folder import TrainingFolder
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.registry import task_of
@@ -67,23 +71,55 @@ def train(
         PipenavError: anything a user can mend.
     """
     torch.set_num_threads(1)  # physics has the cores; torch on one thread is 1.3 times faster for nets this small
+    stages = training_stages(config)
+    first = stage_at(stages, steps_done(folder.checkpoint)) if resumed else stages[0]
+    if resumed:
+        folder.write_config(config)  # its number of steps may have changed
+    for stage in stages[first.number - 1 :]:
+        going_on = resumed or stage is not first
+        summary = _train_stage(_Beginning(stage, folder, going_on, None if going_on else start), report, should_stop)
+        if summary.stopped:
+            break
+    return summary
+
+
+class _Beginning(NamedTuple):
+    """A stage of a training that is about to begin, or to go on.
+
+    Attributes:
+        stage: the stage.
+        folder: folder of the training.
+        resumed: go on from the folder's checkpoint, as each stage but the first does.
+        start: folder of another training, from whose weights this one starts.
+    """
+
+    stage: TrainingStage
+    folder: TrainingFolder
+    resumed: bool
+    start: Path | None
+
+
+def _train_stage(
+    beginning: _Beginning, report: Callable[[TrainingProgress], None] | None, should_stop: Callable[[], bool]
+) -> TrainingSummary:
+    """Run PPO to the end of a stage, or until `should_stop`."""
+    stage, folder, resumed, start = beginning
+    config = stage.config
     rng = np.random.default_rng(config.seed)
-    env = _environment(config, rng)
+    env = training_env(config, rng)
     try:
-        model = new_model(config, env)
-        checkpoint = load_checkpoint(folder.checkpoint, model) if resumed else Checkpoint()
-        if resumed:
-            folder.write_config(config)  # its number of steps may have changed
+        model = new_model(config, env, stage.learning_rate)
+        checkpoint = load_checkpoint(folder.checkpoint, model, stage.number) if resumed else Checkpoint()
         if start is not None:
             load_weights(TrainingFolder.open(start).folder.checkpoint, model)
         if resumed:  # other episodes than those that the training has had already
             rng.bit_generator.state = np.random.default_rng([config.seed, checkpoint.steps]).bit_generator.state
         should_stop()  # who is asked knows from here on that a stop is saved
         model.set_logger(configure(str(folder.path), ["tensorboard"]))
-        callback = TrainingCallback(config, folder, checkpoint, report, should_stop)
-        env.batch.stagger(rng)
+        callback = TrainingCallback(stage, folder, checkpoint, report, should_stop)
+        env.stagger(rng)
         try:
-            model.learn(max(config.steps - checkpoint.steps, 0), callback=callback, reset_num_timesteps=False)
+            model.learn(max(stage.end - checkpoint.steps, 0), callback=callback, reset_num_timesteps=False)
         except (
             ValueError,
             RuntimeError,
@@ -96,24 +132,24 @@ def train(
         env.close()
 
 
-def _environment(config: TrainConfig, rng: np.random.Generator) -> TaskVecEnv:
+def training_env(config: TrainConfig, rng: np.random.Generator) -> TaskVecEnv:
     """The robots that a training steps together, in episodes that `rng` draws."""
     starting = task_of(config.randomise.starts(config.task))
     sets = [starting.parse_training_pipes([name]) for name in config.pipes]
     source = random_episodes(starting, load_robot(config.robot), sets, rng, EPISODE_STOCK)
-    return TaskVecEnv(open_training_batch(config, config.learner.robots, source))
+    return TaskVecEnv(*open_training_batches(config, config.learner.robots, source))
 
 
-def new_model(config: TrainConfig, env: TaskVecEnv) -> PPO:
-    """A fresh learner, as the configuration says."""
+def new_model(config: TrainConfig, env: TaskVecEnv, learning_rate: LearningRate | None = None) -> Learner:
+    """A fresh learner, as the configuration says; its learning rate falls over its whole training if not given."""
     learner = config.learner
-    model = PPO(
+    model = Learner(
         "MlpPolicy",
         env,
         n_steps=learner.rollout_steps,
         batch_size=learner.batch_size,
         n_epochs=learner.epochs,
-        learning_rate=LearningRate(learner.learning_rate),
+        learning_rate=learning_rate or LearningRate(learner.learning_rate),
         gamma=learner.gamma,
         gae_lambda=learner.gae_lambda,
         clip_range=learner.clip,
@@ -124,6 +160,5 @@ def new_model(config: TrainConfig, env: TaskVecEnv) -> PPO:
             "activation_fn": torch.nn.Tanh,
         },
     )
-    model.rollout_buffer = DrivenRollouts(env.batch, model)
     model.policy.log_std.requires_grad_(False)  # the schedule of the configuration sets it
     return model

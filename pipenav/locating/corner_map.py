@@ -21,16 +21,14 @@ from typing import NamedTuple
 import numpy as np
 
 from pipenav.arrays import Flags, Floats, Ints
-from pipenav.locating.first_leg import edge_range, radius_votes
+from pipenav.locating.corner_estimate import TIE, CornerEstimate
+from pipenav.locating.first_leg import RADII, edge_range, radius_votes
 from pipenav.locating.rays import Rays, pick
 from pipenav.locating.second_leg import HEADINGS, OuterWall, SecondLegVotes, second_leg_votes
 from pipenav.robots.parts import Laser
 
 SCANS = 32
 """Scans kept of each robot; later scans overwrite the oldest."""
-
-RADII = np.arange(0.020, 0.1505, 0.001)
-"""Radii that are tried [m]: radii of the pipes that can be made."""
 
 NEAR_RADII = np.array([-0.004, 0.0, 0.004, 0.008, 0.012])
 """Radii that are tried again with the second leg [m], counted from the radius that the first leg's outer wall votes
@@ -39,34 +37,8 @@ for. That radius is mostly too small, as the corner's far end counts as that wal
 SHARES = np.linspace(0.0, 1.0, 9)
 """Inner edges that are tried, as shares of the stretch in which the edge must lie."""
 
-TIE = 1.0
-"""Votes by which a corner may lose to the best one and still be possible."""
-
 CHUNK = 32
 """Robots worked on at once: their tables stay in the processor's cache."""
-
-
-class CornerEstimate(NamedTuple):
-    """Best estimates of n robots' corners; NaN where nothing can be said yet.
-
-    Attributes:
-        radius: radius of the pipe, (n,) [m].
-        edge: end of the inner wall along the first leg, (n,) [m].
-        heading: heading of the second leg, (n,) [rad].
-        target: middle of the second leg at the wanted depth, (n, 2) [m]; straight on it counts from the farthest of
-            the possible edges, so that it lies past the crossing whichever is right.
-        spread: largest distance of the possible corners' targets from their mean, (n,) [m].
-        votes: votes of the beams that agree on the second leg's outer wall, (n,).
-        agreement: share of `votes` in all beams that ended past the first leg's walls, (n,).
-    """
-
-    radius: Floats
-    edge: Floats
-    heading: Floats
-    target: Floats
-    spread: Floats
-    votes: Floats
-    agreement: Floats
 
 
 class CornerMap:
@@ -121,7 +93,7 @@ class CornerMap:
         return CornerEstimate(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
     def _corner(self, indices: Ints, depth: float, straight: Flags) -> CornerEstimate:
-        rays, tolerance, tee = self._rays(indices), self._tolerance, self._tee[indices]
+        rays, tolerance, tee = self.rays(indices), self._tolerance, self._tee[indices]
         radius = RADII[radius_votes(rays, RADII[None], tolerance, tee).argmax(axis=1)]
         radii = radius[:, None] + NEAR_RADII
         first_leg = radius_votes(rays, radii, tolerance, tee)
@@ -131,7 +103,8 @@ class CornerMap:
         votes = second_leg.agree - second_leg.against + first_leg[..., None, None]
         return _best(radii, edges, votes, second_leg, _Wanted(depth, straight))
 
-    def _rays(self, indices: Ints) -> Rays:
+    def rays(self, indices: Ints) -> Rays:
+        """All beams of some robots, which `scan` by scan are kept here."""
         used = int(min(SCANS, self._scans[indices].max(initial=1)))
         m = used * self._laser.beams
         tip, direction, end = (kept[indices, :used].reshape(len(indices), m, 2) for kept in self._kept[:3])

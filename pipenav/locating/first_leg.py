@@ -9,6 +9,9 @@ import numpy as np
 from pipenav.arrays import Flags, Floats
 from pipenav.locating.rays import Rays, ordered, packed, pick, weights
 
+RADII = np.arange(0.020, 0.1505, 0.001)
+"""Radii that are tried [m]: radii of the pipes that can be made."""
+
 HIDDEN = 0.1
 """Length of the stretch before the first beam past the inner wall in which that wall may end, if no beam met it [m]."""
 

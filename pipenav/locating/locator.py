@@ -69,18 +69,21 @@ class Told(NamedTuple):
         turn_sign: +1 where the exit, or the branch beside an exit straight on, lies to the left, -1 to the right, (k,).
         tee: whether the fitting is a tee or a cross, with other exits besides, (k,).
         straight: whether the exit is straight on, (k,).
+        bend: whether the fitting is a swept bend, which has no inner edge to look for, (k,).
     """
 
     turn_sign: Floats
     tee: Flags
     straight: Flags
+    bend: Flags
 
     @classmethod
     def of(cls, pipes: Sequence[PipeCorner]) -> Told:
         """Knowledge about pipes, in which each robot takes the second leg."""
         tee = np.array([bool(pipe.branches) for pipe in pipes], bool)
         straight = np.array([pipe.as_route_corner.straight_on for pipe in pipes], bool)
-        return cls(np.array([pipe.turn_sign for pipe in pipes]), tee, tee & straight)
+        bend = np.array([pipe.bend_radius > 0 for pipe in pipes], bool)
+        return cls(np.array([pipe.turn_sign for pipe in pipes]), tee, tee & straight, bend)
 
 
 class Exit(NamedTuple):
@@ -90,11 +93,13 @@ class Exit(NamedTuple):
         turn: side on which it lies; straight on, the side of the branch that the arm passes.
         tee: whether the fitting is a tee or a cross.
         straight: whether the exit is straight on.
+        bend: whether the fitting is a swept bend.
     """
 
     turn: Turn
     tee: bool = False
     straight: bool = False
+    bend: bool = False
 
     @property
     def turn_sign(self) -> float:
@@ -104,13 +109,15 @@ class Exit(NamedTuple):
     @property
     def told(self) -> Told:
         """Knowledge of this exit, for k = 1 robots."""
-        return Told(np.array([self.turn_sign]), np.array([self.tee]), np.array([self.straight]))
+        return Told(np.array([self.turn_sign]), np.array([self.tee]), np.array([self.straight]), np.array([self.bend]))
 
     @property
     def label(self) -> str:
         """The exit in words."""
         if self.straight:
             return f"straight on past a branch to the {self.turn}"
+        if self.bend:
+            return f"around a bend to the {self.turn}"
         return f"to the {self.turn} in a tee" if self.tee else f"around a {self.turn} turn"
 
 

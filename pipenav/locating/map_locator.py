@@ -12,6 +12,8 @@ import numpy as np
 
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.messages import Reading
+from pipenav.locating.bend_map import bend_estimate
+from pipenav.locating.corner_estimate import CornerEstimate
 from pipenav.locating.corner_map import CornerMap
 from pipenav.locating.locator import LocateConfig, SearchStep, Told, advance
 from pipenav.robots import frames, kinematics
@@ -29,7 +31,7 @@ STRAIGHT_SPREAD = 0.6
 
 
 LAST_SPREAD = 2.0
-"""Factor on the spread with which a robot in a tee is content on its way back, when it will see no more."""
+"""Factor on the spread with which a robot in a tee or a bend is content on its way back, when it will see no more."""
 
 
 class MapLocator:
@@ -42,7 +44,7 @@ class MapLocator:
     def __init__(self, robot: RobotSpec, config: LocateConfig, n: int) -> None:
         self._robot, self._config, self.n = robot, config, n
         self._map = CornerMap(robot.laser, n, config.tolerance)
-        self._straight, self._tee = np.zeros((2, n), bool)
+        self._straight, self._tee, self._bend = np.zeros((3, n), bool)
         self._advance, self._turn_sign, self._home = np.full(n, config.v0), np.ones(n), np.zeros(n)
         self._agreed, self._back = np.zeros(n, int), np.zeros(n, bool)
         self._wall = np.full((n, robot.laser.beams), -np.inf)
@@ -50,7 +52,7 @@ class MapLocator:
 
     def start(self, indices: Ints, reading: Reading, told: Told) -> None:
         self._map.forget(indices, told.tee)
-        self._straight[indices], self._tee[indices] = told.straight, told.tee
+        self._straight[indices], self._tee[indices], self._bend[indices] = told.straight, told.tee, told.bend
         self._advance[indices], self._turn_sign[indices], self._home[indices] = (
             self._config.v0,
             told.turn_sign,
@@ -67,7 +69,7 @@ class MapLocator:
         found, at_home = self._beam >= 0, reading.q[:, 0] <= self._home + HOME
         self._advance = advance(robot, config, self._advance, self._without_dropouts(reading))
         # No wall ahead stops a robot whose exit leaves an open run: it turns back before the end of its slide.
-        at_end = self._tee & (reading.q[:, 0] >= robot.upper[0] - 2 * config.v0)
+        at_end = (self._tee | self._bend) & (reading.q[:, 0] >= robot.upper[0] - 2 * config.v0)
         self._back = found | np.where(self._back, ~at_home, (self._advance < STOPPED) | at_end)
         ahead = np.minimum(reading.q[:, 0] + self._advance, robot.upper[0])
         set_points = np.zeros_like(reading.q)
@@ -93,11 +95,12 @@ class MapLocator:
         self._map.add(
             indices, frames.robot_to_canonical(pose.tip, turn_sign), beams * turn_sign[:, None], reading.ranges
         )
-        corner = self._map.corner(indices, config.depth, self._straight[indices])
-        second_leg = (corner.votes >= config.votes) & (corner.agreement >= config.agreement)
         # Straight on, the pipe has room for a target that is too deep.
         room = np.where(self._straight[indices], STRAIGHT_SPREAD * config.depth, config.spread)
-        room[self._tee[indices] & self._back[indices]] *= LAST_SPREAD  # it has seen what there is
+        hidden = self._tee[indices] | self._bend[indices]
+        room[hidden & self._back[indices]] *= LAST_SPREAD  # it has seen what there is
+        corner = self._estimate(indices, room)
+        second_leg = (corner.votes >= config.votes) & (corner.agreement >= config.agreement)
         known = (corner.spread <= room) & (second_leg | self._straight[indices])
         self._agreed[indices] = np.where(known, self._agreed[indices] + 1, 0)
         sure = self._agreed[indices] >= config.scans
@@ -106,3 +109,17 @@ class MapLocator:
         off = np.arctan2(away[:, 1], away[:, 0])[:, None] - beams[sure]
         self._target[indices[sure]] = target
         self._beam[indices[sure]] = np.abs(np.angle(np.exp(1j * off))).argmin(axis=1)
+
+    def _estimate(self, indices: Ints, room: Floats) -> CornerEstimate:
+        """Corners, or bends, that fit best what some robots have met; `room` is a target's spread, (k,) [m]."""
+        bend, depth = self._bend[indices], self._config.depth
+        if not bend.any():
+            return self._map.corner(indices, depth, self._straight[indices])
+        bent = indices[bend]
+        rays, tolerance = self._map.rays(bent), self._config.tolerance
+        bends = bend_estimate(self._robot, rays, depth, tolerance, room[bend], self._back[bent])
+        if bend.all():
+            return bends
+        corners = self._map.corner(indices[~bend], depth, self._straight[indices[~bend]])
+        order = np.argsort(np.concatenate([np.flatnonzero(bend), np.flatnonzero(~bend)]))
+        return CornerEstimate(*(np.concatenate(columns)[order] for columns in zip(bends, corners, strict=True)))

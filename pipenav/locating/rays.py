@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipenav.arrays import Flags, Floats, Ints
+
+Float = TypeVar("Float", np.float32, np.float64)
 
 
 class Rays(NamedTuple):
@@ -27,8 +29,12 @@ class Rays(NamedTuple):
     met: Flags
     near: Flags
 
+    def part(self, index: int | Ints | None) -> Rays:
+        """Rays of one robot or some; None puts an axis before those of one."""
+        return Rays(self.tip[index], self.direction[index], self.end[index], self.met[index], self.near[index])
 
-def weights(distance: Floats) -> Floats:
+
+def weights(distance: NDArray[Float]) -> NDArray[Float]:
     """Votes by distance: 1 for a distance of 0, 0 from a distance of 1 on, a parabola in between.
 
     The result takes its argument's memory, which is large.

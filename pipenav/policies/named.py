@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from pipenav.arrays import Floats
@@ -33,9 +35,13 @@ class PolicyController:
 class RandomController:
     """Uniform random actions: the lower end of every comparison."""
 
-    def __init__(self, robot: RobotSpec, seed: int, task: TaskConfig | None = None) -> None:
+    def __init__(self, robot: RobotSpec, seed: int | Sequence[int], task: TaskConfig | None = None) -> None:
         self.robot, self.task = robot, task or default_config(robot)
         self._rng = np.random.default_rng(seed)
+
+    def seeded(self, seed: int | Sequence[int]) -> RandomController:
+        """The same controller with another seed."""
+        return RandomController(self.robot, seed, self.task)
 
     def act(self, observation: Floats) -> Floats:
         return self._rng.uniform(-1.0, 1.0, (len(observation), len(self.robot.driven_actuators)))

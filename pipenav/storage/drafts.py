@@ -13,6 +13,8 @@ import uuid
 from functools import cache
 from pathlib import Path
 
+from pipenav.storage.owners import owner_runs
+
 FOREIGN_AGE_S = 86_400.0
 """Age at which a draft of another machine, or of an earlier start of this one, is taken for abandoned [s]."""
 
@@ -57,15 +59,10 @@ def _clear(draft: Path, replaced: str | None) -> None:
 
 
 def _abandoned(pid: int, host: str, entry: os.DirEntry[str]) -> bool:
+    stat = entry.stat(follow_symlinks=False)
     if host != _host():
-        return time.time() - entry.stat(follow_symlinks=False).st_mtime > FOREIGN_AGE_S
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return True
-    except OSError:
-        return False
-    return False
+        return time.time() - stat.st_mtime > FOREIGN_AGE_S
+    return not owner_runs(pid, stat.st_ctime)  # the time of contents stays old when a folder is moved aside
 
 
 @cache

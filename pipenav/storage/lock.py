@@ -39,7 +39,7 @@ def current_command() -> str:
 
 
 @contextlib.contextmanager
-def one_writer(folder: Path, command: str | None = None) -> Iterator[Path]:
+def one_writer(folder: Path, command: str | None = None, shared: bool = False) -> Iterator[Path]:
     """Make a folder where there is none, and keep other processes from writing into it until the block is left.
 
     A folder that was made for it and is still empty then goes again.
@@ -47,23 +47,26 @@ def one_writer(folder: Path, command: str | None = None) -> Iterator[Path]:
     Args:
         folder: path of the folder.
         command: words for what this process does there; by default its command line.
+        shared: let others in that share it too, each with files of its own there.
 
     Raises:
         FolderInUse: another process writes into it.
         FileProblem: the folder cannot be made or written into.
     """
     with used_folder(folder):
-        descriptor = _lock(folder, command or current_command())
+        descriptor = _lock(folder, command or current_command(), fcntl.LOCK_SH if shared else fcntl.LOCK_EX)
         try:
             yield folder
         finally:
             with contextlib.suppress(OSError):  # the folder may have been removed, or exchanged for one without it
+                if shared:
+                    fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)  # fails while others share it
                 if _is_file_of(descriptor, folder / LOCK_FILE):
                     (folder / LOCK_FILE).unlink()
             os.close(descriptor)
 
 
-def _lock(folder: Path, command: str) -> int:
+def _lock(folder: Path, command: str, mode: int) -> int:
     """A descriptor of the locked file."""
     file = folder / LOCK_FILE
     while True:
@@ -72,7 +75,7 @@ def _lock(folder: Path, command: str) -> int:
         except OSError as error:
             raise FileProblem(file, "write", error) from error
         try:
-            _take(descriptor, folder)
+            _take(descriptor, folder, mode)
             if _is_file_of(descriptor, file):  # else its owner removed the file between our two calls
                 _write_owner(descriptor, command)
                 return descriptor
@@ -82,9 +85,9 @@ def _lock(folder: Path, command: str) -> int:
         os.close(descriptor)
 
 
-def _take(descriptor: int, folder: Path) -> None:
+def _take(descriptor: int, folder: Path, mode: int) -> None:
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        fcntl.flock(descriptor, mode | fcntl.LOCK_NB)
     except BlockingIOError:
         raise FolderInUse(folder, _owner(descriptor)) from None
     except OSError as error:

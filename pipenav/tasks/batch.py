@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
@@ -118,6 +118,24 @@ class TrainingBatch(TaskBatch):
     def driven(self) -> Flags:
         """Whether each robot's action counted in the last step, (n,); all do where nobody else drives."""
         return np.ones(self.n, bool)
+
+    @abstractmethod
+    def begin(self, action: Floats) -> Callable[[], None]:
+        """Begin a control step: what is returned moves the robots, and may be called in another thread.
+
+        Until it has returned nothing else of this batch may be called; then comes `end`.
+
+        Args:
+            action: canonical actions in [-1, 1], (n, action_size).
+        """
+
+    @abstractmethod
+    def end(self) -> StepResult:
+        """End the control step that `begin` began, once the robots have moved."""
+
+    def step(self, action: Floats) -> StepResult:
+        self.begin(action)()
+        return self.end()
 
     @abstractmethod
     def stagger(self, rng: np.random.Generator) -> None:

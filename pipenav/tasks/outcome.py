@@ -47,6 +47,8 @@ class Outcome(IntEnum):
     """The robot is stuck, and its wheels spin."""
     FOLD = 9
     """The robot is stuck with its tip behind its middle."""
+    WRONG_EXIT = 10
+    """The robot's middle is in a branch that its route does not take, or it is stuck with its tip in one."""
 
     @property
     def label(self) -> str:
@@ -63,6 +65,7 @@ LADDER = (
     Outcome.LIMIT,
     Outcome.FOLD,
     Outcome.SLID_BACK,
+    Outcome.WRONG_EXIT,
     Outcome.PENETRATION,
 )
 """Outcomes from the weakest to the strongest: where several hold in one control step, the strongest counts."""

@@ -60,7 +60,7 @@ class MujocoBackend(Simulator):
     """Simulator of n robots in the plane, see `pipenav.backends.Simulator`."""
 
     Options = MujocoOptions
-    moves_in_space = True
+    moves_in_space = steps_in_threads = robots_are_independent = True
     can_vary = can_incline = has_viewer = True
 
     def __init__(self, robot: RobotSpec, n: int, options: BackendOptions, wall_segments: int = 4) -> None:
@@ -74,6 +74,7 @@ class MujocoBackend(Simulator):
         self._segments = np.full((2, 2, wall_segments, n), np.inf).T  # robots last in memory: see laser.cast
         self._base = np.zeros(n)
         self._control: Control | None = None
+        self._moved = False
         self._pose: kinematics.ChainPose | None = None
         self._stiffness = np.tile([actuator.controller_gain for actuator in robot.driven_actuators], (n, 1))
         self._effort = np.tile(robot.effort_limits, (n, 1))
@@ -111,6 +112,7 @@ class MujocoBackend(Simulator):
         self._windows = Windows(self._substeps, model.opt.timestep)
 
     def reset(self, indices: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:
+        self._sense()
         walls = wall_boxes(pipes, self._slots, base)
         self._wall_position[indices], self._wall_quaternion[indices] = walls.position, walls.quaternion
         self._wall_half_size[indices], self._segments[indices] = walls.half_size, walls.segments
@@ -129,6 +131,16 @@ class MujocoBackend(Simulator):
             self._set_gains(slice(None))
         self._ctrl[:] = command.values
         self._batch.rollout(self._substeps, record=("sensordata",), out=self._record)
+        self._moved = True
+
+    def _sense(self) -> None:
+        """Compute what the sensors and the contacts of the last control step come to, where that is not done yet.
+
+        A step leaves it to whoever reads first, since steps may run in a thread beside the rest.
+        """
+        if not self._moved:
+            return
+        self._moved = False
         self._pose, self._loads = None, self._asked / self._effort
         self._ranges = self._scan(self._own_pose(), self._segments)
         sensors = self._record["sensordata"]  # (n, substeps, 3 per link and wheel + 1)
@@ -187,6 +199,7 @@ class MujocoBackend(Simulator):
         self._wall_half_size[indices] = walls
 
     def read(self) -> Reading:
+        self._sense()
         return self._reading(slice(None))
 
     def _reading(self, indices: Ints | slice) -> Reading:
@@ -206,6 +219,7 @@ class MujocoBackend(Simulator):
         return laser.measure(self._robot.laser, laser.cast(pose.tip, beams, segments))
 
     def truth(self) -> Truth:
+        self._sense()
         pose = self._own_pose()
         tip = np.concatenate([pose.tip, pose.headings[:, -1:]], axis=1)
         tip[:, 0] += self._base
@@ -224,6 +238,7 @@ class MujocoBackend(Simulator):
 
     def _marks(self) -> Marks:
         """Beams and forces of the first robot."""
+        self._sense()
         pose, lengths = self._own_pose(), self._robot.lengths[:, None]
         beams = pose.headings[0, -1] + self._robot.laser.angles
         ends = pose.tip[0] + self._ranges[0, :, None] * np.stack([np.cos(beams), np.sin(beams)], axis=1)

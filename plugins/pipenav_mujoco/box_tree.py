@@ -2,7 +2,9 @@
 
 MuJoCo's compiler halves the geoms of a body along the longest side of their bounding box. That side is the leg's length
 for every part of a leg, so halves would mix walls from all around the bore. Here each node is split where its parts are
-least likely to be met, which leaves a third of the tests. The tree alters no contact: MuJoCo sorts those of two bodies.
+least likely to be met, which leaves a third of the tests. A node hardly smaller than the one above it is not worth a
+test of its own and gets a box without end, which MuJoCo passes untested. The tree alters no contact: MuJoCo sorts those
+of two bodies.
 """
 
 from __future__ import annotations
@@ -11,11 +13,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pipenav.arrays import Floats, Ints
+from pipenav.arrays import Flags, Floats, Ints
 from pipenav.robots import space_kinematics
 
 SOUGHT = 0.03
 """Size of what is looked for in the tree [m]: a wheel or a link."""
+
+WORTH_A_TEST = 0.7
+"""Share of the volume of the last tested node above it, enlarged by `SOUGHT`, from which a node is not tested."""
+
+ENDLESS = 1e11
+"""Half a side of a box without end [m]; MuJoCo takes those from 1e10 on as such (mjMAXVAL)."""
 
 
 class _Bounds(NamedTuple):
@@ -39,7 +47,10 @@ def split_well(model: Any, body: int) -> None:
     tree.add(np.arange(count), 0)
     assert len(tree.geom) == model.body_bvhnum[body]
     boxes = np.array([[bounds.low[part].min(axis=0), bounds.high[part].max(axis=0)] for part in tree.parts])
-    model.bvh_aabb[nodes, :3], model.bvh_aabb[nodes, 3:] = boxes.mean(axis=1), (boxes[:, 1] - boxes[:, 0]) / 2
+    half = np.where(
+        tree.untested(_volumes(boxes[:, 0], boxes[:, 1]))[:, None], ENDLESS, (boxes[:, 1] - boxes[:, 0]) / 2
+    )
+    model.bvh_aabb[nodes, :3], model.bvh_aabb[nodes, 3:] = boxes.mean(axis=1), half
     model.bvh_child[nodes], model.bvh_depth[nodes] = tree.children, tree.depth
     model.bvh_nodeid[nodes] = [first + geom if geom >= 0 else -1 for geom in tree.geom]
 
@@ -71,6 +82,17 @@ class _Tree:
         if len(part) > 1:
             self.children[node] = [self.add(half, depth + 1) for half in self._halves(part)]
         return node
+
+    def untested(self, volumes: Floats) -> Flags:
+        """Whether each node of these volumes (nodes,) is not worth a test, (nodes,); root and leaves always are."""
+        untested, above = np.zeros(len(volumes), bool), volumes.copy()  # of the last tested node, itself included
+        for node, children in enumerate(self.children):  # those above come first
+            for child in children:
+                if child < 0:
+                    continue
+                untested[child] = self.geom[child] < 0 and volumes[child] > WORTH_A_TEST * above[node]
+                above[child] = above[node] if untested[child] else volumes[child]
+        return untested
 
     def _halves(self, part: Ints) -> tuple[Ints, Ints]:
         """The two parts of a node, in order along the axis where their volumes, each times its geoms, add up to least.

@@ -41,8 +41,10 @@ def new_spec(robot: RobotSpec, timestep: float) -> Any:
     # Pyramidal cones turned some sideways pushes against a wall into spikes of a thousand newtons.
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     # Bodies have few geoms, so a bounding-volume tree within bodies is only overhead (a fifth of a step).
+    # One robot is one island of constraints: to look for more is only overhead (a twentieth of a step).
     # A state that is not finite must be seen, not silently replaced by a fresh one.
-    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_MIDPHASE | mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    off = mujoco.mjtDisableBit
+    spec.option.disableflags |= off.mjDSBL_MIDPHASE | off.mjDSBL_ISLAND | off.mjDSBL_AUTORESET
     spec.option.gravity = [0.0, 0.0, 0.0]  # the arm lies in a plane, carried by its rails (thesis 4.2.1)
     spec.compiler.degree = False
     spec.add_material(name="wall", rgba=[0.7, 0.72, 0.75, 1.0])

@@ -58,7 +58,7 @@ class Views:
 
     def __init__(self, robot: RobotSpec, model: Any, n: int, threads: int) -> None:
         assert robot.roll is not None
-        self.batch = batch = mujoco.batch.Batch(model, n, threads)
+        self.batch = batch = mujoco.batch.Batch(model, n, threads, persistent=True)  # as sleep asks for
         self.qpos, self.qvel, self.time = batch.bind("qpos"), batch.bind("qvel"), batch.bind("time")
         self.warm, self.ctrl = batch.bind("qacc_warmstart"), batch.bind("ctrl")
         self.pull, self.asked = batch.bind("xfrc_applied"), batch.bind("actuator_force")
@@ -137,14 +137,22 @@ class SpaceBatch:
             needed = self._layout_of(route)
             self._layout = needed if self._layout is None else self._layout.union(needed)
         assert self._layout is not None
-        if self._layout == before:
-            self._take(indices)
-        else:
+        walled = indices
+        if self._layout != before:
             self._open(self._compiled(routes[0], self._layout))
-            self._take(np.arange(self._n))
-        self.views.batch.set_models(self._models)
+            walled = np.arange(self._n)
+        self._take(walled)
+        self._place_walls(walled)
         for values in self.views.own:
             values[indices] = 0.0
+
+    def _place_walls(self, indices: Ints) -> None:
+        """Set the models of all robots, and let MuJoCo place the walls of some, which it does at a reset alone."""
+        batch = self.views.batch
+        batch.set_models(self._models)
+        state = batch.state[indices]
+        batch.reset(indices, stage=mujoco.mjtStage.mjSTAGE_NONE.value)
+        batch.state[indices] = state
 
     def _take(self, indices: Ints) -> None:
         """Take the models of some robots' routes, with all of their legs."""

@@ -40,11 +40,14 @@ def space_spec(robot: RobotSpec, route: PipeRoute, layout: Layout, timestep: flo
     midphase = mujoco.mjtDisableBit.mjDSBL_MIDPHASE
     spec.option.disableflags &= ~int(midphase)  # the body of a leg has many geoms
     spec.option.jacobian = mujoco.mjtJacobian.mjJAC_SPARSE  # a contact moves part of the chain: a tenth faster
+    # With sleep MuJoCo computes the places of walls once, instead of in every step; the robot itself never sleeps.
+    spec.option.enableflags |= mujoco.mjtEnableBit.mjENBL_SLEEP
     parent, offset = spec.worldbody, 0.0
     for link in robot.links:
         body = parent.add_body(name=link.name, pos=[offset, 0, 0])
         if link.joint is None:
             body.add_freejoint(name="base")
+            body.sleep = mujoco.mjtSleepPolicy.mjSLEEP_NEVER
         else:
             add_driven_joint(body, link.joint, robot.actuators[link.joint.actuator])
         if link.wheel is not None:

@@ -41,7 +41,7 @@ def test_one_pipe_is_reported_recorded_and_drawn(here: Path, capsys: pytest.Capt
     x, y = trajectory.header.goal_m
     assert (fact(said, "target x"), fact(said, "target y")) == (f"{1000 * x:.1f}", f"{1000 * y:.1f}")
     assert inside_second_leg(trajectory.header.pipe, np.array([x, y]))
-    assert fact(said, "inside second leg") == "yes"
+    assert fact(said, "well placed") == "yes"
     assert re.fullmatch(r"\d+ of 10", fact(said, "beam"))
     assert 0 < int(fact(said, "found at step")) < len(trajectory.q)
     assert fact(said, "peak force") == "0.0"
@@ -55,7 +55,7 @@ def test_one_pipe_is_reported_recorded_and_drawn(here: Path, capsys: pytest.Capt
 def test_a_pipe_without_a_target_ends_with_1(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run("locate-target", "--d", "100", "--angle", "180", "--out", "found", *FAST) == 1
     said = capsys.readouterr().out
-    assert fact(said, "target x") == fact(said, "beam") == fact(said, "inside second leg") == "-"
+    assert fact(said, "target x") == fact(said, "beam") == fact(said, "well placed") == "-"
     assert fact(said, "outcome") != "reached"
     assert read_trajectory(here / "found" / "locate-corner-d100-a180-left.csv").header.goal_m is None
     assert (here / "found" / "locate-corner-d100-a180-left.png").is_file()
@@ -67,7 +67,7 @@ def test_several_pipes_have_a_row_each(capsys: pytest.CaptureFixture[str]) -> No
     said = capsys.readouterr().out
     assert re.search(r"90 mm, 60 deg, left +-[\d.]+ +[\d.]+ +\d+ of 10 +\d+ +yes +0\.0 +reached", said)
     assert re.search(r"120 mm, 120 deg, right +[\d.]+ +-[\d.]+ +\d+ of 10 +\d+ +yes +0\.0 +reached", said)
-    assert "found inside the second leg: 2 of 2 pipes" in said
+    assert "found well placed: 2 of 2 pipes" in said
     assert len(list(Path("found").iterdir())) == 4
 
 

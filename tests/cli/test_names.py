@@ -18,6 +18,7 @@ from pipenav.pipes.route_sets import route_set_names
 from pipenav.policies.named import BASELINES
 from pipenav.policies.policy import policy_names
 from pipenav.robots.robot import RobotSpec, load_robot, robot_names
+from pipenav.tuning.space import space_names
 
 NAMES = {
     "policies": [*policy_names(), *(f"baseline:{name}" for name in BASELINES)],
@@ -25,6 +26,7 @@ NAMES = {
     "disturbances": disturbance_names(),
     "experiments": [*experiment_names(), "all"],
     "presets": preset_names(),
+    "spaces": space_names(),
     "robots": robot_names(),
     "backends": ["hardware", "mujoco", "pybullet"],
     "disturbance-keys": list(Disturbance.model_fields),
@@ -55,6 +57,8 @@ def leaves(table: Mapping[str, Any], before: str = "") -> set[str]:
     for key, value in table.items():
         if key == "actuators":
             found |= {leaf for part in value.values() for leaf in leaves(part, f"{before}{key}.NAME.")}
+        elif key == "stages":
+            found |= {f"{key}[].{inner}" for part in value for inner in part}
         elif isinstance(value, dict) and key != "options":
             found |= leaves(value, f"{before}{key}.")
         elif isinstance(value, list) and value and isinstance(value[0], dict):

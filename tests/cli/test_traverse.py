@@ -133,7 +133,7 @@ def test_runs_can_be_trained_in(tmp_path: Path) -> None:
         (["train", "--preset", "pirate", "--set", "task.alfa=1"], "did you mean 'task.alpha'"),
         (["eval", "--policy", "arm", "--stage", "traverse"], "reaches a target around the corner"),
         (
-            ["train", "--preset", "pirate-gravity-runs", "--pipes", "runs-rolled", "--backend", "pybullet"],
+            ["train", "--preset", "pirate-gravity", "--pipes", "runs-rolled", "--backend", "pybullet"],
             "backend 'pybullet' moves robots only in a plane: choose --backend mujoco",
         ),
         (

@@ -41,7 +41,7 @@ def simulate(
     given = {"target": None, "retreat": False} | settings
     mission = Mission(
         policy,
-        Exit("left" if start.turn_sign[0] > 0 else "right"),
+        Exit(pipe.turn, bend=pipe.bend_radius > 0),
         PERIOD,
         given["target"],
         LocateConfig(),
@@ -62,9 +62,9 @@ def simulate(
 
 
 @pytest.mark.parametrize("turn", ["left", "right"])
-@pytest.mark.parametrize("angle", [60, 90, 120])
-def test_an_arm_locates_reaches_and_comes_back(angle: int, turn: str) -> None:
-    pipe = PipeCorner.of(130, angle, turn)
+@pytest.mark.parametrize(("angle", "bend_mm"), [(60, 0), (90, 0), (120, 0), (90, 130), (120, 390)])
+def test_an_arm_locates_reaches_and_comes_back(angle: int, bend_mm: int, turn: str) -> None:
+    pipe = PipeCorner.of(130, angle, turn, bend_mm)
     mission, made = simulate(pipe, angle)
     stages = [decision.stage for decision in made]
     assert mission.outcome == "passed"
@@ -93,8 +93,9 @@ def test_a_target_out_of_reach_is_given_up_and_left_if_wished() -> None:
         assert made[-2].stage == last
 
 
-def test_where_no_corner_is_none_is_found() -> None:
-    locate = Locate(ROBOT, LocateConfig(), Exit("left"))
+@pytest.mark.parametrize("exit_", [Exit("left"), Exit("left", bend=True)])
+def test_where_no_corner_is_none_is_found(exit_: Exit) -> None:
+    locate = Locate(ROBOT, LocateConfig(), exit_)
     straight = reading(np.zeros(4), ROBOT.laser.range_max)
     for _ in range(LOCATE_TICKS):
         assert isinstance(locate.decide(straight), Decision)
@@ -171,12 +172,15 @@ def test_an_arm_that_hooks_on_the_corners_edge_is_free_after_a_few_ticks() -> No
     assert stages.count("back") < stages.count("reach") + 12
 
 
-@pytest.mark.parametrize("exit_", [Exit("left"), Exit("right", tee=True), Exit("left", tee=True, straight=True)])
+EXITS = [Exit("left"), Exit("right", tee=True), Exit("left", tee=True, straight=True), Exit("right", bend=True)]
+
+
+@pytest.mark.parametrize("exit_", EXITS)
 def test_a_mission_is_told_the_exit_that_its_settings_hold(exit_: Exit) -> None:
     assert mission_of(POLICY, mission_settings(exit_, None, retreat=False)).exit_ == exit_
 
 
-def test_settings_of_before_there_were_tees_are_those_of_a_corner() -> None:
+def test_settings_of_before_there_were_tees_and_bends_are_those_of_a_corner() -> None:
     settings = mission_settings(Exit("right"), None, retreat=False)
-    older = {key: value for key, value in settings.items() if key not in ("tee", "straight_on")}
+    older = {key: value for key, value in settings.items() if key not in ("tee", "straight_on", "bend")}
     assert mission_of(POLICY, older).exit_ == Exit("right")

@@ -8,10 +8,12 @@ to name things that exist.
 from __future__ import annotations
 
 import importlib.util
+import os
 import re
 import shlex
 import shutil
 import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -129,6 +131,12 @@ def test_other_command(command: Command) -> None:
     program, *words = command.argv
     if program == "make":
         subprocess.run(["make", "--dry-run", *words], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+        return
+    if program.endswith(".sh"):
+        shown = subprocess.run(
+            [ROOT / program, "--help"], env=os.environ | {"PYTHON": sys.executable}, check=True, capture_output=True
+        )
+        assert {word for word in words if word.startswith("--")} <= set(re.findall(r"--[\w-]+", shown.stdout.decode()))
         return
     assert program in ("pip", "pytest"), f"{command.where}: this test does not know how to check {program}"
     extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]

@@ -28,7 +28,8 @@ def listed(module: str) -> list[str]:
 
 
 def test_public_packages_are_listed() -> None:
-    names = ["robots", "pipes", "backends", "policies", "evaluation", "envs", "testing", "errors", "arrays", "units"]
+    names = ["robots", "pipes", "backends", "jobs", "policies", "evaluation"]
+    names += ["envs", "testing", "errors", "arrays", "units"]
     assert [f"pipenav.{name}" for name in names] == PUBLIC
 
 

@@ -21,6 +21,7 @@ from pipenav.env import CornerEnv, CornerVectorEnv, TraverseEnv, TraverseVectorE
 from pipenav.envs.threads import CHOSEN_BY
 from pipenav.errors import ConfigError, PipenavError, UnknownName
 from pipenav.learning.config import load_config
+from pipenav.learning.stages import training_stages
 
 SHORT = {"max_steps": 7}
 FAST = {"timestep": 0.005, "threads": 1}
@@ -110,7 +111,7 @@ def test_the_action_of_a_robot_that_starts_anew_is_ignored_even_where_it_is_no_n
 
 @pytest.mark.parametrize(("name", "preset"), [(IDS[0], "high-fidelity"), (IDS[0], "arm"), (IDS[1], "pirate-gravity")])
 def test_a_preset_gives_every_argument_that_is_not_given(name: str, preset: str) -> None:
-    config = load_config(preset)
+    config = training_stages(load_config(preset))[-1].config
     options = dict(config.options)
     told = gymnasium.make(
         name, robot=config.robot, pipes=config.pipes, task=config.task, backend=config.backend, options=options

@@ -6,6 +6,7 @@ A command that no rule here knows is refused, so that a new one in the docs gets
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import NamedTuple
 
 import pytest
@@ -113,7 +114,7 @@ class Options(NamedTuple):
         return (self.command, *self.arguments, *words)
 
 
-FLAGS = {"--dry-run", "--emulate", "--help", "--live", "--replay", "--write-servos", "--yes"}
+FLAGS = {"--check", "--dry-run", "--emulate", "--help", "--live", "--replay", "--untethered", "--write-servos", "--yes"}
 
 
 def pipenav(*words: str) -> int:
@@ -182,10 +183,23 @@ def _experiment(options: Options) -> Options:
     return options._replace(arguments=("e",)).without(DROPPED).plus(*small, ("--out", "reported"))
 
 
+def _tune(options: Options) -> Options:
+    """A search of two trials in one corner, each as short as a documented training."""
+    settings = [("--set", setting) for setting in (*TRAINING, 'pipes=["d=100,angle=90"]', "task.max_steps=10")]
+    small = (("--space", "my-space.toml"), ("--trials", "2"), ("--again", "0"), ("--objective", "success"))
+    return Options("tune", (), (*small, ("--steps", "64"), *settings, ("--out", "searched")))
+
+
 def _run_real(options: Options) -> Options:
     if not options.has("--emulate"):
         return options
     return options.plus(("--ticks", "5"), ("--patience", "10"))
+
+
+def _survey(options: Options) -> Options:
+    """The example's map is read and checked; trials would take minutes."""
+    example = str(Path(__file__).resolve().parents[2] / "examples/schutterwald/network.json")
+    return options._replace(arguments=(example,)).without(("--routes", "--out", "--check")).plus(("--check", None))
 
 
 RULES: dict[str, Callable[[Options], Options]] = {
@@ -204,6 +218,8 @@ RULES: dict[str, Callable[[Options], Options]] = {
     "replay": _as_it_stands,
     "robots": _as_it_stands,
     "run-real": _run_real,
+    "survey": _survey,
     "train": _train,
+    "tune": _tune,
     "view": _view,
 }

@@ -21,6 +21,7 @@ from pipenav.cli import main
 from pipenav.errors import PipenavError
 from pipenav.learning.config import TrainConfig, load_config
 from pipenav.learning.divergence import TrainingDiverged
+from pipenav.learning.learner import Learner
 from pipenav.learning.progress import PROGRESS_COLUMNS
 from pipenav.learning.train import TrainingSummary, train
 from pipenav.learning.training_folder import TrainingFolder, default_training_path
@@ -223,7 +224,8 @@ def test_a_value_that_is_not_finite_stops_the_training(monkeypatch: pytest.Monke
     import pipenav.learning.environment as module
 
     real: Callable[..., Any] = module.open_simulator
-    monkeypatch.setattr(module, "open_simulator", lambda *given: Poisoned(real(*given), 60))
+    healthy = iter([60, 10**6])  # of the robots' first share, and of the second
+    monkeypatch.setattr(module, "open_simulator", lambda *given: Poisoned(real(*given), next(healthy)))
     config = tiny(**{"check.every": 256})
     folder = TrainingFolder.create(tmp_path / "run", config, "pipenav train")
     with pytest.raises(TrainingDiverged, match=r"diverged\.json.*last\.zip"):
@@ -238,13 +240,11 @@ def test_a_value_that_is_not_finite_stops_the_training(monkeypatch: pytest.Monke
 
 
 def test_weights_that_are_not_finite_stop_the_training(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    from stable_baselines3 import PPO
-
     def spoil(model: Any) -> None:
         with torch.no_grad():
             next(model.policy.action_net.parameters())[0, 0] = torch.inf
 
-    monkeypatch.setattr(PPO, "train", spoil)
+    monkeypatch.setattr(Learner, "train", spoil)
     folder = TrainingFolder.create(tmp_path / "run", tiny(), "pipenav train")
     with pytest.raises(TrainingDiverged):
         train(tiny(), folder)

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipenav.locating.corner_map import CornerEstimate, CornerMap
+from pipenav.locating.corner_estimate import CornerEstimate
+from pipenav.locating.corner_map import CornerMap
 from pipenav.locating.second_leg import HEADINGS, wall_votes
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots import laser

@@ -17,7 +17,7 @@ from helpers.waiting import wait_until
 
 from pipenav.errors import OutOfRange, PipenavError, UnknownName
 from pipenav.processes.children import WorkerEnded, start_worker
-from pipenav.processes.temporary import temporary_folder
+from pipenav.storage.temporary import temporary_folder
 
 ENDS_WITHIN = 5.0
 """Time in which nothing of a killed command may be left [s]."""
@@ -29,7 +29,7 @@ LONG = {
     "view": ("view", "--policy", "arm", "--out", "film.mp4"),
 }
 CHILD = {
-    "experiment": "pipenav.experiments.worker",
+    "experiment": "pipenav.jobs.worker",
     "eval": "pipenav_pybullet.worker",
     "run-real": "supervisor.py",
     "view": "ffmpeg",
@@ -49,7 +49,7 @@ def test_nothing_is_left_of_a_command_that_was_killed(command: str, tmp_path: Pa
         os.kill(family.command.pid, signal.SIGKILL)
         family.command.wait()
         require_end(family)
-    program = "from pipenav.processes.temporary import temporary_folder\nwith temporary_folder('later'):\n    pass\n"
+    program = "from pipenav.storage.temporary import temporary_folder\nwith temporary_folder('later'):\n    pass\n"
     later = [sys.executable, "-c", program]
     subprocess.run(later, env=os.environ | {"TMPDIR": str(temporary)}, check=True)
     assert not list(temporary.glob("pipenav-*"))
@@ -64,7 +64,7 @@ def require_end(family: Family) -> None:
 
 def test_folders_of_processes_that_live_stay(tmp_path: Path) -> None:
     program = (
-        "import sys\nfrom pipenav.processes.temporary import temporary_folder\n"
+        "import sys\nfrom pipenav.storage.temporary import temporary_folder\n"
         "with temporary_folder('later') as folder:\n    print(folder, flush=True)\n    sys.stdin.read()\n"
     )
     environment = os.environ | {"TMPDIR": str(tmp_path)}
@@ -82,13 +82,6 @@ def test_a_folder_goes_at_the_end_of_its_context() -> None:
         (folder / "file").touch()
         assert f"-{os.getpid()}-" in folder.name
     assert not folder.exists()
-
-
-@pytest.fixture
-def helpers_for_children(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Children find the module of a worker that only tests have."""
-    path = [str(Path(__file__).resolve().parents[1]), *filter(None, [os.environ.get("PYTHONPATH")])]
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(path))
 
 
 @pytest.mark.usefixtures("helpers_for_children")

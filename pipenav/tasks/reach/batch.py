@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
 
 from pipenav.arrays import Floats, Ints
@@ -97,11 +100,13 @@ class ReachBatch(TrainingBatch):
     def stagger(self, rng: np.random.Generator) -> None:
         self._ages = rng.integers(0, self.config.max_steps // 2, self.n)
 
-    def step(self, action: Floats) -> StepResult:
-        command = actions.to_command(self.robot, self.config, action, self._own_q, self._turn_sign)
-        self._simulator.step(command)
-        self.steps += 1
+    def begin(self, action: Floats) -> Callable[[], None]:
         self._before, self._action = self._now, np.clip(action, -1.0, 1.0)
+        command = actions.to_command(self.robot, self.config, self._action, self._own_q, self._turn_sign)
+        return partial(self._simulator.step, command)
+
+    def end(self) -> StepResult:
+        self.steps += 1
         reading = self._simulator.read()
         self._own_q, self._now = reading.q, observation.canonical(self.robot, reading, self._turn_sign)
         truth = self._simulator.truth()

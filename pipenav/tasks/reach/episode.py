@@ -13,7 +13,8 @@ from pipenav.arrays import Flags, Floats
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.pipe import Pipe
-from pipenav.robots import frames
+from pipenav.robots import bend_reach, frames
+from pipenav.robots.bend_reach import Bends
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.reach.config import ReachConfig
 from pipenav.units import m_to_mm
@@ -45,12 +46,13 @@ class ReachEpisodes(NamedTuple):
 
 
 class _CornerNumbers(NamedTuple):
-    """Numbers of one corner: its turn, its radius and its inner edge, as `PipeCorner` defines them."""
+    """Numbers of one corner: its turn, its radii and its inner edge, as `PipeCorner` defines them."""
 
     turn_sign: float
     turn_angle: float
     radius: float
     inner_edge: float
+    bend_radius: float
 
 
 class _LegDirections(NamedTuple):
@@ -63,18 +65,29 @@ class _LegDirections(NamedTuple):
 def sample(
     robot: RobotSpec, config: ReachConfig, pipes: Sequence[PipeCorner], rng: np.random.Generator
 ) -> ReachEpisodes:
-    """Random start poses and targets, one episode for each of the given pipes."""
+    """Random start poses and targets, one episode for each of the given pipes.
+
+    A target lies at the drawn depth past the end of the inner wall's bend. In a swept bend too long for that it lies
+    where the arm can reach (`bend_reach`): an arm passes such a bend in several steps, and this is one of them.
+    """
     k = len(pipes)
     bend = np.where(robot.hinges, rng.uniform(-config.start_bend, config.start_bend, (k, len(robot.joints))), 0.0)
     gap = rng.uniform(*config.start_gap, k)
     depth = rng.uniform(*config.target_depth, k)
     lateral = rng.uniform(-config.target_lateral, config.target_lateral, k)
     numbers = chain.from_iterable(map(_corner, pipes))  # a list of tuples would take numpy ten times as long
-    turn_sign, turn_angle, radius, inner = np.fromiter(numbers, float, 4 * k).reshape(k, 4).T
+    turn_sign, turn_angle, radius, inner, bend_radius = np.fromiter(numbers, float, 5 * k).reshape(k, 5).T
     q = bend * _bend_factor(robot, bend, radius)[:, None]
     base = -inner - gap - robot.length
     leg = _second_leg(turn_angle)
-    target = (inner + depth)[:, None] * leg.along + (2 * radius * lateral)[:, None] * leg.left
+    aside = 2 * radius * lateral
+    target = (inner + depth)[:, None] * leg.along + aside[:, None] * leg.left
+    if (bent := bend_radius > 0).any():
+        bends, start = Bends(radius, bend_radius, turn_angle).part(bent), -inner[bent]
+        reach = bend_reach.reach_along(robot, bends, base[bent] - start)
+        short = reach < bends.end + depth[bent]
+        inside = frames.robot_to_pipe(bends.points(reach, aside[bent]), start)
+        target[bent] = np.where(short[:, None], inside, target[bent])
     edge = np.stack([-inner, radius], axis=1)
     return ReachEpisodes(
         tuple(pipes), q, base, turn_sign, frames.pipe_to_robot(target, base), frames.pipe_to_robot(edge, base)
@@ -83,7 +96,7 @@ def sample(
 
 @lru_cache(maxsize=4096)  # every pipe of the largest shipped training set
 def _corner(pipe: PipeCorner) -> _CornerNumbers:
-    return _CornerNumbers(pipe.turn_sign, abs(pipe.heading_change), pipe.radius, pipe.inner_edge)
+    return _CornerNumbers(pipe.turn_sign, abs(pipe.heading_change), pipe.radius, pipe.inner_edge, pipe.bend_radius)
 
 
 def check_robot(robot: RobotSpec) -> None:

@@ -5,6 +5,9 @@ The policy takes a robot through each corner. Between corners its `Pilot` drives
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
 
 from pipenav.arrays import Flags, Floats, Ints
@@ -22,9 +25,10 @@ from pipenav.tasks.rolling.pilot import Pilot
 from pipenav.tasks.task import EpisodeSource
 from pipenav.tasks.traverse import observation
 from pipenav.tasks.traverse.batch import ANYWHERE
+from pipenav.tasks.traverse.branches import Branches
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import TraverseEpisodes
-from pipenav.tasks.traverse.outcome import OutcomeTracker, reward
+from pipenav.tasks.traverse.outcome import OutcomeTracker, Whereabouts, reward
 
 LIMIT_FACTOR = 2
 """Factor on the time limit of the plane: straights are longer, and rolling takes 10 to 20 s."""
@@ -68,7 +72,7 @@ class RollingBatch(TrainingBatch):
         self._scale = np.concatenate([part.scale for part in observation.layout(robot, config)])
         self._pilot = Pilot(robot, n)
         self._routes: list[PipeRoute | None] = [None] * n
-        self._lines = CentreLines.of([ANYWHERE] * n, 3)
+        self._lines, self._branches = CentreLines.of([ANYWHERE] * n, 3), Branches.of([ANYWHERE] * n)
         self.steps, self._ages = np.zeros(n, int), np.zeros(n, int)
         self._driven = np.ones(n, bool)
         self._tracker = OutcomeTracker(robot, config, n)
@@ -104,6 +108,7 @@ class RollingBatch(TrainingBatch):
         self._backend.incline(indices, episodes.gravity_in_space)
         reading = self._backend.reset(indices, routes, episodes.q, episodes.base, planes)
         self._lines = self._lines.put(indices, CentreLines.of(routes, 3))
+        self._branches = self._branches.put(indices, Branches.of(routes))
         q = reading.body.q
         self._pilot.start(indices, routes, q + self.config.start_press * np.sign(q))
         for i, route in zip(indices, routes, strict=True):
@@ -118,20 +123,23 @@ class RollingBatch(TrainingBatch):
     def stagger(self, rng: np.random.Generator) -> None:
         self._ages = rng.integers(0, self.config.max_steps // 2, self.n)
 
-    def step(self, action: Floats) -> StepResult:
+    def begin(self, action: Floats) -> Callable[[], None]:
         reading, pilot = self._backend.read(), self._pilot
         joints, turn_sign = reading.body.q, pilot.turn_sign
         wanted = observation.to_command(self.robot, self.config, action, joints, pilot.set_points, turn_sign)
         self._driven = pilot.policy_drives
         self._action = np.where(self._driven[:, None], np.clip(action, -1.0, 1.0), 0.0)
-        self._backend.step(*pilot.command(reading, wanted.values))
+        return partial(self._backend.step, *pilot.command(reading, wanted.values))
+
+    def end(self) -> StepResult:
+        pilot, turn_sign = self._pilot, self._pilot.turn_sign
         self.steps += 1
         reading, truth = self._backend.read(), self._backend.truth()
         pilot.sense(reading)
         self._action = observation.mirror_action(self.robot, self._action, pilot.turn_sign * turn_sign)
         self._tracker.reset_patience(pilot.busy)
-        distances = self._distances(truth)
-        facts, outcome = self._tracker.step(self.steps, self._limit, distances, self._end, reading.body, truth)
+        places = Whereabouts(self._distances(truth), self._branches.contain(truth.points, self._lines))
+        facts, outcome = self._tracker.step(self.steps, self._limit, places, self._end, reading.body, truth)
         gained, min_range = reward(self.config.reward, facts), reading.body.ranges.min(axis=1)
         cut_off = (outcome != Outcome.RUNNING) & ~facts.passed & ~facts.failed
         return StepResult(self._observe(reading), gained, outcome, min_range, truth, cut_off)

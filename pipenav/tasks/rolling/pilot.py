@@ -139,7 +139,8 @@ class Pilot:
 
     @property
     def _rolls_forward(self) -> Flags:
-        return np.isin(self.mode, (Mode.LEAVE, Mode.APPROACH, Mode.BACK_OUT))
+        mode = self.mode
+        return np.asarray((mode == Mode.LEAVE) | (mode == Mode.APPROACH) | (mode == Mode.BACK_OUT))
 
     def command(self, reading: SpaceReading, wanted: Floats) -> RollCommand:
         """Set-points for one control period.

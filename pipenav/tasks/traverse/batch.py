@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
 
 from pipenav.arrays import Floats, Ints
@@ -17,9 +20,10 @@ from pipenav.tasks.batch import StepResult, TrainingBatch
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.task import EpisodeSource
 from pipenav.tasks.traverse import observation
+from pipenav.tasks.traverse.branches import Branches
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import GRAVITY, TraverseEpisodes, check_robot
-from pipenav.tasks.traverse.outcome import OutcomeTracker, reward
+from pipenav.tasks.traverse.outcome import OutcomeTracker, Whereabouts, reward
 
 ANYWHERE = PipeCorner.of(100, 90)
 """Pipe of a robot before its first reset, only to give the arrays their shapes."""
@@ -49,7 +53,7 @@ class TraverseBatch(TrainingBatch):
         self._pipes: list[Pipe | None] = [None] * n
         self.steps, self._ages = np.zeros(n, int), np.zeros(n, int)
         self._turn_signs, self._base = np.ones((n, 3)), np.zeros(n)
-        self._lines = CentreLines.of([ANYWHERE] * n)
+        self._lines, self._branches = CentreLines.of([ANYWHERE] * n), Branches.of([ANYWHERE] * n)
         self._corner = np.zeros(n, np.intp)
         self._gravity = np.zeros((n, 2))
         self._tracker = OutcomeTracker(robot, config, n)
@@ -95,6 +99,7 @@ class TraverseBatch(TrainingBatch):
         self._gravity[indices], self._ranges[indices] = episodes.gravity, reading.ranges
         self._set_points[indices] = reading.q + self.config.start_press * np.sign(reading.q)
         self._lines, self._corner[indices] = self._lines.put(indices, CentreLines.of(episodes.pipes)), 0
+        self._branches = self._branches.put(indices, Branches.of(episodes.pipes))
         self._turn_signs[indices] = self._lines.turn_signs(self._corner)[indices]
         self._tracker.start(indices, self.distances[indices])
         self._observation = self._observation.copy()
@@ -104,21 +109,24 @@ class TraverseBatch(TrainingBatch):
     def stagger(self, rng: np.random.Generator) -> None:
         self._ages = rng.integers(0, self.config.max_steps // 2, self.n)
 
-    def step(self, action: Floats) -> StepResult:
+    def begin(self, action: Floats) -> Callable[[], None]:
         joints = self._q[:, -self._set_points.shape[1] :]
         command = observation.to_command(
             self.robot, self.config, action, joints, self._set_points, self._turn_signs[:, 0]
         )
         self._set_points = command.values[:, : joints.shape[1]].copy()
-        self._simulator.step(command)
-        self.steps += 1
         self._action = np.clip(action, -1.0, 1.0)
+        return partial(self._simulator.step, command)
+
+    def end(self) -> StepResult:
+        self.steps += 1
         reading, truth = self._simulator.read(), self._simulator.truth()
         self._q, self._ranges = self._configuration(reading, truth), reading.ranges.copy()
-        distances, every, last = self.distances, np.arange(self.n), self._lines.corners - 1
+        points, every, last = self.points, np.arange(self.n), self._lines.corners - 1
         limit, end = self.config.max_steps * (last + 1), self._lines.end[every, last]
-        facts, outcome = self._tracker.step(self.steps, limit, distances, end, reading, truth)
-        self._enter_corners(distances.mean(axis=1))
+        places = Whereabouts(self._lines.distance(points), self._branches.contain(points, self._lines))
+        facts, outcome = self._tracker.step(self.steps, limit, places, end, reading, truth)
+        self._enter_corners(places.distances.mean(axis=1))
         self._observation = self._observe(reading, every)
         gained = reward(self.config.reward, facts)
         cut_off = (outcome != Outcome.RUNNING) & ~facts.passed & ~facts.failed

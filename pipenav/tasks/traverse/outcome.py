@@ -37,6 +37,18 @@ class StepFacts(NamedTuple):
     failed: Flags
 
 
+class Whereabouts(NamedTuple):
+    """Places of n robots: of rear end, joints and tip, m points of each.
+
+    Attributes:
+        distances: distances along the pipe, (n, m) [m].
+        in_branch: flags of the points in a branch that the route does not take, (n, m).
+    """
+
+    distances: Floats
+    in_branch: Flags
+
+
 def reward(config: TraverseReward, facts: StepFacts) -> Floats:
     """Sum of the reward's terms, (n,)."""
     total = config.progress * facts.progress + config.passed * facts.passed + config.step
@@ -81,7 +93,7 @@ class OutcomeTracker:
         self,
         steps: Ints,
         limit: Ints,
-        distances: Floats,
+        places: Whereabouts,
         end: Floats,
         reading: Reading,
         truth: Truth | SpaceTruth,
@@ -91,12 +103,12 @@ class OutcomeTracker:
         Args:
             steps: control steps of each episode, (n,).
             limit: largest number of control steps of each episode, (n,).
-            distances: distances along the pipe of rear end, joints and tip, (n, points) [m].
+            places: where rear ends, joints and tips are.
             end: distance at which the last corner ends, (n,) [m].
             reading: readings of the sensors.
             truth: quantities that only the simulator knows.
         """
-        config = self._config
+        config, distances = self._config, places.distances
         middle = distances.mean(axis=1)
         progress, self._middle = middle - self._middle, middle
         advanced = middle >= self._furthest + config.advance
@@ -111,8 +123,11 @@ class OutcomeTracker:
         stuck = (self._waited >= config.patience) & ~passed
         holds = {Outcome.TIMEOUT: steps >= limit, Outcome.REACHED: passed}
         holds |= {reason: stuck & seen for reason, seen in self._why_stuck(distances, reading).items()}
-        outcome = strongest_outcome(len(sank), holds | {Outcome.SLID_BACK: back, Outcome.PENETRATION: sank})
-        facts = StepFacts(progress, truth.contact_force, truth.penetration, passed, sank | back | stuck)
+        astray = places.in_branch[:, distances.shape[1] // 2] | (stuck & places.in_branch[:, -1])
+        holds |= {Outcome.SLID_BACK: back, Outcome.WRONG_EXIT: astray, Outcome.PENETRATION: sank}
+        outcome = strongest_outcome(len(sank), holds)
+        failed = sank | back | stuck | astray
+        facts = StepFacts(progress, truth.contact_force, truth.penetration, passed & ~failed, failed)
         return Assessment(facts, outcome)
 
     def _why_stuck(self, distances: Floats, reading: Reading) -> dict[Outcome, Flags]:

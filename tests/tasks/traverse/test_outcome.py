@@ -9,7 +9,7 @@ from helpers.traversing import CONFIG, ROBOT
 from pipenav.backends.messages import Reading, Truth
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.traverse.config import TraverseReward
-from pipenav.tasks.traverse.outcome import OutcomeTracker, StepFacts, reward
+from pipenav.tasks.traverse.outcome import OutcomeTracker, StepFacts, Whereabouts, reward
 
 
 class Course:
@@ -21,16 +21,24 @@ class Course:
         self._start = np.linspace(-1.0, -0.4, 8)[None]
         self._tracker.start(np.arange(1), self._start)
 
-    def step(self, moved: float, depth: float = 0.0, spin: float = 0.0, q: float = 0.0, fold: bool = False) -> Outcome:
+    def step(self, moved: float, depth: float = 0.0, spin: float = 0.0, q: float = 0.0, **where: bool) -> Outcome:
         along = self._start + moved
-        if fold:
+        if where.get("fold"):
             along[:, -1] = along[:, 0]
+        in_branch = np.zeros(along.shape, bool)
+        in_branch[:, 4] = where.get("middle_in_branch", False)
+        in_branch[:, -1] = where.get("tip_in_branch", False)
         reading = Reading(np.full((1, 6), q), np.zeros((1, 6)), np.ones((1, 10)), np.zeros(1), np.full((1, 6), spin))
         zero = np.zeros(1)
         truth = Truth(np.zeros((1, 3)), zero, np.array([depth]), zero, np.zeros((1, 7, 2)))
         self._steps += 1
         self.facts, outcome = self._tracker.step(
-            self._steps, np.array([self.config.max_steps]), along, np.array([0.1]), reading, truth
+            self._steps,
+            np.array([self.config.max_steps]),
+            Whereabouts(along, in_branch),
+            np.array([0.1]),
+            reading,
+            truth,
         )
         return Outcome(outcome[0])
 
@@ -65,6 +73,20 @@ def test_being_stuck_has_a_reason_and_is_a_failure(moves: dict[str, float], reas
         outcome = course.step(0.001 * i, **moves)  # type: ignore[arg-type]
         assert outcome is (Outcome.RUNNING if i < 2 else reason)
         assert course.facts.failed.all() == (i >= 2)
+
+
+def test_a_tip_in_a_branch_may_come_out_again_but_not_be_stuck_there() -> None:
+    course = Course()
+    outcomes = [course.step(0.001 * i, tip_in_branch=True) for i in range(3)]
+    assert outcomes == [Outcome.RUNNING, Outcome.RUNNING, Outcome.WRONG_EXIT]
+    course = Course()
+    assert [course.step(0.1 * i, tip_in_branch=i == 1) for i in range(5)] == [Outcome.RUNNING] * 5
+
+
+def test_a_middle_in_a_branch_has_taken_the_wrong_exit() -> None:
+    course = Course()
+    assert course.step(0.1, middle_in_branch=True) is Outcome.WRONG_EXIT
+    assert course.facts.failed.all()
 
 
 def test_time_runs_out_on_one_that_still_comes_on() -> None:

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from pipenav.processes import temporary
-from pipenav.processes.temporary import temporary_folder
+from pipenav.storage import temporary
+from pipenav.storage.temporary import temporary_folder
 
 
 @pytest.mark.parametrize(("age", "left"), [(0.0, True), (3600.0 * 24 * 365, False)])

@@ -1,0 +1,50 @@
+"""The map of a survey as a picture."""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+
+COLOURS = {"inspectable": "#1769aa", "partly": "#6fb1e0", "blocked": "#c2410c", "unknown": "#8a8f98"}
+"""Colours of pipes by their status."""
+
+ENTRY = "#0f766e"
+
+
+def map_png(record: dict[str, Any]) -> bytes:
+    """The map as a PNG: pipes by their status, entries, and the fittings with most length behind them."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.collections import LineCollection
+    from matplotlib.figure import Figure
+
+    places = {feature["id"]: feature["position_m"][:2] for feature in record["features"]}
+    figure = Figure(figsize=(11, 8), dpi=130, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    for status, colour in COLOURS.items():
+        some = [segment for segment in record["segments"] if segment["status"] == status]
+        lines = [[places[end] for end in segment["ends"]] for segment in some]
+        length = sum(segment["seen_m"] if status == "inspectable" else segment["length_m"] for segment in some) / 1e3
+        if lines:
+            label = f"{status}, {length:.2f} km"
+            axes.add_collection(LineCollection(lines, colors=colour, linewidths=1.6, label=label))
+    entries = [places[point["feature"]] for point in record["entries"]["points"]]
+    if entries:
+        axes.scatter(*zip(*entries, strict=True), marker="v", s=55, color=ENTRY, label="entry", zorder=3)
+    blockers = [places[blocker["feature"]] for blocker in record["blockers"][:10]]
+    if blockers:
+        axes.scatter(*zip(*blockers, strict=True), marker="x", s=40, color="#111111", label="stops most", zorder=3)
+    axes.autoscale()
+    axes.set_aspect("equal")
+    axes.ticklabel_format(useOffset=False, style="plain")
+    axes.set_xlabel("x [m]")
+    axes.set_ylabel("y [m]")
+    total = record["totals_m"]
+    axes.set_title(
+        f"{record['network']['file']}: {total['seen'] / 1e3:.2f} of {total['mains'] / 1e3:.2f} km inspectable, "
+        f"{total['unknown'] / 1e3:.2f} km unknown"
+    )
+    axes.legend(loc="best", frameon=False)
+    file = io.BytesIO()
+    figure.savefig(file, format="png", metadata={"Software": None})
+    return file.getvalue()
