@@ -205,6 +205,7 @@ def _survey(options: Options) -> Options:
 RULES: dict[str, Callable[[Options], Options]] = {
     "backends": _as_it_stands,
     "calibrate": _as_it_stands,
+    "certify": _as_it_stands,
     "compare-backends": _as_it_stands,
     "eval": _eval,
     "experiment": _experiment,
