@@ -25,6 +25,7 @@ LEFT = {
     "tuning": 4.6,
     "learning": 1.9,
     "recording": 4.5,
+    "certify": 5.3,
     "survey": 7.0,
     "evaluation": 2.5,
     "deployment": 8.6,

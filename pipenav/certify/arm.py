@@ -7,7 +7,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from pipenav.arrays import Flags, Floats
+from pipenav.arrays import Flags, Floats, Ints
 from pipenav.certify.cells import ROUNDING, Span
 from pipenav.certify.model import Model
 from pipenav.certify.slide_interval import Interval, slide_interval
@@ -58,7 +58,7 @@ class Ends(NamedTuple):
         return cls(
             (far + float(lower[0]), near + float(upper[0])),
             (far, near),
-            config.start_bend * np.arange(1, hinges + 1),
+            np.asarray(config.start_bend * np.arange(1, hinges + 1), float),
             depth,
             (-half, half),
             config.reach_tolerance,
@@ -80,8 +80,8 @@ class Ends(NamedTuple):
         lower, upper = model.limits
         headings = np.cumsum((q * model.robot.mirror_signs if model.pipe.turn_sign < 0 else q)[1:])
         axis = np.array([math.cos(model.turn), math.sin(model.turn)])
-        at = target + [base, 0.0]
-        along, left = float(at @ axis), float(at @ [-axis[1], axis[0]])
+        at = target + np.array([base, 0.0])
+        along, left = float(at @ axis), float(at @ np.array([-axis[1], axis[0]]))
         return cls(
             (base + float(lower[0]), base + float(upper[0])),
             (base + float(q[0]), base + float(q[0])),
@@ -193,7 +193,9 @@ class ArmSpans:
         every = _with_base(headings)
         x, y = np.cos(every) @ self._lengths, np.sin(every) @ self._lengths
         low, high = np.full(len(headings), -np.inf), np.full(len(headings), np.inf)
-        for axis, (along_x, along_y) in enumerate(((math.cos(turn), math.sin(turn)), (-math.sin(turn), math.cos(turn)))):
+        for axis, (along_x, along_y) in enumerate(
+            ((math.cos(turn), math.sin(turn)), (-math.sin(turn), math.cos(turn)))
+        ):
             at = x * along_x + y * along_y
             if abs(along_x) < SQUARE:
                 outside = (at < least[axis] - tolerance - SQUARE) | (at > most[axis] + tolerance + SQUARE)
@@ -216,7 +218,7 @@ def _with_base(headings: Floats) -> Floats:
     return np.concatenate([np.zeros((len(headings), 1)), headings], axis=1)
 
 
-def _put(span: Span, rows: object, found: Span) -> None:
+def _put(span: Span, rows: Ints, found: Span) -> None:
     for column, values in zip(span, found, strict=True):
         column[rows] = values
 

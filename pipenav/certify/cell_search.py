@@ -67,7 +67,7 @@ def search(evaluate: Evaluate, axes: int, resolution: float, attempt: Attempt) -
         ways = _Ways.of(cells, deepest)
         path = ways.shortest()
         doubtful = _doubtful(cells, path)
-        keys = tuple(cells.index[path].ravel().tolist())
+        keys = tuple(cells.place[path].ravel().tolist())
         if keys not in tried and (cells.middle.low[path] <= cells.middle.high[path]).all():
             tried.add(keys)
             if (motion := attempt(cells, path)) is not None:
@@ -91,13 +91,13 @@ def _to_refine(cells: Cells, ways: _Ways, doubtful: Flags, deepest: int) -> Flag
     if like.any():  # some at least, so that the number of rounds stays small
         share = min(len(cells.level) // LEAST_SHARE, int(like.sum()) - 1)
         near = np.maximum(near, np.partition(ways.total[like], share)[share])
-    return np.asarray(open_ & (cells.level <= level)) | (like & (ways.total <= near))
+    return np.asarray(open_ & (cells.level <= level) | (like & (ways.total <= near)))
 
 
 def _known(cells: Cells) -> Flags:
     """Cells that are free for certain; where they may hold a start or a goal, they do, (n,)."""
-    start, goal = (outer & ~inner for outer, inner in zip(cells.outer[2:], cells.inner[2:], strict=True))
-    return cells.inner.free & ~start & ~goal
+    start, goal = cells.outer.start & ~cells.inner.start, cells.outer.goal & ~cells.inner.goal
+    return np.asarray(cells.inner.free & ~start & ~goal)
 
 
 def _doubtful(cells: Cells, path: Sequence[int]) -> Flags:
@@ -164,9 +164,7 @@ class _Ways(NamedTuple):
         weights = cost[pairs].mean(axis=1) + np.where(both_free & ~joined, cells.width[pairs].mean(axis=1), 0.0)
         graph = _graph(n, pairs, weights)
         start, goal = _ends(cells.outer, cells.inner, "start"), _ends(cells.outer, cells.inner, "goal")
-        ahead, before, _ = dijkstra(
-            graph, directed=False, indices=start, min_only=True, return_predecessors=True
-        )
+        ahead, before, _ = dijkstra(graph, directed=False, indices=start, min_only=True, return_predecessors=True)
         behind = dijkstra(graph, directed=False, indices=goal, min_only=True)
         ends = np.zeros(n, bool)
         ends[goal] = True

@@ -10,7 +10,7 @@ intervals, there is one, through the middles of the cells. What is in between is
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -42,7 +42,7 @@ class Span(NamedTuple):
 
     def rows(self, which: Ints | Flags) -> Self:
         """Some of the cells."""
-        return type(self)(*(column[which] for column in self))
+        return type(self)(self.low[which], self.high[which], self.start[which], self.goal[which])
 
     @property
     def free(self) -> Flags:
@@ -55,14 +55,14 @@ class Cells(NamedTuple):
 
     Attributes:
         level: how often the coarsest cell was halved, (n,).
-        index: place on the torus in units of the cell's own width, (n, axes).
+        place: place on the torus in units of the cell's own width, (n, axes).
         outer: values at which any heading of the cell may be free.
         inner: values at which all headings of the cell are free.
         middle: values at which the heading in its middle is free.
     """
 
     level: Ints
-    index: Ints
+    place: Ints
     outer: Span
     inner: Span
     middle: Interval
@@ -70,7 +70,7 @@ class Cells(NamedTuple):
     def rows(self, which: Ints | Flags) -> Self:
         """Some of the cells."""
         spans = self.outer.rows(which), self.inner.rows(which)
-        return type(self)(self.level[which], self.index[which], *spans, _rows(self.middle, which))
+        return type(self)(self.level[which], self.place[which], *spans, _rows(self.middle, which))
 
     @property
     def width(self) -> Floats:
@@ -80,7 +80,7 @@ class Cells(NamedTuple):
     @property
     def centres(self) -> Floats:
         """Headings in the middle of the cells, from -pi to pi, (n, axes) [rad]."""
-        return np.asarray(-math.pi + (self.index + 0.5) * self.width[:, None])
+        return np.asarray(-math.pi + (self.place + 0.5) * self.width[:, None])
 
 
 def width_of(level: Ints | int) -> Floats:
@@ -89,7 +89,10 @@ def width_of(level: Ints | int) -> Floats:
 
 
 Evaluate = Callable[[Floats, float], tuple[Span, Span, Interval]]
-"""Outer and inner spans of cells, and the free values in their middles: from their middles, (n, axes) [rad], and their half width [rad]."""
+"""Outer and inner spans of cells, and the free values in their middles.
+
+Arguments: the middles, (n, axes) [rad], and half of the cells' width [rad].
+"""
 
 
 def coarsest(evaluate: Evaluate, axes: int) -> Cells:
@@ -106,12 +109,12 @@ def split(evaluate: Evaluate, cells: Cells, which: Flags) -> Cells:
         cells: the cells.
         which: flags of those to split, (n,).
     """
-    axes = cells.index.shape[1]
+    axes = cells.place.shape[1]
     corners = np.stack(np.meshgrid(*[np.arange(2)] * axes, indexing="ij"), -1).reshape(-1, axes)
     parents = cells.rows(which)
     found = [cells.rows(~which)]
     for level in np.unique(parents.level).tolist():
-        index = (2 * parents.index[parents.level == level][:, None] + corners).reshape(-1, axes)
+        index = (2 * parents.place[parents.level == level][:, None] + corners).reshape(-1, axes)
         found.append(_evaluated(evaluate, np.full(len(index), level + 1, np.intp), index))
     return _joined(found)
 
@@ -119,7 +122,7 @@ def split(evaluate: Evaluate, cells: Cells, which: Flags) -> Cells:
 def _evaluated(evaluate: Evaluate, level: Ints, index: Ints) -> Cells:
     """Cells of one level, without those that are not free."""
     half = float(width_of(int(level[0]))) / 2
-    outer, inner, middle = evaluate(-math.pi + (index + 0.5) * 2 * half, half)
+    outer, inner, middle = evaluate(np.asarray(-math.pi + (index + 0.5) * 2 * half), half)
     return Cells(level, index, outer, inner, middle).rows(outer.free)
 
 
@@ -132,12 +135,18 @@ def _joined(parts: list[Cells]) -> Cells:
     inner = Span(*(np.concatenate(columns) for columns in zip(*(part.inner for part in parts), strict=True)))
     level = np.concatenate([part.level for part in parts])
     middle = Interval(*(np.concatenate(columns) for columns in zip(*(part.middle for part in parts), strict=True)))
-    return Cells(level, np.concatenate([part.index for part in parts]), outer, inner, middle)
+    return Cells(level, np.concatenate([part.place for part in parts]), outer, inner, middle)
+
+
+def _joined_spans(parts: Sequence[Span]) -> Span:
+    ends = [np.concatenate([span[k] for span in parts]) for k in (2, 3)]
+    low, high = (np.concatenate([span[k] for span in parts]) for k in (0, 1))
+    return Span(low, high, ends[0].astype(bool), ends[1].astype(bool))
 
 
 def neighbours(cells: Cells) -> Ints:
     """Pairs of cells that share a face, (pairs, 2): of one size, or a smaller cell and a larger one."""
-    axes = cells.index.shape[1]
+    axes = cells.place.shape[1]
     found = [np.zeros((0, 2), np.intp)]
     levels = np.unique(cells.level).tolist()
     tables = {level: _Table.of(cells, level) for level in levels}
@@ -145,7 +154,7 @@ def neighbours(cells: Cells) -> Ints:
         table, around = tables[level], COARSEST << level
         for axis in range(axes):
             for step in (1, -1):
-                beside = cells.index[table.rows].copy()
+                beside = cells.place[table.rows].copy()
                 beside[:, axis] = (beside[:, axis] + step) % around
                 for other in [k for k in levels if k < level or (k == level and step == 1)]:
                     here, there = tables[other].find(beside >> (level - other))
@@ -170,8 +179,8 @@ class _Table(NamedTuple):
     def of(cls, cells: Cells, level: int) -> _Table:
         """The cells of one level."""
         rows = np.flatnonzero(cells.level == level)
-        weights = (COARSEST << level) ** np.arange(cells.index.shape[1])[::-1]
-        keys = cells.index[rows] @ weights
+        weights = np.asarray((COARSEST << level) ** np.arange(cells.place.shape[1])[::-1], np.intp)
+        keys = cells.place[rows] @ weights
         order = np.argsort(keys, kind="stable")
         return cls(rows[order], keys[order], weights)
 

@@ -230,7 +230,7 @@ def _clearance(model: Model, shapes: Shapes, walls: dict[float, _Walls], q: Floa
 def _placed(points: Floats, headings: Floats, centre: Floats) -> Floats:
     cos, sin = np.cos(headings), np.sin(headings)
     x, y = centre
-    return points + np.stack([x * cos - y * sin, x * sin + y * cos], axis=-1)
+    return np.asarray(points + np.stack([x * cos - y * sin, x * sin + y * cos], axis=-1))
 
 
 def _to_segments(points: Floats, segments: Floats) -> Floats:

@@ -80,7 +80,7 @@ def _box(shapes: Shapes, i: int, rear: Floats, headings: Floats, normals: Floats
     cos, sin = np.cos(headings[:, link]), np.sin(headings[:, link])
     x, y = corners.T[:, :, None]
     points = np.array([x * cos - y * sin, x * sin + y * cos]) + rear[link].T[:, None]  # (2, 4, n)
-    return np.einsum("ab,bcn->acn", normals, points)
+    return np.asarray(np.einsum("ab,bcn->acn", normals, points))
 
 
 def _disc(shapes: Shapes, i: int, rear: Floats, headings: Floats, normals: Floats) -> Floats:

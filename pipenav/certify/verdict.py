@@ -117,9 +117,7 @@ def _named(model: Model, proof: LinkProof) -> Proof:
 def _arm(model: Model, ends: Ends, resolution: float) -> Verdict:
     found = _searched(model, ends, resolution)
     if found.verdict == "path":
-        return Verdict(
-            "passable", "a motion brings the tip to a target", None, found.motion, ends.base, found.finest
-        )
+        return Verdict("passable", "a motion brings the tip to a target", None, found.motion, ends.base, found.finest)
     if found.verdict == "undecided":
         width = rad_to_deg(found.finest)
         return Verdict("undecided", f"neither a motion nor a proof with cells of {width:.2g} deg", finest=found.finest)

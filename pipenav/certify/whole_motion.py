@@ -18,7 +18,7 @@ from pipenav.tasks.traverse.config import TraverseConfig
 STEP = math.radians(0.5)
 """Largest change of a heading between two waypoints [rad]."""
 
-OVERLAPS = (1.0, 0.95, 0.9, 0.8, 0.7, 0.6, 0.5)
+OVERLAPS = (1.0, 0.95, 0.89, 0.88, 0.86, 0.84, 0.8, 0.75, 0.7, 0.6, 0.5)
 """Headings at which a link is when the next one begins to turn, as shares of the turn; 1: one after the other."""
 
 LINES = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.97)

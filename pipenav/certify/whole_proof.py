@@ -71,7 +71,7 @@ def prove(model: Model, resolution: float) -> LinkProof | None:
     shapes = model.shapes(proof=True)
     links = len(shapes.lengths)
     # Only links that cannot turn directly are worth a search; it costs a second.
-    tight = [link for link in range(links - 1) if _blocked(model, shapes.stretch(link, link), direct=True)]
+    tight = [link for link in range(links - 1) if _blocked(model, shapes.stretch(link, link), direct=True) is not None]
     seen: set[bytes] = set()
     for first in tight:
         pair = shapes.stretch(first, first + 1)
@@ -88,14 +88,21 @@ def prove(model: Model, resolution: float) -> LinkProof | None:
 
 def _link_proof(model: Model, shapes: Shapes, link: int) -> LinkProof | None:
     alone = shapes.stretch(link, link)
-    ways = [_blocked(model, alone, direct) for direct in (True, False)]
-    if not all(ways):
+    ways = [way for direct in (True, False) if (way := _blocked(model, alone, direct)) is not None]
+    if len(ways) < 2:
         return None
-    return LinkProof(link, link, tuple(way[0] for way in ways), 0.0, min(-way[1] for way in ways))
+    return LinkProof(link, link, tuple(way.heading for way in ways), 0.0, min(-way.room for way in ways))
 
 
-def _blocked(model: Model, shapes: Shapes, direct: bool) -> tuple[float, float] | tuple[()]:
-    """Heading at which a link has least room on its way, and that room, negative; empty if it has room everywhere.
+class _Blocked(NamedTuple):
+    """Heading at which a link has least room on its way [rad], and that room, which is negative [m]."""
+
+    heading: float
+    room: float
+
+
+def _blocked(model: Model, shapes: Shapes, direct: bool) -> _Blocked | None:
+    """Heading at which a link has no room on its way; None if it has room everywhere.
 
     Args:
         model: what is certified.
@@ -107,11 +114,12 @@ def _blocked(model: Model, shapes: Shapes, direct: bool) -> tuple[float, float] 
     room = room_at(model, shapes, headings)
     least = int(room.argmin())
     if room[least] >= -ROUNDING:
-        return ()
+        return None
     # The link must still be on its way there: at no heading up to that one does it fit into the second leg.
     before = np.linspace(0.0, headings[least], HEADINGS)
     step = abs(before[1]) * (float(shapes.lengths[0]) + model.robot.width)
-    return (float(headings[least]), float(room[least])) if (_leg_room(model, shapes, before) < -step).all() else ()
+    away = (_leg_room(model, shapes, before) < -step).all()
+    return _Blocked(float(headings[least]), float(room[least])) if away else None
 
 
 def _leg_room(model: Model, shapes: Shapes, headings: Floats) -> Floats:
@@ -140,7 +148,7 @@ def _room_in_bend(model: Model, shapes: Shapes, heading: float) -> float:
     at = np.full((len(y), 1), heading)
     free = slide_interval(shapes, model.walls(shapes, True), at, 0.0, Height(y, PLACES / 2))
     possible = free.high > -np.inf
-    return float((free.high - free.low)[possible].max(initial=-np.inf))
+    return float((free.high[possible] - free.low[possible]).max(initial=-np.inf))
 
 
 class PairSpans:
@@ -182,4 +190,3 @@ class PairSpans:
             np.where(sure, 0.0, np.inf), np.where(sure, 0.0, -np.inf), start & sure, sure & (at.leg_gap >= moved)
         )
         return Span(low, high, start, goal), inner, Interval(empty.low, empty.high)
-

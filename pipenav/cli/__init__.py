@@ -53,6 +53,10 @@ COMMANDS = {
         "pipenav.cli.mirror_rear:mirror_rear",
         "Turn a front half's recorded passage into the rear half's: mirrored in space, reversed in time (approach II).",
     ),
+    "certify": (
+        "pipenav.cli.certify:certify",
+        "Decide by geometry alone whether a robot can pass a pipe: a proof, a motion that shows it, or undecided.",
+    ),
     "experiment": (
         "pipenav.cli.experiment:experiment",
         "Train and evaluate the thesis's experiments (a)-(f), and report them beside its tables.",

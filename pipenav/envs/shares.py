@@ -109,8 +109,13 @@ class RobotShare:
             self._moving.set_result(None)
 
     def receive(self) -> ShareStep:
-        """End the control step that has begun; robots whose episodes ended start anew."""
-        assert self._moving is not None
+        """End the control step that has begun; robots whose episodes ended start anew.
+
+        Raises:
+            ValueError: none has begun.
+        """
+        if self._moving is None:
+            raise ValueError("no control step has begun")
         self._moving.result()
         self._moving = None
         result = self.batch.end()

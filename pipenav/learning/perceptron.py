@@ -98,7 +98,7 @@ class Perceptron:
         return self.activations(inputs)[-1]
 
     def activations(self, inputs: Tensor) -> list[Tensor]:
-        """What goes into each layer, and last the outputs, (n, width) each.
+        """Inputs of each layer, and last the outputs, (n, width) each.
 
         They hold until a network of the same workspace is called with as many inputs.
         """

@@ -25,7 +25,7 @@ Severity = Literal["info", "assumed", "refused"]
 
 
 class Origin(IntEnum):
-    """Where a number came from."""
+    """Source of a number: the file, other numbers of it, or a guess."""
 
     STATED = 0
     DERIVED = 1

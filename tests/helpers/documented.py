@@ -15,7 +15,7 @@ from pipenav.cli import main
 
 Words = tuple[str, ...]
 
-DROPPED = {"--out", "--episodes", "--seed", "--steps", "--seeds"}
+DROPPED = {"--out", "--episodes", "--seed", "--steps", "--seeds", "--jobs", "--cluster", "--shard"}
 """Options that change nothing of what a test looks at: commands that differ in them alone are run once."""
 
 CORNERS = {
@@ -205,6 +205,7 @@ def _survey(options: Options) -> Options:
 RULES: dict[str, Callable[[Options], Options]] = {
     "backends": _as_it_stands,
     "calibrate": _as_it_stands,
+    "certify": _as_it_stands,
     "compare-backends": _as_it_stands,
     "eval": _eval,
     "experiment": _experiment,
