@@ -142,7 +142,7 @@ def test_a_killed_driver_loses_no_trial(tmp_path: Path) -> None:
         driver.kill()
     assert first
     wait_until(lambda: not any(Path(f"/proc/{number}").exists() for number in workers), "the workers have ended")
-    kept = {file.name: file.read_bytes() for file in (tmp_path / RESULTS).iterdir()}
+    kept = {file.name: file.read_bytes() for file in (tmp_path / RESULTS).glob("[!.]*")}
     search = Search(tiny_plan(tmp_path, trials=3, steps=1024))
     running = [record.settings for record in search.study.records() if record.state == "running"]
     assert running
