@@ -69,11 +69,21 @@ def open_space(name: str, robot: RobotSpec, n: int, options: Mapping[str, Any] |
     return kind.in_space(robot, n, check_options(name, kind, options))
 
 
+CORES_OPTIONS = ("threads", "processes")
+"""Settings by which simulators say how many cores they use; 0 stands for all."""
+
+
 class SimulatorSettings(NamedTuple):
     """Choice of a simulator, with its own settings; see `open_simulator`."""
 
     backend: str = "mujoco"
     options: Mapping[str, Any] = MappingProxyType({})
+
+    def on_cores(self, cores: int) -> SimulatorSettings:
+        """The simulator with so many cores, unless its settings say how many; results do not depend on them."""
+        known = load_simulator(self.backend).Options.model_fields
+        given = {name: cores for name in CORES_OPTIONS if name in known and not self.options.get(name)}
+        return self._replace(options={**self.options, **given})
 
     def open(self, robot: RobotSpec, n: int, wall_segments: int = 4) -> Simulator:
         """Open the simulator with n robots, as `open_simulator` does."""

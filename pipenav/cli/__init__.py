@@ -29,6 +29,10 @@ COMMANDS = {
         "Make a pipe, a corner or a network: STL meshes, MuJoCo, URDF and SDF models, a drawing, its numbers.",
     ),
     "train": ("pipenav.cli.train:train", "Train a policy by PPO and save it as one file, best.zip."),
+    "tune": (
+        "pipenav.cli.tune:tune",
+        "Search for better settings of a training, by many short trainings that tell where to look next.",
+    ),
     "eval": (
         "pipenav.cli.eval:evaluate",
         "Measure in which pipes a policy passes: success with 95 % intervals, failures, ranges, contact, pictures.",
@@ -48,6 +52,10 @@ COMMANDS = {
     "mirror-rear": (
         "pipenav.cli.mirror_rear:mirror_rear",
         "Turn a front half's recorded passage into the rear half's: mirrored in space, reversed in time (approach II).",
+    ),
+    "certify": (
+        "pipenav.cli.certify:certify",
+        "Decide by geometry alone whether a robot can pass a pipe: a proof, a motion that shows it, or undecided.",
     ),
     "experiment": (
         "pipenav.cli.experiment:experiment",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ import typer
 
 from pipenav.cli.option_groups import OptionGroup, takes_option_groups
 from pipenav.cli.options import SIMULATOR, BackendOption, SettingsOption, checked_options
+from pipenav.cli.percentages import share_of
 from pipenav.cli.place_options import ShardedPlaceOptions
 from pipenav.cli.signals import Interrupted
 from pipenav.cli.terminal import progress_console, refuse_ignored, say, show
@@ -107,9 +107,7 @@ def evaluate(
     """
     from pipenav.evaluation.config import EvaluationConfig, todays_stage
 
-    required = _required_share(require)
-    if where.shard is not None:
-        refuse_ignored({"--require": require}, "a share of an evaluation has no success yet")
+    required = _required_share(require, where)
     if stage not in ("locate", "passage"):
         refuse_ignored({"--variant": variant}, "it says how --stage locate or passage locates a target")
     config = EvaluationConfig(
@@ -124,8 +122,7 @@ def evaluate(
         options=checked_options(simulator.backend, simulator.option or []),
         disturb=disturb,
     )
-    evaluation = _measured(config, out, where)
-    if evaluation is not None and required is not None and evaluation.success < required:
+    if (evaluation := _measured(config, out, where)) and required is not None and evaluation.success < required:
         raise PipenavError(f"success {100 * evaluation.success:.6g}% is below the required {require}.")
 
 
@@ -185,17 +182,13 @@ def _run_shard(checked: CheckedEvaluation, store: JobStore, place: Place, number
     say(f"share {shard} is done in {store.folder}: {left}; the same command without --shard writes the evaluation")
 
 
-def _required_share(text: str | None) -> float | None:
+def _required_share(text: str | None, where: ShardedPlaceOptions) -> float | None:
     """The share of successes that is required, from a percentage as it was typed."""
     if text is None:
         return None
-    try:
-        percent = float(text.removesuffix("%"))
-    except ValueError:
-        percent = math.nan
-    if not 0 <= percent <= 100 or (0 < percent <= 1 and not text.endswith("%")):
-        raise PipenavError(f"--require {text} is not a percentage: write it as 99% or 99.5%.")
-    return percent / 100
+    if where.shard is not None:
+        refuse_ignored({"--require": text}, "a share of an evaluation has no success yet")
+    return share_of(text, "--require")
 
 
 def _run(

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
+from pipenav.cli.option_groups import takes_option_groups
+from pipenav.cli.place_options import PlaceOptions
 from pipenav.cli.progress_bars import percentage_bar
 from pipenav.cli.terminal import progress_console, say
 from pipenav.errors import PipenavError
@@ -17,8 +18,9 @@ if TYPE_CHECKING:
 
     from rich.console import Console
 
-    from pipenav.experiments.jobs import Job
+    from pipenav.experiments.jobs import Task
     from pipenav.experiments.plan import ExperimentPlan
+    from pipenav.jobs import Place
 
 OUT = Path("runs/experiments")
 MEASURED, DONE = "What is measured", "Settings"
@@ -29,11 +31,11 @@ class _Round(NamedTuple):
 
     Attributes:
         doing: words for the progress bar.
-        jobs_of: gives the jobs that are left to do.
+        tasks_of: gives the trainings or evaluations that are left to do.
     """
 
     doing: str
-    jobs_of: Callable[[ExperimentPlan], list[Job]]
+    tasks_of: Callable[[ExperimentPlan], list[Task]]
 
 
 class _RoundEnd(NamedTuple):
@@ -62,35 +64,35 @@ EpisodesOption = Annotated[
 BackendOption = Annotated[
     str, typer.Option(help="Simulator backend; see `pipenav backends`.", rich_help_panel=MEASURED)
 ]
-JobsOption = Annotated[
-    int | None,
-    typer.Option(min=1, help="Trainings at a time.", show_default="one for each core", rich_help_panel=DONE),
-]
 OutOption = Annotated[Path, typer.Option(metavar="FOLDER", help="Where results and report go.", rich_help_panel=DONE)]
 
 
+@takes_option_groups
 def experiment(
     name: NameArgument,
+    where: PlaceOptions,
     seeds: SeedsOption = 3,
     steps: StepsOption = None,
     episodes: EpisodesOption = 25,
     backend: BackendOption = "mujoco",
-    jobs: JobsOption = None,
     out: OutOption = OUT,
 ) -> None:
     """Train and evaluate the thesis's experiments (a)-(f), and report them beside its tables.
 
-    Finished parts are kept: after Ctrl-C the same command continues where it stopped.
+    Finished parts are kept: after Ctrl-C the same command continues where it stopped. By default there is a process for
+    each core.
 
     Examples:
 
         pipenav experiment all --seeds 3
+        pipenav experiment all --seeds 3 --jobs 8
         pipenav experiment a --seeds 1 --steps 20000 --episodes 4 --out runs/quick-look
     """
     from pipenav.backends.simulators import load_simulator
     from pipenav.experiments.definition import agents_of, chosen
     from pipenav.experiments.plan import ExperimentSettings, open_plan
     from pipenav.experiments.report import write_report
+    from pipenav.processes.cores import usable_cores
     from pipenav.storage.lock import one_writer
 
     experiments = chosen(name)
@@ -100,44 +102,45 @@ def experiment(
     settings = ExperimentSettings(steps=steps, episodes=episodes, backend=backend)
     with one_writer(out):
         plan = open_plan(experiments, seeds, settings, out)
-        _run_rounds(progress_console(), plan, jobs or os.cpu_count() or 1)
+        _run_rounds(progress_console(), plan, where.place(default_jobs=usable_cores()))
         files = write_report(plan)
     say(f"report   {out / 'report.html'}\n         {out / 'report.md'}, {len(files) - 2} pictures beside it")
 
 
-def _run_rounds(console: Console, plan: ExperimentPlan, processes: int) -> None:
+def _run_rounds(console: Console, plan: ExperimentPlan, place: Place) -> None:
     """Train and measure what is missing; leaves with 128 + the signal where it is stopped."""
     from pipenav.cli.signals import stop_signals
     from pipenav.experiments.plan import add_elapsed
 
-    threads = max(1, (os.cpu_count() or 1) // processes)
     with stop_signals() as stopped:
-        for this in _rounds(threads):
-            end = _run_round(console, this.doing, this.jobs_of(plan), processes, stopped)
+        for this in _rounds():
+            end = _run_round(console, this, plan, place, stopped)
             add_elapsed(plan, end.seconds)
             if not end.complete:
                 say(f"stopped and saved in {plan.out}; the same command goes on from there")
                 raise typer.Exit(stopped.exit_code)
 
 
-def _rounds(threads: int) -> Sequence[_Round]:
-    from pipenav.experiments.jobs import evaluation_jobs, training_jobs
+def _rounds() -> Sequence[_Round]:
+    from pipenav.experiments.jobs import measurements, trainings
 
     return (
-        _Round("training", lambda plan: training_jobs(plan, threads)),
-        _Round("measuring the front halves", lambda plan: evaluation_jobs(plan, threads, ("reach",))),
+        _Round("training", trainings),
+        _Round("measuring the front halves", lambda plan: measurements(plan, ("reach",))),
         # These may need the agent that reached most targets.
-        _Round("measuring passages", lambda plan: evaluation_jobs(plan, threads, ("reach-rear", "locate", "passage"))),
+        _Round("measuring passages", lambda plan: measurements(plan, ("reach-rear", "locate", "passage"))),
     )
 
 
-def _run_round(console: Console, doing: str, jobs: list[Job], processes: int, stopped: Callable[[], bool]) -> _RoundEnd:
-    """Run a round's jobs under a progress bar."""
-    from pipenav.experiments.runner import run_jobs
+def _run_round(
+    console: Console, this: _Round, plan: ExperimentPlan, place: Place, stopped: Callable[[], bool]
+) -> _RoundEnd:
+    """Run a round's trainings or evaluations under a progress bar."""
+    from pipenav.experiments.runner import run_tasks
 
-    taken = [0.0]
+    taken, tasks = [0.0], this.tasks_of(plan)
     with percentage_bar(console, speed_estimate_period=600.0) as bar:
-        task = bar.add_task(f"{doing}: {len(jobs)} jobs", total=1.0)
+        task = bar.add_task(f"{this.doing}: {len(tasks)} jobs", total=1.0)
 
         def report(message: str, share: float, seconds: float) -> None:
             taken[0] = seconds
@@ -145,6 +148,6 @@ def _run_round(console: Console, doing: str, jobs: list[Job], processes: int, st
             if message:
                 say(f"{seconds:6.0f} s  {message}", console=bar.console)
 
-        complete = run_jobs(jobs, processes, report, stopped)
+        complete = run_tasks(tasks, place, report, stopped)
         bar.update(task, completed=1.0 if complete else None)
     return _RoundEnd(complete, taken[0])

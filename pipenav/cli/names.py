@@ -109,6 +109,20 @@ def _presets() -> Table:
     return presets_table()
 
 
+def _spaces() -> Table:
+    from pipenav.tuning.space import load_space, space_names
+
+    spaces = [(name, load_space(name)) for name in space_names()]
+    rows = [(name, space.preset, ", ".join(space.space), space.description) for name, space in spaces]
+    return _table(("space", "preset", "settings", "what is searched"), rows)
+
+
+def _space_keys() -> Table:
+    from pipenav.tuning.space import SearchSpace
+
+    return _keys_table(SearchSpace)
+
+
 def _robots() -> Table:
     from pipenav.cli.robots import robots_table
 
@@ -151,9 +165,11 @@ KINDS = {
     "disturbances": _Kind("--disturb of eval", _disturbances),
     "experiments": _Kind("pipenav experiment NAME", _experiments),
     "presets": _Kind("--preset of train", _presets),
+    "spaces": _Kind("--space of tune", _spaces),
     "robots": _Kind("--robot of train, eval, view, locate-target and others", _robots),
     "backends": _Kind("--backend; pipenav backends NAME lists its settings, for --option", _backends),
     "training-keys": _Kind("--set of train, and its --config FILE.toml", _training_keys),
+    "space-keys": _Kind("keys of a search space's FILE.toml; NAME is a key of a training", _space_keys),
     "robot-keys": _Kind("keys of a robot.toml; [] stands for each table of a list, NAME for a name", _robot_keys),
     "disturbance-keys": _Kind("keys of a disturbance's FILE.toml, and of randomise in a training", _disturbance_keys),
 }

@@ -38,15 +38,16 @@ class PlaceOptions(OptionGroup):
     jobs: JobsOption = None
     cluster: ClusterOption = None
 
-    def place(self) -> Place:
-        """The place that was chosen, by default this process.
+    def place(self, default_jobs: int | None = None) -> Place:
+        """The place that was chosen; by default so many processes, or this one.
 
         Raises:
             PipenavError: two were chosen, or one that is not to be had.
         """
         from pipenav.jobs import chosen_place
 
-        return chosen_place(self.jobs, self.cluster)
+        jobs = default_jobs if self.jobs is None and self.cluster is None else self.jobs
+        return chosen_place(jobs, self.cluster)
 
 
 @dataclass(frozen=True)

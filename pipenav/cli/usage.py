@@ -21,6 +21,7 @@ OPTION_OF = {
     "view": "--policy",
     "run-real": "--policy",
     "train": "--preset",
+    "tune": "--space",
     "gen-pipe": "--route",
     "mirror-rear": "--trajectory",
     "locate-target": "--pipes",

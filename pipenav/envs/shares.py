@@ -100,7 +100,7 @@ class RobotShare:
         Args:
             actions: canonical actions in [-1, 1], (n, action_size).
         """
-        move = self.batch.begin(actions)
+        move = self.batch.begin(np.asarray(actions, np.float64))
         if self._threads is not None:
             self._moving = self._threads.submit(move)
         else:
@@ -109,8 +109,13 @@ class RobotShare:
             self._moving.set_result(None)
 
     def receive(self) -> ShareStep:
-        """End the control step that has begun; robots whose episodes ended start anew."""
-        assert self._moving is not None
+        """End the control step that has begun; robots whose episodes ended start anew.
+
+        Raises:
+            ValueError: none has begun.
+        """
+        if self._moving is None:
+            raise ValueError("no control step has begun")
         self._moving.result()
         self._moving = None
         result = self.batch.end()

@@ -97,6 +97,7 @@ def by_angle(pipes: Sequence[PipeRecord]) -> dict[str, dict[float, Cell]]:
 def numbered_routes(evaluation: Evaluation) -> dict[float, list[NumberedRoute]]:
     """Routes of each diameter [mm], widest first, in the order given."""
     records = (record for record in evaluation.pipes if record.route is not None)
-    routes = [NumberedRoute(number, record) for number, record in enumerate(records, 1)]
-    diameters = sorted({route.record.diameter_mm for route in routes}, reverse=True)
-    return {d: [route for route in routes if route.record.diameter_mm == d] for d in diameters}
+    groups: dict[float, list[NumberedRoute]] = {}
+    for number, record in enumerate(records, 1):
+        groups.setdefault(record.diameter_mm, []).append(NumberedRoute(number, record))
+    return {d: groups[d] for d in sorted(groups, reverse=True)}

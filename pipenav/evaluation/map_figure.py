@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from pipenav.drawing.style import INK, heading
 from pipenav.evaluation.cells import Cell, NumberedRoute, by_fitting, in_order, numbered_routes
+from pipenav.evaluation.coarse import coarse
 from pipenav.evaluation.pipe_results import by_diameter
 from pipenav.evaluation.results import Evaluation
 from pipenav.evaluation.success_figure import CORNER_AXIS
@@ -46,6 +47,7 @@ def map_figure(evaluation: Evaluation) -> Figure:
     """Success with the numbers in the cells, one panel for each turn and one for routes."""
     from matplotlib.figure import Figure
 
+    evaluation, rounded = coarse(evaluation)
     panels = _panels(evaluation)
     corners = any(not panel.numbers for panel in panels)
     heights = [0.42 * len(panel.rows) + 0.9 for panel in panels]
@@ -62,7 +64,7 @@ def map_figure(evaluation: Evaluation) -> Figure:
     tees = any(record.fitting for record in evaluation.pipes)
     kinds = "angle of corner or branch" if tees else "corner angle"
     title = f"Success by diameter and {kinds}" if corners else "Success by diameter and route"
-    note = "percent of the episodes; empty: not run"
+    note = f"percent of the episodes; empty: not run{'; ' * bool(rounded)}{rounded}"
     heading(grid[0], title, f"{headline(evaluation)}\n{circumstances(evaluation)}\n{note}")
     return figure
 

@@ -33,12 +33,16 @@ class PartJobs:
             JobsLost: parts were lost every time that they were tried.
             PipenavError: a part raised it.
         """
-        bounds = self._parts.bounds
-        self._progress = EvaluationProgress(report, sum(bounds[i + 1] - bounds[i] for i in self._mine))
-        run_jobs(place, self._jobs(isinstance(place, HerePlace)), self._hear)
+        run_jobs(place, self.jobs(isinstance(place, HerePlace), report), self.hear)
 
-    def _jobs(self, together: bool) -> Iterator[Job]:
-        """A job for each part that is missing; parts in a row as one where that changes nothing but the time taken."""
+    def jobs(self, together: bool, report: ReportProgress) -> Iterator[Job]:
+        """A job for each part that is missing.
+
+        Args:
+            together: make one job of parts in a row, where that changes nothing but the time taken.
+            report: called with sums over all parts.
+        """
+        self._progress = EvaluationProgress(report, self.episodes)
         kept = [True] * self._parts.count
         for index in self._mine:
             content = self._store.read(self._parts.key(index))
@@ -57,7 +61,14 @@ class PartJobs:
         """Number of episodes of some parts in a row."""
         return self._parts.bounds[numbers.stop] - self._parts.bounds[numbers.start]
 
-    def _hear(self, event: Event) -> None:
+    @property
+    def episodes(self) -> int:
+        """Number of episodes of all these parts."""
+        bounds = self._parts.bounds
+        return sum(bounds[index + 1] - bounds[index] for index in self._mine)
+
+    def hear(self, event: Event) -> None:
+        """Hear of one of the jobs, and keep the results of one that is done."""
         key = event.job.key
         if isinstance(event, Progressed):
             self._progress.runs(key, self._size(self._ranges[key]), event.progress)

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipenav.arrays import Flags, Floats, Ints
-from pipenav.backends.simulators import SimulatorSettings, load_simulator
 from pipenav.errors import PipenavError
 from pipenav.evaluation.config import StageName
 from pipenav.evaluation.passage import EpisodePlan, Passages, ReportProgress, StageResult
@@ -28,9 +27,6 @@ from pipenav.tasks.registry import task_of
 
 REAR_FOLLOWS = ("reach-rear", "passage")
 """Stages of an evaluation that end with the rear half's passage, which needs the motions of those before."""
-
-CORES_OPTIONS = ("threads", "processes")
-"""Settings by which simulators say how many cores they use; results do not depend on them."""
 
 CPU = "cpu"
 """Name of the array, in the file of a part, that says what kind of processor computed it."""
@@ -154,12 +150,11 @@ def run_part(part: EvaluationPart, control: JobControl) -> bytes:
         PipenavError: versions differ from those where the driver runs.
     """
     _require_versions(part.versions)
-    simulator = _with_cores(part.plan.simulator, control.cores)
 
     def report(stage: str, total: int, done: int, successes: int) -> None:
         control.report((stage, total, done, successes))
 
-    plan = part.plan.on(simulator)
+    plan = part.plan.on(part.plan.simulator.on_cores(control.cores))
     rows = {stage: _rows(result, part.begin) for stage, result in _stages(part, plan, report)}
     return PartResult(rows, kind_of_cpu()).to_bytes()
 
@@ -185,13 +180,6 @@ def _rows(result: StageResult, begin: int) -> StageRows:
     results = result.results
     columns = {name: getattr(results, name) for name in StageRows._fields if name != "jobs"}
     return StageRows(jobs=result.jobs + begin, **columns)
-
-
-def _with_cores(simulator: SimulatorSettings, cores: int) -> SimulatorSettings:
-    """The simulator with as many cores as the job has, unless its settings say how many."""
-    known = load_simulator(simulator.backend).Options.model_fields
-    given = {name: cores for name in CORES_OPTIONS if name in known and not simulator.options.get(name)}
-    return simulator._replace(options={**given, **{k: v for k, v in simulator.options.items() if k not in given}})
 
 
 def _require_versions(versions: Mapping[str, str]) -> None:

@@ -197,8 +197,10 @@ class DiameterRecord(Record):
 
 def by_diameter(pipes: Sequence[PipeRecord]) -> dict[float, list[PipeRecord]]:
     """The records of each diameter [mm], widest first."""
-    diameters = sorted({record.diameter_mm for record in pipes}, reverse=True)
-    return {d: [record for record in pipes if record.diameter_mm == d] for d in diameters}
+    groups: dict[float, list[PipeRecord]] = {}
+    for record in pipes:
+        groups.setdefault(record.diameter_mm, []).append(record)
+    return {d: groups[d] for d in sorted(groups, reverse=True)}
 
 
 def _plain_angle(record: PipeRecord) -> float | None:

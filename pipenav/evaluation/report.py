@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.drawing.style import png
 from pipenav.errors import FileProblem
+from pipenav.evaluation.coarse import coarse
 from pipenav.evaluation.folder import RECORD
 from pipenav.evaluation.interval import wilson
 from pipenav.evaluation.map_figure import map_figure
@@ -108,11 +109,14 @@ def evaluation_table(evaluation: Evaluation) -> RenderableType:
 
     title = Text(headline(evaluation), style="bold")
     where = Text(circumstances(evaluation), style="dim")
+    shown, rounded = coarse(evaluation)
+    if rounded:
+        where.append(f"\n{rounded}")
     p99 = evaluation.penetration_p99_m
     if p99 is not None:
         where.append(f"\noverlap with the wall at most {m_to_mm(p99):.2f} mm in 99 % of the episodes")
     note = Text(CONTACT_NOTE, style="dim")
-    parts = (where, _successes(evaluation), Group(_contacts(evaluation), note), _worst(evaluation.pipes))
+    parts = (where, _successes(shown), Group(_contacts(shown), note), _worst(evaluation.pipes))
     return Group(title, *(Padding(part, (0, 0, 1, 0), expand=False) for part in parts))
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from pipenav.drawing.style import INK, MAIN, MUTED, SECOND, plain
 from pipenav.evaluation.cells import KINDS, Cell, NumberedRoute, by_angle, numbered_routes, total
+from pipenav.evaluation.coarse import coarse
 from pipenav.evaluation.interval import wilson
 from pipenav.evaluation.pipe_results import by_diameter
 from pipenav.evaluation.results import Evaluation
@@ -52,6 +53,7 @@ ROUTE_IN = 0.24
 
 def success_figure(evaluation: Evaluation) -> Figure:
     """Success with Wilson 95 % intervals: a panel for each diameter, or where only routes were run a row for each."""
+    evaluation, rounded = coarse(evaluation)
     corners = [record for record in evaluation.pipes if record.route is None]
     if not corners:
         return _routes_figure(evaluation)
@@ -64,7 +66,7 @@ def success_figure(evaluation: Evaluation) -> Figure:
     return _corners_figure(
         evaluation,
         lines,
-        f"{turns}; {KEY}{more}",
+        f"{turns}; {KEY}{more}{'; ' * bool(rounded)}{rounded}",
     )
 
 

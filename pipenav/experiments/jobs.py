@@ -1,123 +1,149 @@
-"""The trainings and evaluations that experiments need, each a job that can run in a process of its own."""
+"""The trainings and evaluations that experiments need, as jobs for any place."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Protocol
 
-from pipenav.experiments.definition import Row, agents_of, load_agents, load_experiment
-from pipenav.experiments.plan import EVALUATION_SEED, TRAINED_FILE, ExperimentPlan, ExperimentSettings, resolved_agent
+from pipenav.evaluation.config import EvaluationConfig
+from pipenav.evaluation.evaluate import CheckedEvaluation
+from pipenav.evaluation.folder import UNFINISHED
+from pipenav.evaluation.part_jobs import PartJobs
+from pipenav.evaluation.report import write_evaluation
+from pipenav.experiments.definition import agents_of, load_agents, load_experiment
+from pipenav.experiments.plan import EVALUATION_SEED, TRAINED_FILE, ExperimentPlan, resolved_agent
+from pipenav.jobs import Done, Event, Job, JobStore, Place, Progressed, Stopped
+from pipenav.jobs.here import HerePlace
 from pipenav.learning.config import TrainConfig
+from pipenav.learning.training_job import order_for, run_training, take_files, take_training
+from pipenav.pipes.corner_sets import parse_corners
 from pipenav.storage.atomic_files import atomic_write
 from pipenav.storage.lock import one_writer
 
 STEPS_PER_EPISODE = 15
 """Control steps that an evaluation's episode counts as in the estimate of the time left: the mean of a good agent's."""
 
-ReportDone = Callable[[int], None]
-"""Called with how much of a job is done, in control steps."""
+COMMAND = "pipenav experiment"
 
-ShouldStop = Callable[[], bool]
+MOST_CORES = 1 << 10
+"""More cores than any machine has: a training takes all that its place has for it."""
 
 
-class Job(NamedTuple):
-    """A training or an evaluation, in a process of its own.
+class Task(Protocol):
+    """A training or an evaluation.
 
     Attributes:
         name: name for messages.
         total: how much there is to do, in control steps (estimated for an evaluation).
-        work: the work; called with a function that reports how much is done, and one that says whether to stop.
+        done: how much of it is done.
+        whole: whether all of it is done, and written.
     """
 
     name: str
     total: int
-    work: Callable[[ReportDone, ShouldStop], None]
+    done: int
+    whole: bool
+
+    def jobs(self, place: Place) -> Iterator[Job]:
+        """Its jobs that are left."""
+        ...
+
+    def hear(self, event: Event) -> None:
+        """Hear of one of its jobs."""
+        ...
+
+    def close(self) -> None:
+        """Let go of its folder."""
+        ...
 
 
-@dataclass(frozen=True)
 class Training:
-    """Work of a job: train, or go on with a training."""
+    """A training, in one job; one that has begun goes on."""
 
-    config: TrainConfig
-    folder: Path
-    threads: int
+    def __init__(self, name: str, config: TrainConfig, folder: Path) -> None:
+        self.name, self.total, self.done, self.whole = name, config.steps, 0, False
+        self._config, self._folder = config, folder
 
-    def __call__(self, report: ReportDone, should_stop: ShouldStop) -> None:
-        from pipenav.learning.train import train
-        from pipenav.learning.training_folder import TrainingFolder
+    def jobs(self, place: Place) -> Iterator[Job]:
+        """Its only job."""
+        self._order = order_for(self._config, self._folder, COMMAND, place.shares_disk)
+        cores = MOST_CORES if place.shares_disk else 1
+        yield Job("-".join(self._folder.parts[-2:]), self.name, run_training, self._order, cores)
 
-        config = self.config.model_copy(update={"options": _with_threads(self.config, self.threads)})
-        with one_writer(self.folder, f"pipenav experiment, training in {self.folder}"):
-            resumed = TrainingFolder(self.folder).checkpoint.exists()
-            folder = (
-                TrainingFolder.open(self.folder).folder
-                if resumed
-                else TrainingFolder.create(self.folder, config, "pipenav experiment")
-            )
-            summary = train(config, folder, resumed, lambda progress: report(progress.steps), should_stop)
-            if not summary.stopped:
-                record = {"seconds": round(summary.seconds, 1), "steps": summary.steps}
-                atomic_write(self.folder / TRAINED_FILE, json.dumps(record) + "\n")
+    def hear(self, event: Event) -> None:
+        """Write down that it is whole, when it is."""
+        if isinstance(event, Progressed):
+            self.done = event.progress[0]
+        elif isinstance(event, Stopped):
+            take_files(self._order, event.content)
+        elif isinstance(event, Done):
+            summary = take_training(self._order, event.content)
+            record = {"seconds": round(summary.seconds, 1), "steps": summary.steps}
+            atomic_write(self._folder / TRAINED_FILE, json.dumps(record) + "\n")
+            self.done, self.whole = self.total, True
+
+    def close(self) -> None:
+        """Nothing is held: the job holds the folder."""
 
 
-@dataclass(frozen=True)
 class Measurement:
-    """Work of a job: evaluate a policy, or a stage that needs none."""
+    """An evaluation of a policy, or of a stage that needs none, in a job for each part."""
 
-    policy: Path | None
-    row: Row
-    pipes: str
-    settings: ExperimentSettings
-    folder: Path
-    threads: int
+    def __init__(self, name: str, config: EvaluationConfig, folder: Path) -> None:
+        self.name, self._config, self._folder = name, config, folder
+        self.total = len(parse_corners(config.pipes)) * config.episodes * STEPS_PER_EPISODE
+        self.done, self.whole = 0, False
+        self._held = ExitStack()
 
-    def __call__(self, report: ReportDone, should_stop: ShouldStop) -> None:
-        from pipenav.evaluation.config import EvaluationConfig
-        from pipenav.evaluation.evaluate import CheckedEvaluation
-        from pipenav.evaluation.report import write_evaluation
+    def jobs(self, place: Place) -> Iterator[Job]:
+        """Its parts that are not kept."""
+        self._held.enter_context(one_writer(self._folder, f"{COMMAND}, evaluation in {self._folder}"))
+        self._checked = CheckedEvaluation(self._config)
+        self._store = JobStore(self._folder / UNFINISHED, self._checked.parts.request())
+        self._parts = PartJobs(self._checked.parts, self._store)
+        yield from self._parts.jobs(isinstance(place, HerePlace), self._note)
+        if self._checked.missing(self._store) == 0:
+            self._write()
 
-        def progress(_part: str, _total: int, done: int, _successes: int) -> None:
-            report(done * STEPS_PER_EPISODE)
-            if should_stop():
-                raise KeyboardInterrupt
+    def _note(self, _stage: str, _total: int, done: int, _successes: int) -> None:
+        self.done = max(self.done, done * STEPS_PER_EPISODE)
 
-        config = EvaluationConfig(
-            policy=None if self.policy is None else str(self.policy),
-            pipes=(self.pipes,),
-            episodes=self.settings.episodes,
-            seed=EVALUATION_SEED,
-            stage=self.row.stage,
-            robot=self.row.robot,
-            variant=self.row.variant,
-            backend=self.settings.backend,
-            options={"threads": self.threads} if self.settings.backend == "mujoco" else {},
-        )
-        with one_writer(self.folder, f"pipenav experiment, evaluation in {self.folder}"):
-            write_evaluation(self.folder, CheckedEvaluation(config).run(progress))
+    def hear(self, event: Event) -> None:
+        """Keep a part, and write the whole when it was the last one."""
+        self._parts.hear(event)
+        if isinstance(event, Done) and self._checked.missing(self._store) == 0:
+            self._write()
 
+    def _write(self) -> None:
+        if not self.whole:
+            write_evaluation(self._folder, self._checked.merged(self._store))
+            self._store.remove()
+            self.done, self.whole = self.total, True
+            self.close()
 
-def _with_threads(config: TrainConfig, threads: int) -> dict[str, Any]:
-    return {**config.options, "threads": threads} if config.backend == "mujoco" else dict(config.options)
+    def close(self) -> None:
+        """Let go of the folder."""
+        self._held.close()
 
 
-def training_jobs(plan: ExperimentPlan, threads: int) -> list[Job]:
+def trainings(plan: ExperimentPlan) -> list[Task]:
     """The trainings that are not whole yet."""
-    jobs = []
+    tasks: list[Task] = []
     for agent in agents_of(list(plan.experiments)):
         for seed in plan.seeds:
             folder = plan.training_folder(agent, seed)
             config = load_agents()[agent].config(seed, plan.settings.steps, plan.settings.backend)
             if not (folder / TRAINED_FILE).exists():
-                jobs.append(Job(f"train {agent}, seed {seed}", config.steps, Training(config, folder, threads)))
-    return jobs
+                tasks.append(Training(f"train {agent}, seed {seed}", config, folder))
+    return tasks
 
 
-def evaluation_jobs(plan: ExperimentPlan, threads: int, stages: Sequence[str]) -> list[Job]:
+def measurements(plan: ExperimentPlan, stages: Sequence[str]) -> list[Task]:
     """The evaluations of some stages that are not there yet; their policies must be."""
-    jobs: dict[Path, Job] = {}
+    tasks: dict[Path, Task] = {}
     for name in plan.experiments:
         experiment = load_experiment(name)
         for row in experiment.rows:
@@ -126,14 +152,17 @@ def evaluation_jobs(plan: ExperimentPlan, threads: int, stages: Sequence[str]) -
             for seed in plan.evaluation_seeds(row):
                 agent = resolved_agent(plan, row)
                 folder = plan.evaluation_folder(row, agent, seed)
-                if not (folder / "eval.json").exists():
-                    policy = None if agent is None else plan.training_folder(agent, seed) / "best.zip"
-                    work = Measurement(policy, row, experiment.pipes, plan.settings, folder, threads)
-                    jobs[folder] = Job(f"{row.stage} of {agent or row.robot}, seed {seed}", _control_steps(work), work)
-    return list(jobs.values())
-
-
-def _control_steps(work: Measurement) -> int:
-    from pipenav.pipes.corner_sets import parse_corners
-
-    return len(parse_corners([work.pipes])) * work.settings.episodes * STEPS_PER_EPISODE
+                if (folder / "eval.json").exists():
+                    continue
+                config = EvaluationConfig(
+                    policy=None if agent is None else str(plan.training_folder(agent, seed) / "best.zip"),
+                    pipes=(experiment.pipes,),
+                    episodes=plan.settings.episodes,
+                    seed=EVALUATION_SEED,
+                    stage=row.stage,
+                    robot=row.robot,
+                    variant=row.variant,
+                    backend=plan.settings.backend,
+                )
+                tasks[folder] = Measurement(f"{row.stage} of {agent or row.robot}, seed {seed}", config, folder)
+    return list(tasks.values())

@@ -20,6 +20,7 @@ from pipenav.jobs.job import (
 from pipenav.jobs.place import HearProgress, Place, ShouldStop, Slots
 from pipenav.jobs.places import chosen_place, load_place
 from pipenav.jobs.store import JobStore, MemoryStore, Store
+from pipenav.processes.cores import usable_cores
 
 __all__ = [
     "Done",
@@ -47,4 +48,5 @@ __all__ = [
     "load_place",
     "portable",
     "run_jobs",
+    "usable_cores",
 ]

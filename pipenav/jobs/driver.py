@@ -151,7 +151,6 @@ class _Run:
             self._slots.stop(job)
         while self._slots.busy and (patience := until - time.monotonic()) > 0:
             for ending in self._slots.wait(patience):
-                if isinstance(ending, Done):
-                    if self._store is not None:
-                        self._store.write(ending.job.key, ending.content)
-                    self._hear(ending)
+                if isinstance(ending, Done) and self._store is not None:
+                    self._store.write(ending.job.key, ending.content)
+                self._hear(ending)

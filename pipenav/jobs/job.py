@@ -31,7 +31,15 @@ class JobControl(Protocol):
 
 
 class JobStopped(Exception):
-    """A job has saved what it had, as it was asked to."""
+    """A job has saved what it had, as it was asked to.
+
+    Attributes:
+        content: what goes to the driver, where the job has saved nothing that the driver can see.
+    """
+
+    def __init__(self, content: bytes = b"") -> None:
+        super().__init__(content)
+        self.content = content
 
 
 JobFunction = Callable[[Any, JobControl], bytes]
@@ -81,9 +89,10 @@ class Lost(NamedTuple):
 
 
 class Stopped(NamedTuple):
-    """The end of a job that was asked to stop, and has saved."""
+    """The end of a job that was asked to stop, and has saved, with what it sent."""
 
     job: Job
+    content: bytes = b""
 
 
 class Progressed(NamedTuple):
@@ -110,8 +119,8 @@ def ending_of(job: Job, control: JobControl) -> Ending:
     """Do a job in this process; an interrupt goes through."""
     try:
         return Done(job, job.function(job.data, control))
-    except JobStopped:
-        return Stopped(job)
+    except JobStopped as stopped:
+        return Stopped(job, stopped.content)
     except Exception as error:  # the driver raises it: here nobody would see it
         return Failed(job, error)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 from pipenav.jobs.job import Ending, Job
 
@@ -65,9 +65,11 @@ class Place(ABC):
 
     Attributes:
         name: words for messages, such as `2 processes`.
+        shares_disk: whether jobs see the files of the driver's machine by the same paths.
     """
 
     name: str
+    shares_disk: ClassVar[bool] = True
 
     @abstractmethod
     def __init__(self, given: str) -> None: ...

@@ -99,7 +99,7 @@ class _ProcessSlots(Slots):
         self._idle.append(worker)
         if isinstance(message, Finish):
             return Done(job, message.content)
-        return Failed(job, message.error) if isinstance(message, Raised) else Stopped(job)
+        return Failed(job, message.error) if isinstance(message, Raised) else Stopped(job, message.content)
 
     def _leave(self, worker: Worker) -> None:
         del self._busy[worker]

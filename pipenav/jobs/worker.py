@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from multiprocessing.connection import Connection
 from typing import Any, NamedTuple
 
-from pipenav.jobs.job import Done, Failed, Job, JobFunction, ending_of, portable
+from pipenav.jobs.job import Done, Failed, Job, JobFunction, Lost, ending_of, portable
 from pipenav.processes.children import worker_end
 
 REPORT_S = 0.2
@@ -46,7 +46,9 @@ class Raised(NamedTuple):
 
 
 class Saved(NamedTuple):
-    """The message that a job was stopped and has saved."""
+    """The message that a job was stopped and has saved, with what it sends."""
+
+    content: bytes
 
 
 class Throttle:
@@ -126,6 +128,7 @@ def _answer(driver: _Driver) -> Finish | Raised | Saved:
     except Exception as error:  # its function or its data is not to be found here
         return Raised(portable(error))
     ending = ending_of(Job("", "", order.function, order.data), driver)
+    assert not isinstance(ending, Lost)  # a job that is done here cannot be
     if isinstance(ending, Failed):
         return Raised(portable(ending.error))
-    return Finish(ending.content) if isinstance(ending, Done) else Saved()
+    return Finish(ending.content) if isinstance(ending, Done) else Saved(ending.content)

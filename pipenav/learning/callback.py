@@ -86,7 +86,7 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         self._report, self._should_stop = report, should_stop
         self.best_success = checkpoint.best_success if checkpoint.stage >= stage.checked_since else NO_CHECK
         self.stopped = False
-        self._check_success = math.nan
+        self._check_success, self._check_steps, self._check_seconds = math.nan, 0, math.nan
         self._earlier_seconds = checkpoint.seconds
         self._started = self._last_time = time.monotonic()
         self._last_steps = checkpoint.steps
@@ -115,7 +115,7 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         counts.samples += len(rewards)
         ended = self.locals["ended"]
         counts.episodes += len(ended.robots)
-        counts.successes += np.count_nonzero(ended.outcome == Outcome.REACHED)
+        counts.successes += int(np.count_nonzero(ended.outcome == Outcome.REACHED))
         counts.episode_steps += int(ended.steps.sum())
         self.stopped = self.stopped or self._should_stop()
         return not self.stopped
@@ -166,6 +166,8 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
             success=counts.successes / counts.episodes if counts.episodes else math.nan,
             min_range=counts.min_range / max(counts.samples, 1),
             check_success=self._check_success,
+            check_steps=self._check_steps,
+            check_seconds=self._check_seconds,
         )
         self._add_row(progress)
         self._last_time, self._last_steps = now, steps
@@ -210,11 +212,13 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
 
     def check(self) -> None:
         """Measure the policy in last.zip, without its noise, and keep it as best.zip if none was better."""
+        steps, seconds = self.num_timesteps, self.seconds
         try:
             self._check_success = self._measure()
         except _CheckStopped:
             self.stopped = True
             return
+        self._check_steps, self._check_seconds = steps, seconds
         if self._check_success >= self.best_success:  # of equals the later one, which explored less
             self.best_success = self._check_success
             save_policy(self._folder.best, self.model, self._header())

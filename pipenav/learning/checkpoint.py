@@ -22,6 +22,9 @@ UNREADABLE = (PipenavError, OSError, SafetensorError, RuntimeError, LookupError,
 """Exceptions that a corrupt file, or one of another network, may raise."""
 
 
+INPUT_LAYERS = ("mlp_extractor.policy_net.0.weight", "mlp_extractor.value_net.0.weight")
+"""Weights of the observation in the policy and in the value function, (width, observation)."""
+
 LARGEST_FILE = 256 << 20
 """Largest checkpoint [bytes]: three times the weights and the optimiser's state of the largest networks."""
 
@@ -49,14 +52,22 @@ def save_checkpoint(path: Path, model: PPO, checkpoint: Checkpoint) -> None:
     atomic_write(path, save(contiguous, metadata))
 
 
-def load_checkpoint(path: Path, model: PPO) -> Checkpoint:
+def load_checkpoint(path: Path, model: PPO, stage: int = 1) -> Checkpoint:
     """Bring a fresh model to where a training stopped.
+
+    Args:
+        path: file of the checkpoint.
+        model: the model.
+        stage: number of the stage that goes on. Where it is a later one than the checkpoint's it may observe more at
+            the end of the observation: the weights of that begin at 0, so that the policy begins as it was.
 
     Raises:
         PipenavError: a file that is corrupt or of another network.
     """
     try:
         checkpoint, tensors = _read(path)
+        if checkpoint.stage < stage:
+            tensors = _widened(tensors, model)
         _load_policy(model, tensors)
         _load_optimizer(model, tensors)
     except UNREADABLE as error:
@@ -112,6 +123,25 @@ def _read(path: Path) -> _Contents:
     return _Contents(checkpoint, tensors)
 
 
+def _widened(tensors: dict[str, torch.Tensor], model: PPO) -> dict[str, torch.Tensor]:
+    """Tensors of a checkpoint with columns of zeros for what a model observes beyond the checkpoint's."""
+    wider = dict(tensors)
+    for index, (name, parameter) in enumerate(_trained_parameters(model)):
+        if name not in INPUT_LAYERS:
+            continue
+        for key in (f"policy.{name}", f"optimizer.{index}.exp_avg", f"optimizer.{index}.exp_avg_sq"):
+            if key in tensors and tensors[key].dim() == 2:
+                more = max(parameter.shape[1] - tensors[key].shape[1], 0)
+                wider[key] = torch.nn.functional.pad(tensors[key], (0, more))
+    return wider
+
+
+def _trained_parameters(model: PPO) -> list[tuple[str, torch.nn.Parameter]]:
+    """Parameters of the optimiser with their names, in its order."""
+    names = {id(parameter): name for name, parameter in model.policy.named_parameters()}
+    return [(names[id(one)], one) for group in model.policy.optimizer.param_groups for one in group["params"]]
+
+
 def _load_policy(model: PPO, tensors: dict[str, torch.Tensor]) -> None:
     weights = {name.removeprefix("policy."): t for name, t in tensors.items() if name.startswith("policy.")}
     model.policy.load_state_dict(weights)
@@ -124,7 +154,7 @@ def _load_optimizer(model: PPO, tensors: dict[str, torch.Tensor]) -> None:
         if name.startswith("optimizer."):
             _, index, slot = name.split(".", 2)
             slots.setdefault(int(index), {})[slot] = value
-    _check_slots(slots, [parameter for group in model.policy.optimizer.param_groups for parameter in group["params"]])
+    _check_slots(slots, [parameter for _, parameter in _trained_parameters(model)])
     whole["state"] = slots
     model.policy.optimizer.load_state_dict(whole)
 

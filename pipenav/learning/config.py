@@ -184,11 +184,11 @@ def load_config(
             raise PipenavError(
                 f"setting {shown(text)} has a key of more than {MAX_DEPTH} parts: see pipenav list training-keys."
             )
-        typed = merged(typed, _nested(key.strip(), toml_value(value.strip())))
+        typed = merged(typed, nested(key.strip(), toml_value(value.strip())))
         where = f"--set {shown(text, quoted=False)}"
     for key, value in (options or {}).items():
         if value is not None:
-            typed = merged(typed, _nested(key, value))
+            typed = merged(typed, nested(key, value))
     return validate_config(laid_over(table, typed, where), where)
 
 
@@ -270,9 +270,10 @@ def _models(annotation: Any) -> list[type[BaseModel]]:
     return [model for part in get_args(annotation) for model in _models(part)]
 
 
-def _nested(dotted: str, value: Any) -> dict[str, Any]:
+def nested(dotted: str, value: Any) -> dict[str, Any]:
+    """Tables inside each other with a value at a dotted key."""
     first, _, rest = dotted.partition(".")
-    return {first: _nested(rest, value) if rest else value}
+    return {first: nested(rest, value) if rest else value}
 
 
 def toml_value(text: str) -> Any:

@@ -37,10 +37,10 @@ class FlatParameters:
 
     def views(self, flat: Tensor) -> list[Tensor]:
         """Parts of a tensor of all values, (size,), that belong to each parameter, in their shapes."""
-        parts = flat.split([parameter.numel() for parameter in self.parameters])
+        parts = torch.split(flat, [parameter.numel() for parameter in self.parameters])
         return [part.view_as(parameter) for part, parameter in zip(parts, self.parameters, strict=True)]
 
-    def gradient(self, parameter: nn.Parameter) -> Tensor:
+    def gradient(self, parameter: Tensor) -> Tensor:
         """Place for the gradient of one of the parameters, in its shape."""
         return self._gradients[id(parameter)]
 
@@ -98,7 +98,7 @@ class Perceptron:
         return self.activations(inputs)[-1]
 
     def activations(self, inputs: Tensor) -> list[Tensor]:
-        """What goes into each layer, and last the outputs, (n, width) each.
+        """Inputs of each layer, and last the outputs, (n, width) each.
 
         They hold until a network of the same workspace is called with as many inputs.
         """

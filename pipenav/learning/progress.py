@@ -41,6 +41,7 @@ class TrainingProgress(NamedTuple):
         success: share of the episodes since the last report that reached their target; NaN without any.
         min_range: mean over steps of the smallest laser reading [m].
         check_success: success of the last noise-free check; NaN before the first.
+        check_steps, check_seconds: control steps, and seconds of training, at the beginning of that check.
     """
 
     stage: str
@@ -49,6 +50,8 @@ class TrainingProgress(NamedTuple):
     success: float
     min_range: float
     check_success: float
+    check_steps: int = 0
+    check_seconds: float = math.nan
 
 
 def read_progress(path: Path) -> str:

@@ -117,7 +117,7 @@ def _changed(stages: Any, changes: Mapping[str, Any], where: str) -> Any:
     Raises:
         ConfigError: there is no such stage.
     """
-    names = [stage.get("name") for stage in stages if isinstance(stage, Mapping)]
+    names = [str(stage.get("name")) for stage in stages if isinstance(stage, Mapping)]
     for name in changes:
         if name not in names:
             problem = UnknownName("stage", name, names) if names else f"there are no stages, given stage {name!r}"

@@ -9,7 +9,7 @@ from itertools import accumulate, pairwise
 from typing import Any, NamedTuple
 
 from pipenav.errors import PipenavError
-from pipenav.learning.config import TrainConfig, validate_config
+from pipenav.learning.config import NetworkConfig, TrainConfig, validate_config
 from pipenav.learning.schedule import LearningRate, Schedule
 from pipenav.learning.stage_tables import StageConfig
 from pipenav.robots.robot import load_robot
@@ -108,21 +108,32 @@ def require_one_interface(config: TrainConfig) -> None:
     """Make sure that one policy can be trained in all stages.
 
     Raises:
-        PipenavError: two stages differ in observation, control or network.
+        PipenavError: two stages differ in task or control, or a later one observes less or something else.
     """
-    first, *others = training_stages(config)
-    for stage in others:
-        if interface(stage.config) != interface(first.config):
+    for before, stage in pairwise(training_stages(config)):
+        known, observed = interface(before.config), interface(stage.config)
+        as_before = observed._replace(scale=observed.scale[: len(known.scale)])
+        if as_before != known:
             raise PipenavError(
-                f"stage {stage.label} has another task, observation or control than the first: one policy is trained "
-                "in all stages, so give them the same."
+                f"stage {stage.label} has another task, observation or control than the one before: one policy is "
+                "trained in all stages, so give them the same."
             )
 
 
-def interface(config: TrainConfig) -> tuple[object, ...]:
+class Interface(NamedTuple):
     """Everything in which two trainings must be equal for one to take the other's weights."""
+
+    network: NetworkConfig
+    kind: str
+    observation: str
+    control: str
+    scale: tuple[float, ...]
+
+
+def interface(config: TrainConfig) -> Interface:
+    """The interface of a training's policy."""
     scale = task_of(config.task).observation_scale(load_robot(config.robot)).tolist()
-    return config.network, config.task.kind, config.task.observation, config.task.control, scale
+    return Interface(config.network, config.task.kind, config.task.observation, config.task.control, tuple(scale))
 
 
 def _schedules(stages: tuple[StageConfig, ...], begins: list[int], end: int) -> list[Schedule]:

@@ -109,7 +109,7 @@ def _train_stage(
     env = training_env(config, rng)
     try:
         model = new_model(config, env, stage.learning_rate)
-        checkpoint = load_checkpoint(folder.checkpoint, model) if resumed else Checkpoint()
+        checkpoint = load_checkpoint(folder.checkpoint, model, stage.number) if resumed else Checkpoint()
         if start is not None:
             load_weights(TrainingFolder.open(start).folder.checkpoint, model)
         if resumed:  # other episodes than those that the training has had already

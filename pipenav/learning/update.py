@@ -1,8 +1,8 @@
 """PPO's update with its loss, gradient and optimiser fused: the numbers of Stable-Baselines3's, in less time.
 
-Losses are those of Schulman et al., Proximal Policy Optimization Algorithms (2017), eq 7 and 9, without an entropy term;
-advantages are normalised in each minibatch and the gradient's norm is bounded, as in Stable-Baselines3. The optimiser
-is Adam (Kingma and Ba, 2015, algorithm 1), in PyTorch's order of operations.
+Losses are those of Schulman et al., Proximal Policy Optimization Algorithms (2017), eq 7 and 9, without an entropy
+term; advantages are normalised in each minibatch and the gradient's norm is bounded, as in Stable-Baselines3. The
+optimiser is Adam (Kingma and Ba, 2015, algorithm 1), as PyTorch has it.
 """
 
 from __future__ import annotations

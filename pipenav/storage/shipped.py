@@ -33,6 +33,11 @@ def presets_dir() -> Path:
     return _PACKAGE / "learning" / "presets"
 
 
+def spaces_dir() -> Path:
+    """Folder of the search spaces of `pipenav tune`."""
+    return _PACKAGE / "tuning" / "spaces"
+
+
 def disturbances_dir() -> Path:
     """Folder of the named disturbances."""
     return _PACKAGE / "disturbances"

@@ -18,6 +18,7 @@ from pipenav.pipes.route_sets import route_set_names
 from pipenav.policies.named import BASELINES
 from pipenav.policies.policy import policy_names
 from pipenav.robots.robot import RobotSpec, load_robot, robot_names
+from pipenav.tuning.space import space_names
 
 NAMES = {
     "policies": [*policy_names(), *(f"baseline:{name}" for name in BASELINES)],
@@ -25,6 +26,7 @@ NAMES = {
     "disturbances": disturbance_names(),
     "experiments": [*experiment_names(), "all"],
     "presets": preset_names(),
+    "spaces": space_names(),
     "robots": robot_names(),
     "backends": ["hardware", "mujoco", "pybullet"],
     "disturbance-keys": list(Disturbance.model_fields),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pipenav.experiments.definition import load_agents, load_experiment
-from pipenav.experiments.jobs import evaluation_jobs, training_jobs
+from pipenav.experiments.jobs import measurements, trainings
 from pipenav.experiments.plan import ExperimentPlan, resolved_agent
 
 
@@ -13,5 +13,5 @@ def test_the_best_agent_is_taken_over(thesis_plan: ExperimentPlan) -> None:
 
 
 def test_what_is_there_is_not_done_again(thesis_plan: ExperimentPlan) -> None:
-    assert evaluation_jobs(thesis_plan, 1, ("reach", "reach-rear", "locate", "passage")) == []
-    assert len(training_jobs(thesis_plan, 1)) == 2 * len(load_agents())
+    assert measurements(thesis_plan, ("reach", "reach-rear", "locate", "passage")) == []
+    assert len(trainings(thesis_plan)) == 2 * len(load_agents())

@@ -15,7 +15,7 @@ from pipenav.cli import main
 
 Words = tuple[str, ...]
 
-DROPPED = {"--out", "--episodes", "--seed", "--steps", "--seeds"}
+DROPPED = {"--out", "--episodes", "--seed", "--steps", "--seeds", "--jobs", "--cluster", "--shard"}
 """Options that change nothing of what a test looks at: commands that differ in them alone are run once."""
 
 CORNERS = {
@@ -183,6 +183,13 @@ def _experiment(options: Options) -> Options:
     return options._replace(arguments=("e",)).without(DROPPED).plus(*small, ("--out", "reported"))
 
 
+def _tune(options: Options) -> Options:
+    """A search of two trials in one corner, each as short as a documented training."""
+    settings = [("--set", setting) for setting in (*TRAINING, 'pipes=["d=100,angle=90"]', "task.max_steps=10")]
+    small = (("--space", "my-space.toml"), ("--trials", "2"), ("--again", "0"), ("--objective", "success"))
+    return options._replace(given=(*small, ("--steps", "64"), *settings, ("--out", "searched")))
+
+
 def _run_real(options: Options) -> Options:
     if not options.has("--emulate"):
         return options
@@ -198,6 +205,7 @@ def _survey(options: Options) -> Options:
 RULES: dict[str, Callable[[Options], Options]] = {
     "backends": _as_it_stands,
     "calibrate": _as_it_stands,
+    "certify": _as_it_stands,
     "compare-backends": _as_it_stands,
     "eval": _eval,
     "experiment": _experiment,
@@ -212,5 +220,6 @@ RULES: dict[str, Callable[[Options], Options]] = {
     "run-real": _run_real,
     "survey": _survey,
     "train": _train,
+    "tune": _tune,
     "view": _view,
 }

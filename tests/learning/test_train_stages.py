@@ -8,16 +8,18 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from helpers.tiny_training import tiny, weights
 from safetensors import safe_open
 
 from pipenav.cli import main
+from pipenav.errors import PipenavError
 from pipenav.learning import train as module
 from pipenav.learning.checkpoint import NO_CHECK
-from pipenav.learning.config import TrainConfig
+from pipenav.learning.config import TrainConfig, load_config, validate_config
 from pipenav.learning.progress import TrainingProgress
-from pipenav.learning.stages import with_steps
+from pipenav.learning.stages import require_one_interface, with_steps
 from pipenav.learning.train import TrainingSummary, train
 from pipenav.learning.training_folder import TrainingFolder
 from pipenav.policies.policy import load_policy
@@ -202,3 +204,36 @@ def test_the_command_trains_all_stages(tmp_path: Path, capsys: pytest.CaptureFix
     said = capsys.readouterr()
     assert "512 steps in 2 stages (first, second)" in " ".join((said.out + said.err).split())
     assert load_policy(tmp_path / "run" / "best.zip").header.train_pipes == ("d=100,angle=90",)
+
+
+LEVEL = {"name": "level", "steps": 128, "options": {"timestep": 0.005, "contact_time_constant": 0.01}}
+INCLINED = {"name": "inclined", "steps": 128, "task": {"inclination_deg": [0.0, 360.0]}}
+
+
+def test_a_stage_that_observes_more_begins_with_the_policy_as_it_was(tmp_path: Path) -> None:
+    """The policy learns where down is when gravity comes after a level plane; until then it does not heed it."""
+    small = {"network.policy": [8], "network.value": [8], "task.max_steps": 12, "pipes": ["d=90,angle=90"]}
+    learner = {"learner.robots": 4, "learner.rollout_steps": 16, "learner.batch_size": 64, "check.episodes": 1}
+    config = load_config("pirate", options={**small, **learner, "stages": [LEVEL, INCLINED]})
+    narrow, _ = trained(tmp_path / "narrow", with_stages(config, LEVEL))
+    both, config_of_both = tmp_path / "both", with_stages(config, LEVEL, INCLINED)
+    shutil.copytree(narrow.path, both)
+    folder, _ = TrainingFolder.open(both)
+    train(config_of_both, folder, resumed=True, should_stop=lambda: True)
+    before, after = weights(narrow.last), weights(folder.last)
+    size = len(before["observation_scale"])
+    assert len(after["observation_scale"]) == size + 2
+    first, wider = (np.reshape(w["layer0.weight"], (8, -1)) for w in (before, after))
+    np.testing.assert_array_equal(wider[:, :size], first)
+    assert not wider[:, size:].any()
+    opened, _ = TrainingFolder.open(both)
+    train(config_of_both, opened, resumed=True)
+    assert np.reshape(weights(opened.last)["layer0.weight"], (8, -1))[:, size:].any()
+    require_one_interface(config)
+    with pytest.raises(PipenavError, match=r"stage level \(2 of 2\) has another task, observation or control"):
+        require_one_interface(with_stages(config, INCLINED, LEVEL))
+
+
+def with_stages(config: TrainConfig, *stages: dict[str, Any]) -> TrainConfig:
+    table = config.model_dump() | {"stages": list(stages), "steps": sum(stage["steps"] for stage in stages)}
+    return validate_config(table, "here")

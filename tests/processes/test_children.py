@@ -29,7 +29,7 @@ LONG = {
     "view": ("view", "--policy", "arm", "--out", "film.mp4"),
 }
 CHILD = {
-    "experiment": "pipenav.experiments.worker",
+    "experiment": "pipenav.jobs.worker",
     "eval": "pipenav_pybullet.worker",
     "run-real": "supervisor.py",
     "view": "ffmpeg",

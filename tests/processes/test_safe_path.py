@@ -32,6 +32,7 @@ RUNS: dict[str, tuple[str, ...]] = {
     "eval on pybullet": ("eval", "--policy", "arm", *CORNER, "--episodes", "1", "--backend", "pybullet", "--out", "e2"),
     "view": ("view", "--policy", "arm", *CORNER, "--out", "film.mp4", "--out", "front.csv"),
     "locate-target": ("locate-target", "--d", "100", "--angle", "90", "--out", "located"),
+    "certify": ("certify", "--robot", "basic", *CORNER, "--out", "certified"),
     "mirror-rear": ("mirror-rear", "--help"),
     "experiment": ("experiment", "f", "--seeds", "1", "--steps", "512", "--episodes", "1", "--out", "tried"),
     "run-real": ("run-real", "--emulate", "--allow-slow-bus", "--patience", "8", "--ticks", "5", "--out", "real"),

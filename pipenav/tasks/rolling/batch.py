@@ -138,7 +138,7 @@ class RollingBatch(TrainingBatch):
         pilot.sense(reading)
         self._action = observation.mirror_action(self.robot, self._action, pilot.turn_sign * turn_sign)
         self._tracker.reset_patience(pilot.busy)
-        places = Whereabouts(self._distances(truth), self._branches.contain(truth.points))
+        places = Whereabouts(self._distances(truth), self._branches.contain(truth.points, self._lines))
         facts, outcome = self._tracker.step(self.steps, self._limit, places, self._end, reading.body, truth)
         gained, min_range = reward(self.config.reward, facts), reading.body.ranges.min(axis=1)
         cut_off = (outcome != Outcome.RUNNING) & ~facts.passed & ~facts.failed

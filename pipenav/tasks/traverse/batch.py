@@ -124,7 +124,7 @@ class TraverseBatch(TrainingBatch):
         self._q, self._ranges = self._configuration(reading, truth), reading.ranges.copy()
         points, every, last = self.points, np.arange(self.n), self._lines.corners - 1
         limit, end = self.config.max_steps * (last + 1), self._lines.end[every, last]
-        places = Whereabouts(self._lines.distance(points), self._branches.contain(points))
+        places = Whereabouts(self._lines.distance(points), self._branches.contain(points, self._lines))
         facts, outcome = self._tracker.step(self.steps, limit, places, end, reading, truth)
         self._enter_corners(places.distances.mean(axis=1))
         self._observation = self._observe(reading, every)

@@ -10,8 +10,13 @@ import numpy as np
 
 from pipenav.arrays import Flags, Floats, Ints
 from pipenav.pipes.branch_pipes import reaches_of
+from pipenav.pipes.centre_lines import CentreLines
 from pipenav.pipes.pipe import Pipe
 from pipenav.pipes.route import as_route
+
+FALLEN_OUT = 0.5
+"""Distance from the route's centre line, straight from corner to corner, past the widest bend: a robot that far away
+has fallen out of an open end [m]."""
 
 
 class Branches(NamedTuple):
@@ -21,12 +26,14 @@ class Branches(NamedTuple):
         start: crossings of the axes, (n, b, 3) [m].
         direction: unit vectors along the branches, (n, b, 3).
         mouth: distance along each branch from which it lies outside the pipes of the route, (n, b) [m].
+        length: distance along each branch at which it ends, (n, b) [m].
         radius: radii of the bores, negative in a row that is left over, (n, b) [m].
     """
 
     start: Floats
     direction: Floats
     mouth: Floats
+    length: Floats
     radius: Floats
 
     @classmethod
@@ -49,14 +56,16 @@ class Branches(NamedTuple):
         if not more:
             return self
         start, direction = (np.pad(field, [(0, 0), (0, more), (0, 0)]) for field in self[:2])
-        mouth = np.pad(self.mouth, [(0, 0), (0, more)])
-        return Branches(start, direction, mouth, np.pad(self.radius, [(0, 0), (0, more)], constant_values=-1.0))
+        mouth, length = (np.pad(field, [(0, 0), (0, more)]) for field in self[2:4])
+        radius = np.pad(self.radius, [(0, 0), (0, more)], constant_values=-1.0)
+        return Branches(start, direction, mouth, length, radius)
 
-    def contain(self, points: Floats) -> Flags:
-        """Flags of points that lie in a branch of their pipe, beyond its mouth, also past an open end: (n, m).
+    def contain(self, points: Floats, lines: CentreLines) -> Flags:
+        """Flags of points in a branch of their pipe, beyond its mouth, or fallen out of its end: (n, m).
 
         Args:
             points: m points in the frame of each pipe, (n, m, 2) in the plane or (n, m, 3) [m].
+            lines: centre lines of the pipes, in as many dimensions.
         """
         if not self.radius.shape[1]:
             return np.zeros(points.shape[:2], bool)
@@ -64,10 +73,17 @@ class Branches(NamedTuple):
         away = points[:, :, None] - self.start[:, None, :, :dimensions]  # (n, m, b, dimensions)
         along = (away * self.direction[:, None, :, :dimensions]).sum(axis=-1)
         off = np.sqrt(np.maximum((away**2).sum(axis=-1) - along**2, 0.0))
-        return np.asarray(((along >= self.mouth[:, None]) & (off <= self.radius[:, None])).any(axis=-1))
+        in_line = (along >= self.mouth[:, None]) & (off <= self.radius[:, None])
+        within = in_line & (along <= self.length[:, None])
+        found = np.asarray(within.any(axis=-1))
+        if (in_line & ~within).any():  # another leg of the route may lie there
+            located = lines.locate(points)
+            from_axis = np.sqrt((located.local[..., 1:] ** 2).sum(axis=-1))
+            found |= in_line.any(axis=-1) & (np.hypot(from_axis, located.beyond) > FALLEN_OUT)
+        return found
 
 
-_NONE = Branches(np.zeros((1, 0, 3)), np.zeros((1, 0, 3)), np.zeros((1, 0)), np.zeros((1, 0)))
+_NONE = Branches(*np.zeros((2, 1, 0, 3)), *np.zeros((3, 1, 0)))
 
 
 @lru_cache(maxsize=4096)
@@ -84,4 +100,5 @@ def _branches(pipe: Pipe) -> Branches:
         for i, corner in enumerate(route.corners)
         if corner.branches
     ]
-    return Branches(found.start[None], found.axes[None, :, :, 0], np.concatenate(mouths)[None], found.radius[None])
+    mouth = np.concatenate(mouths)
+    return Branches(found.start[None], found.axes[None, :, :, 0], mouth[None], found.length[None], found.radius[None])

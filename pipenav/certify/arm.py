@@ -1,0 +1,231 @@
+"""Arms on a slide: which headings and slides are free in a corner, for the search through cells."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from pipenav.arrays import Flags, Floats, Ints
+from pipenav.certify.cells import ROUNDING, Span
+from pipenav.certify.model import Model
+from pipenav.certify.slide_interval import Interval, slide_interval
+from pipenav.robots.robot import RobotSpec
+from pipenav.tasks.reach.config import ReachConfig
+
+WITHIN = 0.7
+"""Share of the tolerance of a target: the square of half this width lies in the circle of the tolerance."""
+
+LIMIT_SPARE = 0.01
+"""Share of a joint's travel by which motions stay off its limits: twice what ends an episode of the task."""
+
+
+class Ends(NamedTuple):
+    """Starts and targets: those that a proof must exclude, and the one that a motion must join.
+
+    Lengths in the pipe's canonical frame [m]; targets lie along the second leg and to the left of it.
+
+    Attributes:
+        slide: smallest and largest slide, x of the first link's rear end, of any episode.
+        start_slide: smallest and largest slide at the start of any episode.
+        start_headings: largest size of each heading at the start of any episode, (hinges,) [rad].
+        along: smallest and largest distance of targets along the second leg.
+        left: smallest and largest distance of targets to its left.
+        tolerance: distance of tip and target that counts as reached.
+        base: x of the robot's frame in the episode that a motion is for, which has any of the targets.
+        start: headings of the links with hinges at its start, (hinges,) [rad].
+    """
+
+    slide: tuple[float, float]
+    start_slide: tuple[float, float]
+    start_headings: Floats
+    along: tuple[float, float]
+    left: tuple[float, float]
+    tolerance: float
+    base: float
+    start: Floats
+
+    @classmethod
+    def of_task(cls, model: Model, config: ReachConfig) -> Self:
+        """All episodes that the task draws in a pipe; a motion is for the one in their middle."""
+        robot, inner = model.robot, model.pipe.inner_edge
+        near, far = (-inner - gap - robot.length for gap in config.start_gap)
+        lower, upper = model.limits
+        half = config.target_lateral * model.pipe.diameter
+        depth = (inner + config.target_depth[0], inner + config.target_depth[1])
+        hinges = len(robot.joints) - 1
+        return cls(
+            (far + float(lower[0]), near + float(upper[0])),
+            (far, near),
+            np.asarray(config.start_bend * np.arange(1, hinges + 1), float),
+            depth,
+            (-half, half),
+            config.reach_tolerance,
+            (near + far) / 2,
+            np.zeros(hinges),
+        )
+
+    @classmethod
+    def of_episode(cls, model: Model, config: ReachConfig, q: Floats, base: float, target: Floats) -> Self:
+        """A single episode.
+
+        Args:
+            model: what the certificate is about.
+            config: the task.
+            q: start in the robot's own frame, (joints,).
+            base: x of the robot's frame in the pipe's frame [m].
+            target: target in the robot's canonical frame, (2,) [m].
+        """
+        lower, upper = model.limits
+        headings = np.cumsum((q * model.robot.mirror_signs if model.pipe.turn_sign < 0 else q)[1:])
+        axis = np.array([math.cos(model.turn), math.sin(model.turn)])
+        at = target + np.array([base, 0.0])
+        along, left = float(at @ axis), float(at @ np.array([-axis[1], axis[0]]))
+        return cls(
+            (base + float(lower[0]), base + float(upper[0])),
+            (base + float(q[0]), base + float(q[0])),
+            np.abs(headings),
+            (along, along),
+            (left, left),
+            config.reach_tolerance,
+            base,
+            headings,
+        )
+
+
+def can_be_certified(robot: RobotSpec) -> bool:
+    """Whether a robot is an arm as this module knows them: a slide along the first leg, then hinges."""
+    return not robot.free and not robot.hinges[0] and bool(robot.hinges[1:].all()) and 1 < len(robot.joints) <= 4
+
+
+class ArmSpans:
+    """Free slides of an arm in cells of headings: what `pipenav.certify.cell_search.search` asks.
+
+    Args:
+        model: what the certificate is about.
+        ends: starts and targets.
+        margin: distance to the walls that a motion keeps [m].
+    """
+
+    def __init__(self, model: Model, ends: Ends, margin: float) -> None:
+        self.model, self.ends = model, ends
+        self._proof, self._motion = model.shapes(True), model.shapes(False, margin)
+        self._proof_walls, self._motion_walls = model.walls(self._proof, True), model.walls(self._motion, False)
+        self._lower, self._upper = model.limits
+        self._lengths = np.array(model.robot.lengths)
+
+    @property
+    def axes(self) -> int:
+        """Number of headings."""
+        return len(self._lower) - 1
+
+    def __call__(self, centres: Floats, half: float) -> tuple[Span, Span, Interval]:
+        """Outer and inner spans of cells, and the free slides in their middles.
+
+        Args:
+            centres: headings in the middle of the cells, (n, axes) [rad].
+            half: half width of the cells [rad].
+        """
+        outer, inner = self._empty(len(centres)), self._empty(len(centres))
+        possible = np.flatnonzero(self._within_limits(centres, 2 * half))
+        found = self._outer(centres[possible], half)
+        _put(outer, possible, found)
+        possible = possible[found.free]
+        exact, middle = self.interval(centres[possible]), self._empty(len(centres))
+        exact.high[~self._within_limits(centres[possible], -TURNED)] = -np.inf
+        middle.low[possible], middle.high[possible] = exact
+        certain = exact.low <= exact.high
+        certain &= self._within_limits(centres[possible], -2 * half)
+        rows = possible[certain]
+        _put(inner, rows, self._inner(centres[rows], half, Interval(exact.low[certain], exact.high[certain])))
+        return outer, inner, Interval(middle.low, middle.high)
+
+    def interval(self, headings: Floats) -> Interval:
+        """Slides at which a motion may be, for exact headings of the hinged links, (n, axes) [rad]."""
+        free = slide_interval(self._motion, self._motion_walls, _with_base(headings))
+        spare = LIMIT_SPARE * (self._upper[0] - self._lower[0])
+        base = self.ends.base
+        return Interval(
+            np.maximum(free.low, base + self._lower[0] + spare), np.minimum(free.high, base + self._upper[0] - spare)
+        )
+
+    def target_slides(self, headings: Floats) -> Interval:
+        """Slides at which the tip is on a target, in a square inside of the tolerance, (n,) each."""
+        return self._tip_slides(headings, WITHIN * self.ends.tolerance)
+
+    def _empty(self, n: int) -> Span:
+        return Span(np.full(n, np.inf), np.full(n, -np.inf), np.zeros(n, bool), np.zeros(n, bool))
+
+    def _within_limits(self, headings: Floats, slack: float) -> Flags:
+        """Whether joints are within their limits and a slack; with a negative one, off them by it and by a spare."""
+        bends = np.concatenate([headings[:, :1], np.diff(headings, axis=1)], axis=1)
+        bends = np.remainder(bends + math.pi, 2 * math.pi) - math.pi
+        lower, upper = self._lower[1:], self._upper[1:]
+        spare = LIMIT_SPARE * (upper - lower) if slack < 0 else 0.0
+        least = np.full(bends.shape[1], slack)
+        least[0] = slack / 2  # the first hinge's angle is one heading, those of the others the difference of two
+        return np.asarray(((bends >= lower + spare - least) & (bends <= upper - spare + least)).all(axis=1))
+
+    def _outer(self, centres: Floats, half: float) -> Span:
+        ends = self.ends
+        free = slide_interval(self._proof, self._proof_walls, _with_base(centres), half)
+        low = np.maximum(free.low, ends.slide[0]) - ROUNDING
+        high = np.minimum(free.high, ends.slide[1]) + ROUNDING
+        near = (np.abs(centres) <= ends.start_headings + half + TURNED).all(axis=1)
+        start = near & (low <= ends.start_slide[1]) & (high >= ends.start_slide[0])
+        reach = ends.tolerance + half * float(self._lengths[1:].sum()) + ROUNDING
+        at = self._tip_slides(centres, reach)
+        return Span(low, high, start & (low <= high), np.maximum(low, at.low) <= np.minimum(high, at.high))
+
+    def _inner(self, centres: Floats, half: float, exact: Interval) -> Span:
+        free = slide_interval(self._motion, self._motion_walls, _with_base(centres), -half)
+        low, high = np.maximum(free.low, exact.low), np.minimum(free.high, exact.high)
+        start_slide = sum(self.ends.start_slide) / 2
+        inside = (np.abs(centres - self.ends.start) <= half + TURNED).all(axis=1)
+        at = self.target_slides(centres)
+        goal = np.maximum(low, at.low) <= np.minimum(high, at.high)
+        return Span(low, high, inside & (low <= start_slide) & (high >= start_slide), goal)
+
+    def _tip_slides(self, headings: Floats, tolerance: float) -> Interval:
+        """Slides at which the tip is in the rectangle of targets, made larger by a tolerance, (n,) each."""
+        turn, (least, most) = self.model.turn, zip(self.ends.along, self.ends.left, strict=True)
+        every = _with_base(headings)
+        x, y = np.cos(every) @ self._lengths, np.sin(every) @ self._lengths
+        low, high = np.full(len(headings), -np.inf), np.full(len(headings), np.inf)
+        for axis, (along_x, along_y) in enumerate(
+            ((math.cos(turn), math.sin(turn)), (-math.sin(turn), math.cos(turn)))
+        ):
+            at = x * along_x + y * along_y
+            if abs(along_x) < SQUARE:
+                outside = (at < least[axis] - tolerance - SQUARE) | (at > most[axis] + tolerance + SQUARE)
+                low[outside] = np.inf
+                continue
+            ends = np.stack([least[axis] - tolerance - at, most[axis] + tolerance - at]) / along_x
+            low, high = np.maximum(low, ends.min(axis=0)), np.minimum(high, ends.max(axis=0))
+        return Interval(low, high)
+
+
+SQUARE = 1e-9
+"""Cosine below which a leg counts as square to the first one, times a metre far below the slack of a proof."""
+
+TURNED = 1e-9
+"""Slack of comparisons of headings [rad]."""
+
+
+def _with_base(headings: Floats) -> Floats:
+    """Headings of all links: the first one keeps to the first leg, (n, links) [rad]."""
+    return np.concatenate([np.zeros((len(headings), 1)), headings], axis=1)
+
+
+def _put(span: Span, rows: Ints, found: Span) -> None:
+    for column, values in zip(span, found, strict=True):
+        column[rows] = values
+
+
+def configuration(model: Model, base: float, slides: Floats, headings: Floats) -> Floats:
+    """Configurations in the robot's own frame, (n, joints), from slides in the pipe's frame and canonical headings."""
+    bends = np.concatenate([headings[:, :1], np.diff(headings, axis=1)], axis=1)
+    bends = np.remainder(bends + math.pi, 2 * math.pi) - math.pi
+    q = np.concatenate([(slides - base)[:, None], bends], axis=1)
+    return np.asarray(q * model.robot.mirror_signs if model.pipe.turn_sign < 0 else q)

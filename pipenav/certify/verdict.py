@@ -1,0 +1,209 @@
+"""Verdicts: passable with a motion, impossible with a proof and a reason, or undecided."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from pipenav.arrays import Floats
+from pipenav.certify.arm import ArmSpans, Ends, can_be_certified
+from pipenav.certify.arm_motion import ArmAttempt
+from pipenav.certify.cell_search import Searched, search
+from pipenav.certify.model import Model
+from pipenav.certify.whole_motion import whole_motion
+from pipenav.certify.whole_proof import LinkProof, prove, prove_by_link
+from pipenav.tasks.reach.config import ReachConfig
+from pipenav.tasks.traverse.config import TraverseConfig
+from pipenav.units import m_to_mm, rad_to_deg
+
+MARGIN = 1.5e-4
+"""Distance that motions keep to the walls [m]: what the coarser of the two tests needs, and half of it again."""
+
+STRAIGHT = math.radians(0.5)
+"""Change of heading below which a pipe counts as straight [rad]."""
+
+Kind = Literal["passable", "impossible", "undecided"]
+
+
+class Proof(NamedTuple):
+    """Proof that a pipe is impossible.
+
+    Attributes:
+        links: names of the links that cannot pass; all of an arm's.
+        headings: headings of a single link at which the pipe has no room, one for each way round [rad].
+        finest: width of the smallest cells, where cells were searched; 0 where none were [rad].
+    """
+
+    links: tuple[str, ...]
+    headings: tuple[float, ...]
+    finest: float
+
+
+class Verdict(NamedTuple):
+    """Verdict on one pipe or episode.
+
+    Attributes:
+        kind: passable, impossible or undecided.
+        reason: why, in words.
+        proof: proof, where it is impossible.
+        motion: configurations of a motion in the robot's own frame, (rows, coordinates), where it is passable.
+        base: x of the robot's frame in the pipe's frame, for the motion [m].
+        finest: width of the smallest cells that were looked at, 0 where none were [rad].
+    """
+
+    kind: Kind
+    reason: str
+    proof: Proof | None = None
+    motion: Floats | None = None
+    base: float = 0.0
+    finest: float = 0.0
+
+
+def certify(model: Model, ends: Ends | None, resolution: float) -> Verdict:
+    """The verdict on a corner.
+
+    Args:
+        model: robot, pipe, kind of bore and allowed overlap.
+        ends: starts and targets of an arm; by default all that the task draws. A whole robot has none.
+        resolution: width of the smallest cells [rad].
+    """
+    if why := not_covered(model):
+        return Verdict("undecided", why)
+    if model.robot.free:
+        return _whole(model, resolution)
+    return _arm(model, ends or Ends.of_task(model, ReachConfig()), resolution)
+
+
+def not_covered(model: Model) -> str:
+    """Reason why the method says nothing about a pipe or a robot; empty where it does."""
+    if model.pipe.branches:
+        return "a tee has branches that open the walls: the method knows corners without branches"
+    if model.turn < STRAIGHT:
+        return "the pipe is straight: there is no corner to pass"
+    if not model.robot.free and not can_be_certified(model.robot):
+        return "the arm is not a slide followed by up to three hinges: the method knows no others"
+    return ""
+
+
+def _whole(model: Model, resolution: float) -> Verdict:
+    proof = prove_by_link(model)
+    if proof is None:
+        motion = whole_motion(model, MARGIN, TraverseConfig(kind="traverse"))
+        if motion is not None:
+            return Verdict("passable", "a motion of the whole robot is free", motion=motion)
+        proof = prove(model, resolution)
+    if proof is None:
+        why = "no motion was found among those tried, and no proof that one or two links cannot pass"
+        return Verdict("undecided", why, finest=resolution)
+    return Verdict("impossible", _why_not(model, proof), _named(model, proof), finest=proof.finest)
+
+
+def _why_not(model: Model, proof: LinkProof) -> str:
+    names = _named(model, proof).links
+    if len(names) == 1:
+        angles = " and ".join(f"{rad_to_deg(heading):.0f}" for heading in proof.headings)
+        return f"width: {names[0]} alone does not fit at headings of {angles} deg, and has no way around both"
+    return f"joint limit: {' and '.join(names)} cannot turn together with the joint between them"
+
+
+def _named(model: Model, proof: LinkProof) -> Proof:
+    links = model.robot.links[proof.first : proof.last + 1]
+    return Proof(tuple(link.name for link in links), proof.headings, proof.finest)
+
+
+def _arm(model: Model, ends: Ends, resolution: float) -> Verdict:
+    found = _searched(model, ends, resolution)
+    if found.verdict == "path":
+        return Verdict("passable", "a motion brings the tip to a target", None, found.motion, ends.base, found.finest)
+    if found.verdict == "undecided":
+        width = rad_to_deg(found.finest)
+        return Verdict("undecided", f"neither a motion nor a proof with cells of {width:.2g} deg", finest=found.finest)
+    proof = Proof(tuple(link.name for link in model.robot.links), (), found.finest)
+    return Verdict("impossible", _arm_reason(model, ends, resolution), proof, finest=found.finest)
+
+
+def _searched(model: Model, ends: Ends, resolution: float) -> Searched:
+    spans = ArmSpans(model, ends, MARGIN)
+    return search(spans, spans.axes, resolution, ArmAttempt(spans))
+
+
+def _arm_reason(model: Model, ends: Ends, resolution: float) -> str:
+    """Limit without which there would be no proof: the slide's, a hinge's, or none, so that the pipe is too narrow."""
+    robot = model.robot
+    far = (-robot.length - ends.slide[1] + 2 * ends.slide[0], robot.length + 2 * ends.slide[1] - ends.slide[0])
+    if _searched(model, ends._replace(slide=(min(far), max(far))), resolution).verdict != "none":
+        return f"reach: the slide {robot.joints[0].name} is too short, with more travel there is no proof"
+    for number, joint in enumerate(robot.joints[1:], 1):
+        if _searched(model._replace(freed=number), ends, resolution).verdict != "none":
+            return f"joint limit: {joint.name} does not turn far enough, without its limits there is no proof"
+    return f"width: the links of {robot.name} have no room to turn, whatever the joints' limits"
+
+
+def tightest(model: Model, motion: Floats, base: float) -> int:
+    """Row of a motion at which the robot is nearest to a wall."""
+    from pipenav.certify.motion_check import clearances
+
+    return int(clearances(model, motion, base).argmin())
+
+
+def timed(model: Model, motion: Floats) -> Floats:
+    """Rows of a motion, one for each control period, with no joint faster than its motor, (rows, coordinates)."""
+    from pipenav.backends.backend import CONTROL_PERIOD
+
+    robot, change = model.robot, np.abs(np.diff(motion, axis=0))
+    joints = change[:, -len(robot.joints) :] / (SLOWER * robot.speed_limits * CONTROL_PERIOD)
+    ticks = joints.max(axis=1)
+    if robot.free:
+        ticks = np.maximum(ticks, np.hypot(change[:, 0], change[:, 1]) / (FREE_SPEED * CONTROL_PERIOD))
+    at = np.concatenate([[0.0], np.cumsum(ticks)])
+    when = np.unique(np.concatenate([at, np.linspace(0.0, at[-1], math.ceil(at[-1]) + 1)]))
+    return np.stack([np.interp(when, at, column) for column in motion.T], axis=1)
+
+
+SLOWER = 0.5
+"""Share of the motors' speed at which motions are written down."""
+
+FREE_SPEED = 0.05
+"""Speed of a free robot's first link in motions that are written down [m/s]."""
+
+
+def needed_bore(model: Model, resolution: float, bounds: Sequence[float]) -> tuple[float, float]:
+    """Largest bore known to be impossible and smallest known to be passable, of pipes like the given one [m].
+
+    Args:
+        model: what is certified; the bend keeps its radius in bores.
+        resolution: width of the smallest cells [rad].
+        bounds: smallest and largest bore to look at [m].
+    """
+    times = model.pipe.bend_radius / model.pipe.diameter
+    low, high = impossible, passable = bounds[0], bounds[1]
+    while high - low > BORE_STEP:
+        middle = (low + high) / 2
+        kind = certify(_with_bore(model, middle, times), None, resolution).kind
+        if kind == "impossible":
+            low = impossible = middle
+        else:
+            high = middle
+            passable = middle if kind == "passable" else passable
+    low, top = impossible, passable
+    while top - low > BORE_STEP:  # between proof and motion some may be undecided
+        middle = (low + top) / 2
+        if certify(_with_bore(model, middle, times), None, resolution).kind == "passable":
+            top = middle
+        else:
+            low = middle
+    return impossible, top
+
+
+BORE_STEP = 2.5e-4
+"""Accuracy of a bore that would be needed [m]: a quarter of a millimetre."""
+
+
+def _with_bore(model: Model, diameter: float, times: float) -> Model:
+    pipe = type(model.pipe).of(
+        m_to_mm(diameter), rad_to_deg(model.pipe.angle), model.pipe.turn, m_to_mm(times * diameter)
+    )
+    return model._replace(pipe=pipe)

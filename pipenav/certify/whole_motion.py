@@ -1,0 +1,138 @@
+"""Motions of a whole robot around a corner: its links turn one after another, pushed into the outer corner, or in a
+bend all its joints follow one line."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from pipenav.arrays import Floats
+from pipenav.certify.model import Model
+from pipenav.certify.motion_check import check_by_distance, check_by_shapely
+from pipenav.certify.push import pushed
+from pipenav.robots import kinematics
+from pipenav.tasks.traverse.config import TraverseConfig
+
+STEP = math.radians(0.5)
+"""Largest change of a heading between two waypoints [rad]."""
+
+OVERLAPS = (1.0, 0.95, 0.89, 0.88, 0.86, 0.84, 0.8, 0.75, 0.7, 0.6, 0.5)
+"""Headings at which a link is when the next one begins to turn, as shares of the turn; 1: one after the other."""
+
+LINES = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.97)
+"""Lines that joints follow in a bend: distance from the axis to the outside, as a share of the wheels' room."""
+
+ALONG = 0.002
+"""Step along the line between two waypoints [m]."""
+
+PAST = 0.005
+"""Distance by which the tail goes on after it counts as through [m]."""
+
+SPARE = math.radians(0.5)
+"""Angle by which motions stay off the joints' limits [rad]."""
+
+
+def whole_motion(model: Model, margin: float, config: TraverseConfig) -> Floats | None:
+    """A motion that takes the whole robot around the corner; None where none of those tried is free.
+
+    Args:
+        model: what is certified; its robot stands free.
+        margin: distance to the walls that is kept [m].
+        config: the task, which says where it starts and when the tail is through.
+
+    Returns:
+        Configurations in the pipe's frame: base x of the robot's frame is 0, (rows, coordinates).
+    """
+    makes = _followed if model.pipe.bend_radius else _waves
+    for headings, origin in makes(model, margin):
+        q = _with_ends(model, headings, origin, config)
+        bends = q[:, 3:]
+        if (bends < model.robot.lower + SPARE).any() or (bends > model.robot.upper - SPARE).any():
+            continue
+        if check_by_distance(model, q, 0.0).free and check_by_shapely(model, q, 0.0).free:
+            return q
+    return None
+
+
+def _waves(model: Model, margin: float) -> Iterator[tuple[Floats, Floats]]:
+    """Headings, (rows, links), and places of the rear end, (rows, 2), of links that turn one after another.
+
+    Those that keep the margin, the one with most room first.
+    """
+    shapes = model.shapes(proof=False, margin=margin)
+    links, found = len(shapes.lengths), []
+    for middle in OVERLAPS:
+        for knots in {(0.0, middle, 1.0), (0.0, 1.0 - middle, 1.0)}:
+            rows = math.ceil((links + 1) * model.turn / STEP)
+            phase = np.linspace(0.0, links + 1.0, rows)[:, None] - np.arange(links)[::-1]
+            headings = model.turn * np.interp(phase, (0.0, 1.0, 2.0), knots)
+            bends = np.diff(headings, axis=1)
+            lower, upper = model.limits
+            if (bends < lower + SPARE).any() or (bends > upper - SPARE).any():
+                continue
+            at = pushed(model, shapes, headings)
+            if (least := float(at.gap.min())) >= 0:
+                found.append((least, headings, at.origin))
+    for _, headings, origin in sorted(found, key=lambda wave: -wave[0]):
+        yield headings, origin
+
+
+def _followed(model: Model, _margin: float) -> Iterator[tuple[Floats, Floats]]:
+    """Headings and places of the rear end of a robot whose joints all lie on one line along the bend."""
+    room = model.pipe.radius - model.robot.width / 2
+    for share in LINES:
+        line = _fine(model, -share * room)
+        lengths = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+        rear = np.arange(0.0, lengths[-1] - 1.05 * model.robot.length, ALONG)
+        points = [_on(line, lengths, rear)]
+        at = rear
+        for length in model.robot.lengths.tolist():
+            at = _next(line, lengths, at, length)
+            points.append(_on(line, lengths, at))
+        steps = np.diff(np.array(points), axis=0)  # (links, rows, 2)
+        yield np.arctan2(steps[..., 1], steps[..., 0]).T, points[0]
+
+
+def _fine(model: Model, offset: float) -> Floats:
+    """A line along the corner with a robot's length and a half of straight before and after the bend, (k, 2) [m]."""
+    pipe = model.pipe
+    straight = pipe.tangent_length(offset) + 1.5 * model.robot.length
+    return pipe.model_copy(update={"leg": straight, "turn": "left"}).line(offset, 400)
+
+
+def _on(line: Floats, lengths: Floats, at: Floats) -> Floats:
+    """Points of a line at some lengths along it, (n, 2) [m]."""
+    return np.stack([np.interp(at, lengths, column) for column in line.T], axis=1)
+
+
+def _next(line: Floats, lengths: Floats, at: Floats, distance: float) -> Floats:
+    """Lengths along the line at which its points are a distance ahead of others, (n,) [m]."""
+    here, low, high = _on(line, lengths, at), at + distance * 0.999999, at + 1.6 * distance
+    for _ in range(50):
+        middle = (low + high) / 2
+        near = np.hypot(*(_on(line, lengths, middle) - here).T) < distance
+        low, high = np.where(near, middle, low), np.where(near, high, middle)
+    return np.asarray(high)
+
+
+def _with_ends(model: Model, headings: Floats, origin: Floats, config: TraverseConfig) -> Floats:
+    """Configurations from the straight start on the first leg's axis until the tail is through, (rows, coordinates)."""
+    robot, turn = model.robot, model.turn
+    inner = model.pipe.inner_edge
+    gap = sum(config.start_gap) / 2
+    axis = np.array([math.cos(turn), math.sin(turn)])
+    start = np.array([min(-inner - gap - robot.length, float(origin[0, 0])), 0.0])
+    through = inner + config.through + PAST
+    further = max(0.0, through - float(origin[-1] @ axis))
+    places = np.concatenate([start[None], origin, (origin[-1] + further * axis)[None]])
+    every = np.concatenate([headings[:1], headings, headings[-1:]])
+    q = np.concatenate([places, every[:, :1], np.diff(every, axis=1)], axis=1)
+    return np.asarray(q if model.pipe.turn_sign > 0 else q * robot.mirror_coordinates)
+
+
+def tail_is_through(model: Model, q: Floats, config: TraverseConfig) -> bool:
+    """Whether the rear end is past the corner at the end of a motion in the pipe's frame, (rows, coordinates)."""
+    rear = kinematics.waypoints(model.robot, q[-1:])[0, 0]
+    return bool(model.pipe.distance_along(rear) >= model.pipe.inner_edge + config.through)

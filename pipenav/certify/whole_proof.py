@@ -1,0 +1,192 @@
+"""Proofs that a whole robot cannot pass: one of its links, or two neighbours, cannot even do it alone.
+
+A link's heading goes from 0 to the second leg's direction, or the other way round to its opposite, tail first. Where
+it is at a heading for which the corner has no room on either way, it cannot pass. In sharp corners a single link can
+turn round in three points; then two links are asked, with the joint between them.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from pipenav.arrays import Floats
+from pipenav.certify.cell_search import search
+from pipenav.certify.cells import ROUNDING, Span
+from pipenav.certify.model import Model
+from pipenav.certify.push import pushed
+from pipenav.certify.shapes import Shapes
+from pipenav.certify.slide_interval import Height, Interval, slide_interval
+
+HEADINGS = 721
+"""Headings at which a link is tried, over a whole turn: every half degree."""
+
+IN_BENDS = (0.4, 0.45, 0.5, 0.55, 0.6)
+"""Headings at which a link is tried in a bend, as shares of the way: it has least room in the middle."""
+
+PLACES = 0.0005
+"""Distance of the places at which a link is tried along a bend [m]."""
+
+
+class LinkProof(NamedTuple):
+    """A stretch of links that cannot pass.
+
+    Attributes:
+        first: index of its first link.
+        last: index of its last link.
+        headings: headings that have no room, one on each way round [rad]; empty where cells were searched.
+        finest: width of the smallest cells that were searched, 0 where none were [rad].
+        lacking: bore that is missing at least, as far as it is known [m].
+    """
+
+    first: int
+    last: int
+    headings: tuple[float, ...]
+    finest: float
+    lacking: float
+
+
+def prove_by_link(model: Model) -> LinkProof | None:
+    """A proof that a single link cannot pass; None where none was found.
+
+    Args:
+        model: what is certified; its robot stands free.
+    """
+    shapes = model.shapes(proof=True)
+    found = [_link_proof(model, shapes, link) for link in range(len(shapes.lengths))]
+    return max((proof for proof in found if proof is not None), key=lambda proof: proof.lacking, default=None)
+
+
+def prove(model: Model, resolution: float) -> LinkProof | None:
+    """A proof that two neighbouring links cannot pass a mitre; None where none was found.
+
+    Args:
+        model: what is certified; its robot stands free.
+        resolution: width of the smallest cells [rad].
+    """
+    if model.pipe.bend_radius:
+        return None
+    shapes = model.shapes(proof=True)
+    links = len(shapes.lengths)
+    # Only links that cannot turn directly are worth a search; it costs a second.
+    tight = [link for link in range(links - 1) if _blocked(model, shapes.stretch(link, link), direct=True) is not None]
+    seen: set[bytes] = set()
+    for first in tight:
+        pair = shapes.stretch(first, first + 1)
+        key = b"".join(np.round(part, 9).tobytes() for part in (*pair.boxes[1:], *pair.discs[1:], pair.lengths))
+        if key in seen:
+            continue
+        seen.add(key)
+        spans = PairSpans(model, pair, first)
+        result = search(spans, 2, resolution, lambda _cells, _path: None)
+        if result.verdict == "none":
+            return LinkProof(first, first + 1, (), result.finest, 0.0)
+    return None
+
+
+def _link_proof(model: Model, shapes: Shapes, link: int) -> LinkProof | None:
+    alone = shapes.stretch(link, link)
+    ways = [way for direct in (True, False) if (way := _blocked(model, alone, direct)) is not None]
+    if len(ways) < 2:
+        return None
+    return LinkProof(link, link, tuple(way.heading for way in ways), 0.0, min(-way.room for way in ways))
+
+
+class _Blocked(NamedTuple):
+    """Heading at which a link has least room on its way [rad], and that room, which is negative [m]."""
+
+    heading: float
+    room: float
+
+
+def _blocked(model: Model, shapes: Shapes, direct: bool) -> _Blocked | None:
+    """Heading at which a link has no room on its way; None if it has room everywhere.
+
+    Args:
+        model: what is certified.
+        shapes: parts of the link.
+        direct: whether it turns to the second leg's direction, or the other way round to the opposite one.
+    """
+    end = model.turn if direct else model.turn - math.pi
+    headings = end * (np.linspace(0.0, 1.0, HEADINGS)[1:-1] if not model.pipe.bend_radius else np.array(IN_BENDS))
+    room = room_at(model, shapes, headings)
+    least = int(room.argmin())
+    if room[least] >= -ROUNDING:
+        return None
+    # The link must still be on its way there: at no heading up to that one does it fit into the second leg.
+    before = np.linspace(0.0, headings[least], HEADINGS)
+    step = abs(before[1]) * (float(shapes.lengths[0]) + model.robot.width)
+    away = (_leg_room(model, shapes, before) < -step).all()
+    return _Blocked(float(headings[least]), float(room[least])) if away else None
+
+
+def _leg_room(model: Model, shapes: Shapes, headings: Floats) -> Floats:
+    """Room of a link across the second leg, (n,) [m]."""
+    return pushed(model, shapes, headings[:, None]).leg_gap
+
+
+def room_at(model: Model, shapes: Shapes, headings: Floats) -> Floats:
+    """Bore that a link has to spare at some headings, wherever it is in the corner, (n,) [m]; at most 0 counts.
+
+    A value below zero is a proof that the link fits nowhere in the pipe at that heading.
+    """
+    if model.pipe.bend_radius:
+        return np.array([_room_in_bend(model, shapes, float(heading)) for heading in headings])
+    return pushed(model, shapes, headings[:, None]).gap
+
+
+def _room_in_bend(model: Model, shapes: Shapes, heading: float) -> float:
+    """Length of the free slides of a link in a bend, the largest of all heights of its rear end [m].
+
+    Heights are tried so near to each other that a link at any other height is free only where one of these is.
+    """
+    pipe, reach = model.pipe, float(shapes.lengths.sum()) + model.robot.width
+    top = pipe.tangent_length(-pipe.radius) * math.sin(model.turn) + 2 * reach + pipe.diameter
+    y = np.arange(-pipe.radius - reach, top, PLACES)
+    at = np.full((len(y), 1), heading)
+    free = slide_interval(shapes, model.walls(shapes, True), at, 0.0, Height(y, PLACES / 2))
+    possible = free.high > -np.inf
+    return float((free.high[possible] - free.low[possible]).max(initial=-np.inf))
+
+
+class PairSpans:
+    """Free headings of two neighbouring links in a mitre, for `search`; the further coordinate is not needed.
+
+    Args:
+        model: what is certified.
+        shapes: parts of the two links.
+        first: index of the first one.
+    """
+
+    def __init__(self, model: Model, shapes: Shapes, first: int) -> None:
+        self._model, self._shapes = model, shapes
+        lower, upper = model.limits
+        joint = first  # a free robot's first link has no joint, so that joint i is the one after link i
+        self._lower, self._upper = float(lower[joint]), float(upper[joint])
+        boxes, discs, rear = shapes.boxes, shapes.discs, float(shapes.lengths[0])
+        # The joint between the two stands still: parts of the first link are as far from it as from its front end.
+        joint_at = np.array([[rear, 0.0], [0.0, 0.0]])
+        corner = np.hypot(*(np.abs(boxes.centre - joint_at[boxes.link]) + boxes.half).T)
+        middle = np.hypot(*(discs.centre - joint_at[discs.link]).T)
+        self._furthest = float(max(corner.max(initial=0.0), middle.max(initial=0.0)))
+
+    def __call__(self, centres: Floats, half: float) -> tuple[Span, Span, Interval]:
+        """Spans of cells, see `pipenav.certify.cells.Evaluate`."""
+        at = pushed(self._model, self._shapes, centres)
+        bends = np.remainder(centres[:, 1] - centres[:, 0] + math.pi, 2 * math.pi) - math.pi
+        within = (bends >= self._lower - 2 * half) & (bends <= self._upper + 2 * half)
+        # A point moves by at most this; the push changes by as much again.
+        moved = 2 * self._furthest * half + ROUNDING
+        free = within & (at.gap >= -moved)
+        start = free & (np.abs(centres) <= half + 1e-9).all(axis=1)
+        goal = free & (at.leg_gap >= -moved)
+        low, high = np.where(free, 0.0, np.inf), np.where(free, 0.0, -np.inf)
+        nowhere = np.zeros(len(centres), bool)
+        empty = Span(np.full(len(centres), np.inf), np.full(len(centres), -np.inf), nowhere, nowhere)
+        sure = within & (at.gap >= moved)
+        inner = Span(
+            np.where(sure, 0.0, np.inf), np.where(sure, 0.0, -np.inf), start & sure, sure & (at.leg_gap >= moved)
+        )
+        return Span(low, high, start, goal), inner, Interval(empty.low, empty.high)
