@@ -1,6 +1,6 @@
 """Draw docs/guides/push-lemma.png: python docs/draw_push_lemma.py
 
-The picture of docs/guides/certify.md: three links of the whole robot in a mitre, free, and pushed into the outer corner.
+The picture of docs/guides/certify.md: three links of the whole robot in a mitre, free and pushed into the corner.
 """
 
 from __future__ import annotations
@@ -43,8 +43,10 @@ def draw() -> Figure:
     middle = 1e3 * (place + away) + [90, 45]
     axes.annotate("", 1e3 * place + [90, 45], middle, arrowprops={"arrowstyle": "->", "color": SECOND, "linewidth": 2})
     edge, apex = walls[2][1], walls[0][1]
-    axes.annotate("inner edge: s = t = r", edge, edge + [-150, 30], color=INK, arrowprops={"arrowstyle": "-"})
-    axes.annotate("outer corner: s = t = -r", apex, apex + [-140, -22], color=INK, arrowprops={"arrowstyle": "-"})
+    axes.annotate("inner edge: s = t = r", edge, edge + np.array([-150, 30]), color=INK, arrowprops={"arrowstyle": "-"})
+    axes.annotate(
+        "outer corner: s = t = -r", apex, apex + np.array([-140, -22]), color=INK, arrowprops={"arrowstyle": "-"}
+    )
     axes.annotate("s: height over this wall", (-270, walls[0][0][1] + 6), color=INK)
     axes.set(aspect="equal", xlim=(-290, 110), ylim=(-75, 190))
     axes.axis("off")

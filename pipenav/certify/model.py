@@ -1,4 +1,4 @@
-"""What a certificate is about: a robot, a corner, the kind of bore, and how much overlap is allowed."""
+"""Subject of a certificate: a robot, a corner, the kind of bore, and how much overlap is allowed."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ANY_ANGLE = 10.0
 
 
 class Model(NamedTuple):
-    """What a certificate is about.
+    """Subject of a certificate.
 
     Attributes:
         robot: the robot.

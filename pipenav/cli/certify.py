@@ -77,35 +77,38 @@ def certify(
         return
     if robot is None or not pipes:
         raise PipenavError("a robot and pipes are needed: give --robot and --pipes, or --check FILE.")
+    from pipenav.robots.robot import load_robot
+    from pipenav.units import deg_to_rad, mm_to_m
+
+    wanted = _Wanted(load_robot(robot), bore, mm_to_m(overlap_mm), episodes, seed, deg_to_rad(resolution))
+    _certify(wanted, pipes, needed, out)
+
+
+def _certify(wanted: _Wanted, pipes: list[str], needed: bool, out: Path | None) -> None:
+    """Certify the pipes, write what is wanted of it and print the table."""
     from contextlib import nullcontext
 
     from rich.progress import track
 
     from pipenav.pipes.corner_sets import parse_corners
-    from pipenav.robots.robot import load_robot
     from pipenav.storage.lock import one_writer
-    from pipenav.units import deg_to_rad, mm_to_m
 
-    spec, corners = load_robot(robot), parse_corners(pipes)
-    wanted = _Wanted(spec, bore, mm_to_m(overlap_mm), episodes, seed, deg_to_rad(resolution))
-    console = progress_console()
-    table = _table(wanted)
-    total = len(corners) * (episodes or 1)
+    corners, console, table = parse_corners(pipes), progress_console(), _table(wanted)
+    total = len(corners) * (wanted.episodes or 1)
     with nullcontext() if out is None else one_writer(out):
         every = track(wanted.certified(corners), "certifying", total, console=console, disable=not console.is_terminal)
         for name, one in every:
             if out is not None:
                 _write(out, name, one)
-            table.add_row(
-                *wanted.cells(one, needed), style={"passable": "green", "impossible": "red"}.get(one.verdict.kind)
-            )
+            style = {"passable": "green", "impossible": "red"}.get(one.verdict.kind)
+            table.add_row(*wanted.cells(one, needed), style=style)
     show(table)
     if out is not None:
         say(f"written: {out}, a certificate of each")
 
 
 class _Wanted:
-    """What is to be certified, and how."""
+    """Robot, bore and episodes that are to be certified."""
 
     def __init__(
         self, robot: RobotSpec, bore: str, overlap: float, episodes: int | None, seed: int, resolution: float

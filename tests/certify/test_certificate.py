@@ -10,14 +10,14 @@ import pytest
 
 from pipenav.certify.model import Model
 from pipenav.certify.motion_check import check_by_distance, check_by_shapely
-from pipenav.cli import main
 from pipenav.motions.mirror import plan_rear
 from pipenav.motions.trajectory_file import read_trajectory
-from pipenav.robots import load_robot
+from pipenav.storage.shipped import robots_dir
+from tests.helpers.command import run
 
 
 def certify(folder: Path, robot: str, pipe: str, *more: str) -> list[Path]:
-    assert main(["certify", "--robot", robot, "--pipes", pipe, "--out", str(folder), *more]) == 0
+    assert run("certify", "--robot", robot, "--pipes", pipe, "--out", str(folder), *more) == 0
     return sorted(folder.glob("*.json"))
 
 
@@ -28,7 +28,7 @@ def certify(folder: Path, robot: str, pipe: str, *more: str) -> list[Path]:
 def test_a_passable_pipe_has_a_motion_that_both_tests_find_free(tmp_path: Path, robot: str, pipe: str) -> None:
     (path,) = certify(tmp_path, robot, pipe)
     assert json.loads(path.read_text())["verdict"] == "passable"
-    assert main(["certify", "--check", str(path)]) == 0
+    assert run("certify", "--check", str(path)) == 0
     motion = read_trajectory(path.with_suffix(".csv"))
     model = Model(motion.robot, motion.header.pipe.require_corner())
     for check in (check_by_distance, check_by_shapely):
@@ -51,17 +51,17 @@ def test_both_tests_refuse_the_motion_in_a_narrower_pipe(tmp_path: Path) -> None
 
 def test_an_edited_certificate_does_not_hold(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     (path,) = certify(tmp_path, "pirate", "d=60,angle=60")
-    assert main(["certify", "--check", str(path)]) == 0
+    assert run("certify", "--check", str(path)) == 0
     path.write_text(path.read_text().replace('"impossible"', '"passable"'))
     capfd.readouterr()
-    assert main(["certify", "--check", str(path)]) == 1
+    assert run("certify", "--check", str(path)) == 1
     assert "was edited" in capfd.readouterr().err
 
 
 def test_a_certificate_of_another_robot_does_not_hold(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     (path,) = certify(tmp_path, "pirate", "d=60,angle=60")
     capfd.readouterr()
-    assert main(["certify", "--check", str(path), "--robot", "basic"]) == 1
+    assert run("certify", "--check", str(path), "--robot", "basic") == 1
     assert "not of this robot 'basic'" in capfd.readouterr().err
 
 
@@ -71,7 +71,7 @@ def test_an_edited_motion_does_not_hold(tmp_path: Path, capfd: pytest.CaptureFix
     lines = motion.read_text().splitlines()
     motion.write_text("\n".join([*lines[:-1], lines[-1].replace("1", "2")]) + "\n")
     capfd.readouterr()
-    assert main(["certify", "--check", str(path)]) == 1
+    assert run("certify", "--check", str(path)) == 1
     assert capfd.readouterr().err.count("\n") == 1
 
 
@@ -96,9 +96,12 @@ def test_a_tee_is_undecided_and_says_why(tmp_path: Path) -> None:
     assert "tee" in json.loads(path.read_text())["reason"]
 
 
-def test_a_robot_that_does_not_fit_at_rest_is_refused(capfd: pytest.CaptureFixture[str]) -> None:
-    assert load_robot("real-setup").width > 0.034
-    assert main(["certify", "--robot", "real-setup", "--pipes", "d=39.5,angle=60"]) == 1
-    assert main(["certify", "--robot", "basic", "--pipes", "d=40,angle=60", "--check", "none.json"]) == 1
-    assert main(["certify"]) == 1
+def test_a_robot_that_does_not_fit_at_rest_is_refused(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    wide = tmp_path / "wide.toml"
+    wide.write_text((robots_dir() / "basic" / "robot.toml").read_text().replace("width = 0.020", "width = 0.050"))
+    assert run("certify", "--robot", str(wide), "--pipes", "d=50,angle=60") == 1
+    assert "needs 54 mm at rest" in capfd.readouterr().err
+    assert run("certify", "--robot", "pirate", "--pipes", "d=40,angle=60,bend_radius=1.5D", "--check", "none.json") == 1
+    assert run("certify", "--robot", "basic", "--pipes", "d=40,angle=60", "--check", "none.json") == 1
+    assert run("certify") == 1
     assert capfd.readouterr().err.count("\n") == 3

@@ -125,7 +125,7 @@ def test_the_closed_form_is_that_of_a_single_link(angle: float, bore: float) -> 
 
 
 def test_the_push_lemma_holds_against_distances() -> None:
-    """Where the pushed chain is free, distances to the walls say so too, and where it is not they are 0 or less."""
+    """Pushed chains are free where distances to the walls say so too, and only there."""
     rng = np.random.default_rng(5)
     for angle in (45, 60, 90, 130):
         model = Model(load_robot("pirate"), PipeCorner.of(75, angle))

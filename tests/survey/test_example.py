@@ -53,7 +53,7 @@ def test_nearly_half_of_straight_nodes_would_look_like_bends(fittings: Fittings)
 
 def test_taps_are_counted(network: NetworkMap) -> None:
     (note,) = [note for note in map_notes(network) if note.kind == "services"]
-    assert note.count == 1506 and note.examples[0].startswith("53 at ")
+    assert note.number == 1506 and note.examples[0].startswith("53 at ")
 
 
 def test_the_licence_is_there() -> None:
