@@ -20,6 +20,10 @@ AXIS_LABELS = {
 }
 
 
+ROOM_FOR_MARKS = 1.12
+"""Height of the picture in that of its curve: marks of trials without a number stand above it."""
+
+
 def history_figure(records: Sequence[TrialRecord], objective: Objective, preset: Outcome | None) -> Figure:
     """The objective of each trial in the order of their beginning, and the best so far."""
     from matplotlib.figure import Figure
@@ -37,7 +41,7 @@ def history_figure(records: Sequence[TrialRecord], objective: Objective, preset:
         axes.plot(numbers, values, "o", color=MAIN, ms=6, label="a trial")
     if preset is not None and objective.reached(preset):
         axes.axhline(_scaled(objective, preset), color=SECOND, lw=1.5, ls="--", label="the preset")
-    axes.set_ylim(bottom=0)
+    axes.set_ylim(0, max(axes.get_ylim()[1], 1e-9) * ROOM_FOR_MARKS)
     _marks(axes, [r.number for r in trials if r.state == "done" and r not in done], "x", SECOND, "never a success")
     _marks(axes, [r.number for r in trials if r.state == "pruned"], "v", MUTED, "ended early: others were better")
     axes.set(xlabel="trial", ylabel=AXIS_LABELS[objective.name])
@@ -45,8 +49,9 @@ def history_figure(records: Sequence[TrialRecord], objective: Objective, preset:
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     plain(axes)
     if axes.get_legend_handles_labels()[0]:
-        axes.legend(loc="upper right", fontsize=9, frameon=True, framealpha=0.9, edgecolor="none", labelcolor=INK)
-    heading(axes, "Search for better settings", f"{objective.title}, {len(trials)} trials")
+        figure.legend(loc="outside lower center", ncols=5, fontsize=9, frameon=False, labelcolor=INK)
+    own = "" if preset is None else f"; the preset: {objective.words(objective.value(preset))}"
+    heading(axes, "Search for better settings", f"{objective.title}, {len(trials)} trials{own}")
     return figure
 
 

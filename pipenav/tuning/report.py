@@ -109,16 +109,12 @@ def verdict(search: Search) -> str:
     if not ours or len(ours) != len(others):
         return f"{found} That is one seed, and the best of many: train both with other seeds before you believe it."
     here, there = ([objective.value(outcome) for outcome in outcomes] for outcomes in (ours, others))
-    mean, preset_mean = sum(here) / len(here), sum(there) / len(there)
-    seeds = ", ".join(map(str, search.other_seeds))
+    seeds, wins = ", ".join(map(str, search.other_seeds)), sum(a < b for a, b in zip(here, there, strict=True))
     compared = (
         f"With other seeds ({seeds}): {_list(objective, here)}; the preset: {_list(objective, there)}. "
-        f"Better in {sum(a < b for a, b in zip(here, there, strict=True))} of {len(here)}."
+        f"Better in {wins} of {len(here)}"
     )
-    end = (
-        "The trial beats the preset in the mean." if mean < preset_mean else "In the mean it does not beat the preset."
-    )
-    return f"{found} {compared} {end}"
+    return f"{found} {compared}: the trial {'beats' if 2 * wins > len(here) else 'does not beat'} the preset."
 
 
 def _list(objective: Objective, values: Sequence[float]) -> str:
