@@ -2,15 +2,27 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
+import importlib
 import os
+import pickle
+import pkgutil
 from pathlib import Path
 from typing import Literal
 
 import pytest
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from pipenav.errors import READ_REMEDIES, WRITE_REMEDIES, ConfigError, FileProblem, OutOfRange, UnknownName
+from pipenav.errors import (
+    READ_REMEDIES,
+    WRITE_REMEDIES,
+    ConfigError,
+    FileProblem,
+    OutOfRange,
+    PipenavError,
+    UnknownName,
+)
 
 
 class _Inner(BaseModel):
@@ -80,3 +92,29 @@ def test_a_name_is_suggested_whatever_its_capitals() -> None:
 def test_a_long_list_of_names_is_not_shown() -> None:
     message = str(UnknownName("key", "colour", [f"key{i}" for i in range(99)]))
     assert "none of the 99 known ones" in message and len(message) < 200
+
+
+def users_errors() -> list[type[PipenavError]]:
+    """All kinds of errors that a user can cause, of the core and of the plugins."""
+    for package in ("pipenav", "pipenav_mujoco", "pipenav_pybullet", "pipenav_hardware"):
+        for module in pkgutil.walk_packages(importlib.import_module(package).__path__, f"{package}."):
+            if not module.name.endswith("__main__"):
+                with contextlib.suppress(ImportError):  # a plugin whose library is not installed here
+                    importlib.import_module(module.name)
+    found, new = [PipenavError], [PipenavError]
+    while new:
+        new = [kind for parent in new for kind in parent.__subclasses__() if kind.__module__.startswith("pipenav")]
+        found += new
+    return found
+
+
+@pytest.mark.slow
+def test_every_error_comes_from_another_process_as_it_was() -> None:
+    kinds = users_errors()
+    assert len(kinds) > 20
+    for kind in kinds:
+        error = kind.__new__(kind, "a sentence.")  # composing it anew needs what each kind alone knows
+        error.args = ("a sentence.",)
+        error.more = ["of", "it"]
+        again = pickle.loads(pickle.dumps(error))
+        assert (type(again), str(again), again.more) == (kind, "a sentence.", error.more), kind

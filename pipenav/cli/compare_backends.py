@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from pipenav.cli.option_groups import takes_option_groups
+from pipenav.cli.place_options import PlaceOptions
 from pipenav.cli.terminal import progress_console, say, show
 
 if TYPE_CHECKING:
@@ -15,7 +17,9 @@ if TYPE_CHECKING:
     from pipenav.comparison.agreement import Check
 
 
+@takes_option_groups
 def compare_backends(
+    where: PlaceOptions,
     reference: Annotated[str, typer.Option(help="Simulator to compare with; see `pipenav backends`.")] = "mujoco",
     other: Annotated[str, typer.Option(help="Simulator to be compared.")] = "pybullet",
     robot: Annotated[str, typer.Option(help="Robot; see `pipenav robots`.")] = "basic",
@@ -44,7 +48,7 @@ def compare_backends(
     spec, names = load_robot(robot), (reference, other)
     folder = out or _default_folder(reference, other, spec.name)
     with one_writer(folder), progress_console().status(f"running {spec.name} in {reference} and in {other}"):
-        agreement = compare(spec, SimulatorSettings(reference), SimulatorSettings(other))
+        agreement = compare(spec, SimulatorSettings(reference), SimulatorSettings(other), where.place())
         figures = {"free-motion": free_motion_figure, "passages": passages_figure, "walls": walls_figure}
         pictures = {folder / f"{name}.png": png(draw(spec, agreement, names)) for name, draw in figures.items()}
         atomic_write_all(pictures)

@@ -101,7 +101,7 @@ def _goal(text: str) -> Goal:
         if 0 < share <= 1:
             return Goal(share=share)
     elif text.isascii() and text.isdigit() and 1 <= int(text[:9]) <= MOST_ENTRIES:
-        return Goal(count=int(text))
+        return Goal(number=int(text))
     raise PipenavError(f"--entries {text} is neither a number up to {MOST_ENTRIES} nor a share: write 12 or 80%.")
 
 
@@ -199,7 +199,7 @@ def _show_notes(network: NetworkMap) -> None:
     )
     table = Table("finding", "kind", "number", "examples")
     for note in notes:
-        table.add_row(note.text, note.severity, str(note.count), ", ".join(note.examples))
+        table.add_row(note.text, note.severity, str(note.number), ", ".join(note.examples))
     show(table)
     kinds: dict[str, int] = {}
     for feature in classified(network, graph, Geometry()).features:

@@ -13,9 +13,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from pipenav.cli.option_groups import takes_option_groups
 from pipenav.cli.progress_bars import percentage_bar
 from pipenav.cli.signals import Interrupted, StopRequest, stop_signals
-from pipenav.cli.terminal import progress_console, say
+from pipenav.cli.terminal import progress_console, refuse_ignored, say
+from pipenav.cli.train_options import FolderOptions, SeedsOptions
+from pipenav.cli.train_seeds import train_seeds
 from pipenav.errors import PipenavError, shown
 from pipenav.learning.config import DEFAULT_PRESET, TrainConfig, load_config, preset_below
 
@@ -27,7 +30,7 @@ if TYPE_CHECKING:
     from pipenav.learning.training_folder import TrainingFolder
 
 CONFIG_HELP = 'TOML file whose keys override the preset; extends = "PRESET" in it stands for --preset.'
-RECIPE, PLACE = "Recipe", "Folders"
+RECIPE = "Recipe"
 SECONDS_BETWEEN_LINES = 10
 """Time between two lines of progress where the output is no terminal [s]."""
 
@@ -58,15 +61,12 @@ PipesOption = Annotated[
     list[str] | None,
     typer.Option(help="Pipe set, file or d=90,angle=60; repeatable.", rich_help_panel=RECIPE),
 ]
-OutOption = Annotated[Path | None, typer.Option(help="Training folder; default runs/PRESET.", rich_help_panel=PLACE)]
-StartOption = Annotated[
-    Path | None,
-    typer.Option("--from", help="Training folder whose weights the new training starts from.", rich_help_panel=PLACE),
-]
-ResumeOption = Annotated[Path | None, typer.Option(help="Training folder to continue.", rich_help_panel=PLACE)]
 
 
+@takes_option_groups
 def train(
+    folders: FolderOptions,
+    several: SeedsOptions,
     backend: BackendOption = None,
     preset: PresetOption = None,
     config: ConfigOption = None,
@@ -76,9 +76,6 @@ def train(
     robot: RobotOption = None,
     control: ControlOption = None,
     pipes: PipesOption = None,
-    out: OutOption = None,
-    start: StartOption = None,
-    resume: ResumeOption = None,
 ) -> None:
     """Train a policy by PPO and save it as one file, best.zip.
 
@@ -89,9 +86,9 @@ def train(
         pipenav train --pipes d=90,angle=60 --steps 50000 --set learner.epochs=4
         pipenav train --from runs/arm --pipes d=75,angle=58 --out runs/mine
         pipenav train --resume runs/arm
+        pipenav train --preset thesis-position --seeds 8 --jobs 4 --out runs/position
     """
-    from pipenav.storage.lock import one_writer
-
+    several.refuse_place_alone()
     options = {
         "backend": backend,
         "steps": steps,
@@ -101,6 +98,19 @@ def train(
         "pipes": pipes,
     }
     recipe = _Recipe(preset, config, set_ or [], options)
+    if several.seeds is None:
+        _train_one(recipe, folders)
+        return
+    given = {"--resume": folders.resume, "--from": folders.start}
+    refuse_ignored(given, "--seeds begins new trainings, and goes on with its own")
+    _train_seeds(recipe, folders.out, several)
+
+
+def _train_one(recipe: _Recipe, folders: FolderOptions) -> None:
+    """Train, or go on; leaves with 128 + the signal where it is stopped."""
+    from pipenav.storage.lock import one_writer
+
+    out, start, resume = folders.out, folders.start, folders.resume
     path = _new_path(recipe, out, start) if resume is None else _path_to_resume(recipe, resume, out, start)
     with one_writer(path):
         training = _new_training(recipe, path, start) if resume is None else _resumed_training(recipe, path)
@@ -113,6 +123,15 @@ def train(
             _conclude(training.folder, summary)
     if summary.stopped:
         raise typer.Exit(stopped.exit_code)
+
+
+def _train_seeds(recipe: _Recipe, out: Path | None, several: SeedsOptions) -> None:
+    from pipenav.learning.rehearsal import rehearse
+
+    config = recipe.config()
+    _check_names(config)
+    rehearse(config)
+    train_seeds(config, out or Path("runs") / f"{recipe.name}-seeds", several)
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from pipenav.cli.option_groups import takes_option_groups
+from pipenav.cli.place_options import PlaceOptions
 from pipenav.cli.progress_bars import percentage_bar
 from pipenav.cli.terminal import progress_console, say, show
 from pipenav.errors import PipenavError
@@ -18,7 +20,7 @@ if TYPE_CHECKING:
     from pipenav.jobs import Place
     from pipenav.tuning.search import Search, SearchNews
 
-SEARCHED, TRAINED, WHERE = "What is searched", "Trainings", "Where"
+SEARCHED, TRAINED = "What is searched", "Trainings"
 
 SHOWN_ROWS = 10
 """Rows of the table that the terminal shows; the report has all."""
@@ -52,16 +54,14 @@ StepsOption = Annotated[int | None, typer.Option(help="Control steps of each tri
 SeedOption = Annotated[
     int, typer.Option(min=0, max=2**32 - 1, help="Seed of suggestions and trainings.", rich_help_panel=TRAINED)
 ]
-JobsOption = Annotated[int | None, typer.Option(min=1, help="Processes that train at a time.", rich_help_panel=WHERE)]
-ClusterOption = Annotated[
-    str | None, typer.Option(metavar="ADDRESS", help="Train on a cluster: auto or HOST:PORT.", rich_help_panel=WHERE)
-]
 OutOption = Annotated[
-    Path | None, typer.Option(metavar="FOLDER", help="Folder; default runs/tune-SPACE.", rich_help_panel=WHERE)
+    Path | None, typer.Option(metavar="FOLDER", help="Folder; default runs/tune-SPACE.", rich_help_panel=TRAINED)
 ]
 
 
+@takes_option_groups
 def tune(
+    where: PlaceOptions,
     space: SpaceOption = "arm",
     trials: TrialsOption = 24,
     objective: ObjectiveOption = "steps",
@@ -71,8 +71,6 @@ def tune(
     set_: SetOption = None,
     steps: StepsOption = None,
     seed: SeedOption = 0,
-    jobs: JobsOption = None,
-    cluster: ClusterOption = None,
     out: OutOption = None,
 ) -> None:
     """Search for better settings of a training, by many short trainings that tell where to look next.
@@ -87,7 +85,6 @@ def tune(
         pipenav train --config runs/tune-arm/best.toml
     """
     from pipenav.cli.percentages import share_of
-    from pipenav.jobs import chosen_place
     from pipenav.storage.lock import one_writer
     from pipenav.tuning.objective import Objective
     from pipenav.tuning.plan import BaseTraining, checked_plan
@@ -96,7 +93,7 @@ def tune(
     from pipenav.tuning.study import require_optuna
 
     require_optuna()
-    place = chosen_place(jobs, cluster)
+    place = where.place()
     base = BaseTraining(load_space(space), config, set_ or [], steps, seed)
     aim = Objective(name=objective, success=share_of(success, "--success"))
     folder = out or Path("runs") / f"tune-{Path(space).stem}"
@@ -126,7 +123,8 @@ def _run(search: Search, place: Place) -> None:
 
                 complete = search.run(place, told, stopped)
         except PipenavError:
-            write_report(search)  # of what is done: a job was lost, or a setting cannot be trained
+            if search.preset() is not None:
+                write_report(search)  # of what is done, where a job was lost or settings cannot be trained
             raise
         if not complete:
             say(f"stopped and saved in {plan.out}; the same command goes on from there")
@@ -147,8 +145,9 @@ def _table(search: Search) -> Table:
     from pipenav.tuning.report import trial_rows
 
     table = Table(box=None, pad_edge=False)
-    for heading in ("trial", search.plan.objective.title, "success [%]", "seconds", "", *search.plan.space.space):
-        table.add_column(Text(heading.rpartition(".")[2]))
+    settings = [key.rpartition(".")[2] for key in search.plan.space.space]
+    for heading in ("trial", search.plan.objective.title, "success [%]", "seconds", "", *settings):
+        table.add_column(Text(heading))
     for row in trial_rows(search)[:SHOWN_ROWS]:
         table.add_row(*map(Text, (row.name, row.value, row.success, row.seconds, row.state, *row.settings)))
     return table

@@ -8,7 +8,9 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.backends.simulators import SimulatorSettings
-from pipenav.comparison.trials import record_passages, run_trials
+from pipenav.comparison.trials import TrialsOrder, record_passages, trials_from, trials_job
+from pipenav.jobs import Job, MemoryStore, Place, run_jobs
+from pipenav.jobs.here import HerePlace
 from pipenav.robots.robot import RobotSpec
 
 
@@ -48,16 +50,26 @@ class Check(NamedTuple):
         return self.found <= self.allowed
 
 
-def compare(robot: RobotSpec, reference: SimulatorSettings, other: SimulatorSettings) -> Agreement:
-    """Run all trials in both simulators.
+def compare(
+    robot: RobotSpec, reference: SimulatorSettings, other: SimulatorSettings, place: Place | None = None
+) -> Agreement:
+    """Run all trials in both simulators, each in a job.
 
     Args:
         robot: the robot, a slide followed by hinges.
         reference: simulator to compare with.
         other: simulator that is compared.
+        place: where the jobs run, by default this process.
     """
     passages = record_passages(robot, reference)
-    trials = [run_trials(robot, simulator, passages) for simulator in (reference, other)]
+    store = MemoryStore()
+    jobs = [
+        Job(f"trials-{number}", f"trials in {one.backend}", trials_job, TrialsOrder(robot, plain, passages))
+        for number, one in enumerate((reference, other))
+        for plain in [one._replace(options=dict(one.options))]  # a view of a table does not pickle
+    ]
+    run_jobs(place or HerePlace(), jobs, store=store)
+    trials = [trials_from(store.read(job.key) or b"") for job in jobs]
     return Agreement(*(SimulatorPair(*pair) for pair in zip(*trials, strict=True)))
 
 

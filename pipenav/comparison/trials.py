@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from contextlib import closing
 from typing import NamedTuple
 
@@ -11,6 +12,7 @@ from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Simulator
 from pipenav.backends.messages import Command, Control
 from pipenav.backends.simulators import SimulatorSettings
+from pipenav.jobs import JobControl
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.centreline import CentrelineController
 from pipenav.robots.robot import RobotSpec
@@ -108,6 +110,28 @@ def run_trials(robot: RobotSpec, simulator: SimulatorSettings, passages: OpenLoo
         ranges = _scan(backend, passages)
         tips = _pass(backend, passages)
     return Trials(driven, stepped, ranges, tips, pressing.q, pressing.force)
+
+
+class TrialsOrder(NamedTuple):
+    """The data of a job that runs all trials: arguments of `run_trials`."""
+
+    robot: RobotSpec
+    simulator: SimulatorSettings
+    passages: OpenLoopPassages
+
+
+def trials_job(order: TrialsOrder, control: JobControl) -> bytes:
+    """Run all trials: the function of such a job."""
+    trials = run_trials(order.robot, order.simulator.on_cores(control.cores), order.passages)
+    file = io.BytesIO()
+    np.savez(file, allow_pickle=False, **trials._asdict())
+    return file.getvalue()
+
+
+def trials_from(content: bytes) -> Trials:
+    """Trials from what their job returned."""
+    with np.load(io.BytesIO(content), allow_pickle=False) as file:
+        return Trials(**{name: file[name] for name in Trials._fields})
 
 
 def _move_freely(backend: Simulator, robot: RobotSpec, control: Control, values: Floats) -> Floats:

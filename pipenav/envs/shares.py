@@ -100,7 +100,7 @@ class RobotShare:
         Args:
             actions: canonical actions in [-1, 1], (n, action_size).
         """
-        move = self.batch.begin(actions)
+        move = self.batch.begin(np.asarray(actions, np.float64))
         if self._threads is not None:
             self._moving = self._threads.submit(move)
         else:

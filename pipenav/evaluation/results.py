@@ -13,7 +13,10 @@ from pipenav.evaluation.config import EvaluationConfig
 from pipenav.evaluation.earlier_schema import todays_evaluation
 from pipenav.evaluation.interval import wilson
 from pipenav.evaluation.pipe_results import DiameterRecord, PipeRecord, Record, Share, by_diameter
-from pipenav.storage.text_files import MAX_RECORD, checked_json, read_text
+from pipenav.storage.text_files import checked_json, read_text
+
+MAX_EVALUATION = 256 << 20
+"""Largest eval.json that is read [bytes]; that of 100,000 pipes has 71 MB."""
 
 
 class Evaluation(Record):
@@ -129,6 +132,6 @@ def read_evaluation(path: Path) -> Evaluation:
     """
     file = path / "eval.json" if path.is_dir() else path
     try:
-        return Evaluation.model_validate_json(checked_json(read_text(file, MAX_RECORD), str(file)))
+        return Evaluation.model_validate_json(checked_json(read_text(file, MAX_EVALUATION), str(file)))
     except ValidationError as error:
         raise ConfigError.from_validation(str(file), error, Evaluation.model_fields) from error

@@ -115,7 +115,7 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         counts.samples += len(rewards)
         ended = self.locals["ended"]
         counts.episodes += len(ended.robots)
-        counts.successes += np.count_nonzero(ended.outcome == Outcome.REACHED)
+        counts.successes += int(np.count_nonzero(ended.outcome == Outcome.REACHED))
         counts.episode_steps += int(ended.steps.sum())
         self.stopped = self.stopped or self._should_stop()
         return not self.stopped

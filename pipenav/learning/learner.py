@@ -34,6 +34,9 @@ class Learner(PPO):  # type: ignore[misc]  # Stable-Baselines3 is imported untyp
 
     rollout_buffer: DrivenRollouts
 
+    _last_obs: np.ndarray
+    _last_episode_starts: np.ndarray
+
     def _setup_model(self) -> None:
         super()._setup_model()
         self.rollout_buffer = DrivenRollouts(self)
@@ -115,7 +118,7 @@ class Learner(PPO):  # type: ignore[misc]  # Stable-Baselines3 is imported untyp
         seen = np.concatenate([buffer.observations.reshape(-1, late.shape[1]), self._last_obs, late])
         with torch.no_grad():
             values = self._update.critic(torch.from_numpy(seen))[:, 0]
-        inside, last, beyond = values.split([buffer.values.size, robots, len(late)])
+        inside, last, beyond = torch.split(values, [buffer.values.size, robots, len(late)])
         buffer.values[:] = inside.numpy().reshape(buffer.values.shape)
         rows = np.concatenate([np.full(len(cut.robots), cut.row) for cut in cut_offs])
         buffer.rewards[rows, np.concatenate([cut.robots for cut in cut_offs])] += self.gamma * beyond.numpy()

@@ -37,10 +37,10 @@ class FlatParameters:
 
     def views(self, flat: Tensor) -> list[Tensor]:
         """Parts of a tensor of all values, (size,), that belong to each parameter, in their shapes."""
-        parts = flat.split([parameter.numel() for parameter in self.parameters])
+        parts = torch.split(flat, [parameter.numel() for parameter in self.parameters])
         return [part.view_as(parameter) for part, parameter in zip(parts, self.parameters, strict=True)]
 
-    def gradient(self, parameter: nn.Parameter) -> Tensor:
+    def gradient(self, parameter: Tensor) -> Tensor:
         """Place for the gradient of one of the parameters, in its shape."""
         return self._gradients[id(parameter)]
 

@@ -94,7 +94,7 @@ def normalised(advantages: np.ndarray, driven: np.ndarray) -> np.ndarray:
         advantages: estimated advantages, (n,).
         driven: whether each action counted, (n,).
     """
-    n, counted = len(advantages), np.count_nonzero(driven)
+    n, counted = len(advantages), int(np.count_nonzero(driven))
     apart = (advantages - (advantages @ driven) / np.float32(max(counted, 1))) * driven
     spread = np.sqrt(apart @ apart / np.float32(max(n - 1, 1)))
     return np.asarray(apart / (spread + np.float32(SPREAD_GUARD)))

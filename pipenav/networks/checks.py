@@ -1,4 +1,4 @@
-"""What is doubtful or missing in a map: found, counted and named, so that nothing is guessed in silence."""
+"""Doubtful and missing things in a map: found, counted and named, so that nothing is guessed in silence."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipenav.arrays import Floats
+from pipenav.arrays import Floats, Ints
 from pipenav.errors import ConfigError, shown
 from pipenav.networks.model import NetworkMap, Note, Origin, Severity, drawn_lengths
 
@@ -216,7 +216,7 @@ def _points_array(points: Sequence[Point]) -> Floats:
     return np.array(array, float).reshape(-1, 3)
 
 
-def _filled(position: Floats, vertices: Floats, offsets: Floats, ends: Floats) -> tuple[Floats, Floats]:
+def _filled(position: Floats, vertices: Floats, offsets: Ints, ends: Ints) -> tuple[Floats, Floats]:
     """Heights of nodes and vertices, none of which is missing: first from the neighbours, then the median of all."""
     heights, between = position[:, 2].copy(), vertices[:, 2].copy()
     level = float(np.nanmedian(heights)) if not np.isnan(heights).all() else 0.0

@@ -1,4 +1,4 @@
-"""How a person says what stands in a file of lines, and the diameters that stand there as texts."""
+"""Fields of a file of lines, as a person names them, and the diameters that stand there as texts."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class ReadOptions(NamedTuple):
 
 
 def facts_of(draft: MapDraft, fields: dict[str, object], options: ReadOptions, place: str) -> LineFacts:
-    """What the fields of a line say about it.
+    """Facts that the fields of a line state.
 
     Raises:
         ConfigError: the named field is not there, or no diameter stands in it.

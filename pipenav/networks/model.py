@@ -25,7 +25,7 @@ Severity = Literal["info", "assumed", "refused"]
 
 
 class Origin(IntEnum):
-    """Where a number came from."""
+    """Source of a number: the file, other numbers of it, or a guess."""
 
     STATED = 0
     DERIVED = 1
@@ -44,14 +44,14 @@ class Note(NamedTuple):
         kind: short name, `level-assumed`.
         severity: `info`; `assumed` where a number was guessed; `refused` where angles or all of the map are of no use.
         text: sentence for people.
-        count: number of places.
+        number: number of places.
         examples: names of the first places.
     """
 
     kind: str
     severity: Severity
     text: str
-    count: int = 1
+    number: int = 1
     examples: tuple[str, ...] = ()
 
 

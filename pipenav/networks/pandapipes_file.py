@@ -23,10 +23,10 @@ SERVICE_WORDS = ("house", "service", "connection")
 
 
 class _Table(NamedTuple):
-    """A table: its name, the index of each row, and its rows by column."""
+    """A table: its name, the label of each row, and its rows by column."""
 
     name: str
-    index: list[Any]
+    labels: list[Any]
     rows: list[dict[str, Any]]
 
 
@@ -59,7 +59,7 @@ def read_pandapipes(path: Path, content: object = None) -> NetworkMap:
     junctions, pipes = _table(tables, "junction", where), _table(tables, "pipe", where)
     _add_junctions(draft, junctions, _places(junctions, tables, where))
     courses = _courses(tables, where)
-    for index, row in zip(pipes.index, pipes.rows, strict=True):
+    for index, row in zip(pipes.labels, pipes.rows, strict=True):
         _add_pipe(draft, index, row, courses.get(str(index), []))
     return draft.finish()
 
@@ -85,10 +85,10 @@ def _places(junctions: _Table, tables: dict[str, Any], where: str) -> dict[str, 
     """Coordinates of the junctions by their index: of a table of their own, or of a GeoJSON text in each row."""
     geodata = _table(tables, "junction_geodata", where, needed=False)
     found = {}
-    for index, row in zip(geodata.index, geodata.rows, strict=True):
+    for index, row in zip(geodata.labels, geodata.rows, strict=True):
         place = f"{where}, junction_geodata {index}"
         found[str(index)] = (number(row.get("x"), "x", place), number(row.get("y"), "y", place))
-    for index, row in zip(junctions.index, junctions.rows, strict=True):
+    for index, row in zip(junctions.labels, junctions.rows, strict=True):
         if str(index) not in found and isinstance(row.get("geo"), str):
             place = f"{where}, junction {index}"
             point = parse_json(row["geo"], place)
@@ -101,7 +101,7 @@ def _places(junctions: _Table, tables: dict[str, Any], where: str) -> dict[str, 
 
 def _add_junctions(draft: MapDraft, junctions: _Table, places: dict[str, tuple[float, float]]) -> None:
     """Add the junctions under their index, by which pipes name them."""
-    for index, row in zip(junctions.index, junctions.rows, strict=True):
+    for index, row in zip(junctions.labels, junctions.rows, strict=True):
         place = f"junction {index}"
         if str(index) not in places:
             raise draft.refuse(place, "it has no coordinates in junction_geodata: a map needs them, add them.")
@@ -114,7 +114,7 @@ def _courses(tables: dict[str, Any], where: str) -> dict[str, list[Point]]:
     """Points of the pipes by their index, ends included."""
     courses: dict[str, list[Point]] = {}
     table = _table(tables, "pipe_geodata", where, needed=False)
-    for index, row in zip(table.index, table.rows, strict=True):
+    for index, row in zip(table.labels, table.rows, strict=True):
         coords, place = row.get("coords"), f"{where}, pipe_geodata {index}"
         if isinstance(coords, list) and all(isinstance(pair, list) and len(pair) >= 2 for pair in coords):
             courses[str(index)] = [(number(x, "x", place), number(y, "y", place), None) for x, y, *_ in coords]

@@ -208,7 +208,8 @@ def _on_inside(points: Sequence[Point], segment: int, end: Point, snap: float) -
     if long == 0:
         return None
     share = min(max(((end[0] - a[0]) * dx + (end[1] - a[1]) * dy) / long, 0.0), 1.0)
-    up = None if a[2] is None or b[2] is None else a[2] + share * (b[2] - a[2])
+    low, high = a[2], b[2]
+    up = None if low is None or high is None else low + share * (high - low)
     return share if _distance(end, (a[0] + share * dx, a[1] + share * dy, up)) <= snap else None
 
 

@@ -113,7 +113,7 @@ def angles_within(angle_deg: float, error_deg: float, tee: bool = False) -> list
     """Angles of the classes that an interior angle with an error can belong to, the likeliest first [deg]."""
     step = TEE_STEP_DEG if tee else ANGLE_STEP_DEG
     low, high = BRANCH_ANGLE_RANGE_DEG if tee else ANGLE_RANGE_DEG
-    nominal = round(angle_deg / step)
+    nominal = round(min(max(angle_deg, low), high) / step)
     first, last = round(max(angle_deg - error_deg, low) / step), round(min(angle_deg + error_deg, high) / step)
     numbers = [nominal, *(k for k in range(first, last + 1) if k != nominal)]
-    return [k * step for k in numbers if low <= k * step <= high] or [min(max(nominal * step, low), high)]
+    return [k * step for k in numbers if low <= k * step <= high]

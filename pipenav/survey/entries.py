@@ -30,7 +30,7 @@ class Goal(NamedTuple):
     """When there are enough entries: a share of a length [m], or a number; None for no such limit."""
 
     share: float | None = None
-    count: int | None = None
+    number: int | None = None
 
 
 class Proposal(NamedTuple):
@@ -81,7 +81,7 @@ def propose(ways: Ways, tether: Tether, confidence: float, goal: Goal, whole: fl
     heapq.heapify(heap)
     first = np.sort([-gain for gain, _, _ in heap])[::-1]
     target = None if goal.share is None else goal.share * whole
-    most = goal.count or MOST_ENTRIES
+    most = goal.number or MOST_ENTRIES
     points: list[int] = []
     seen: list[float] = []
     while heap and len(points) < most and not (target is not None and seen and seen[-1] >= target):

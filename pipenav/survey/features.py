@@ -10,7 +10,9 @@ from itertools import combinations, pairwise
 from typing import Literal, NamedTuple
 
 from pipenav.networks.model import Origin
+from pipenav.pipes.branch_pipes import BRANCH_ANGLE_RANGE_DEG
 from pipenav.survey.classes import (
+    TEE_STEP_DEG,
     FittingClass,
     angles_within,
     nominal_bore,
@@ -267,6 +269,9 @@ def _branched(at: _At, feature: Feature, way: tuple[int, int], run: tuple[int, i
     name = "straight" if set(way) == set(run) else "into" if way[1] == branch else "out"
     seen = way[1] if name == "out" else way[0]
     angle = math.degrees(_interior(at.away[seen], at.away[branch]))
+    low, high = BRANCH_ANGLE_RANGE_DEG
+    if not low - TEE_STEP_DEG / 2 <= angle <= high + TEE_STEP_DEG / 2:
+        return (), f"a branch at {angle:.0f} deg cannot be tried, only {low:g} to {high:g} deg"
     kind: Literal["tee", "cross"] = "tee" if feature.kind == "tee" else "cross"
     incline = nominal_incline(feature.incline_deg)
     return tuple(

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from pipenav.storage.atomic_files import atomic_write_all
+from pipenav.storage.atomic_files import Content, atomic_write_all
 from pipenav.survey.html_report import html_report
 from pipenav.survey.map_figure import map_png
 from pipenav.survey.tables import features_csv, map_geojson
@@ -21,11 +21,11 @@ def write_survey(folder: Path, record: dict[str, Any]) -> None:
     Raises:
         FileProblem: they cannot be written; earlier ones are untouched.
     """
-    texts = (
+    contents: tuple[Content, ...] = (
         json.dumps(record, separators=(",", ":"), allow_nan=False) + "\n",
         features_csv(record),
         map_geojson(record),
         map_png(record),
         html_report(record),
     )
-    atomic_write_all({folder / name: text for name, text in zip(FILES, texts, strict=True)})
+    atomic_write_all({folder / name: content for name, content in zip(FILES, contents, strict=True)})

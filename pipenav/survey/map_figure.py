@@ -30,10 +30,10 @@ def map_png(record: dict[str, Any]) -> bytes:
             axes.add_collection(LineCollection(lines, colors=colour, linewidths=1.6, label=label))
     entries = [places[point["feature"]] for point in record["entries"]["points"]]
     if entries:
-        axes.scatter(*zip(*entries, strict=True), marker="v", s=55, color=ENTRY, label="entry", zorder=3)
+        axes.scatter(*_columns(entries), marker="v", s=55, color=ENTRY, label="entry", zorder=3)
     blockers = [places[blocker["feature"]] for blocker in record["blockers"][:10]]
     if blockers:
-        axes.scatter(*zip(*blockers, strict=True), marker="x", s=40, color="#111111", label="stops most", zorder=3)
+        axes.scatter(*_columns(blockers), marker="x", s=40, color="#111111", label="stops most", zorder=3)
     axes.autoscale()
     axes.set_aspect("equal")
     axes.ticklabel_format(useOffset=False, style="plain")
@@ -48,3 +48,8 @@ def map_png(record: dict[str, Any]) -> bytes:
     file = io.BytesIO()
     figure.savefig(file, format="png", metadata={"Software": None})
     return file.getvalue()
+
+
+def _columns(places: list[list[float]]) -> tuple[list[float], list[float]]:
+    """The x and the y of some places [m]."""
+    return [place[0] for place in places], [place[1] for place in places]

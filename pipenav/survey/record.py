@@ -10,12 +10,13 @@ import numpy as np
 
 import pipenav
 from pipenav.networks.model import Origin
+from pipenav.survey.classes import FittingClass
 from pipenav.survey.features import Feature
 from pipenav.survey.passage import Judged
 from pipenav.survey.reach import Label
 from pipenav.survey.sensitivity import Sensitivity
 from pipenav.survey.survey import Survey
-from pipenav.survey.trials import STRAIGHT, Trials
+from pipenav.survey.trials import STRAIGHT, Trial, Trials
 
 SCHEMA = 1
 
@@ -24,7 +25,7 @@ PARTLY_SEEN = 0.01
 
 
 class Subject(NamedTuple):
-    """What was surveyed.
+    """Origin of a survey: its map and its trials.
 
     Attributes:
         file: file of the network.
@@ -39,13 +40,37 @@ class Subject(NamedTuple):
 
 def survey_record(result: Survey, subject: Subject) -> dict[str, Any]:
     """All of a survey; numbers that are not known are None."""
-    trials, config = subject.trials, result.config
-    tether = config.tether
     order = {kind: i for i, kind in enumerate(result.trials)}
     return {
         "schema": SCHEMA,
         "pipenav": pipenav.__version__,
         "network": {"file": subject.file, "format": result.graph.network.source},
+        **_settings(result, subject.trials),
+        "totals_m": {name: round(value, 3) for name, value in result.totals._asdict().items()},
+        "entries": _entries(result),
+        "without_limit_m": {name: round(value, 3) for name, value in result.without.items()},
+        "sensitivity": [{key: _finite(value) for key, value in row._asdict().items()} for row in subject.sensitivity],
+        "classes": [_class(kind, trial, result.config.confidence) for kind, trial in result.trials.items()],
+        "blockers": [
+            {
+                "feature": blocker.point,
+                "behind_m": round(blocker.behind, 3),
+                "verdict": blocker.judgement.verdict,
+                "class": None if blocker.judgement.worst is None else blocker.judgement.worst.name,
+                "reason": blocker.judgement.reason,
+            }
+            for blocker in result.blockers
+        ],
+        "notes": [{**note._asdict(), "examples": list(note.examples)} for note in result.notes],
+        "features": _features(result, order),
+        "segments": _segments(result),
+    }
+
+
+def _settings(result: Survey, trials: Trials) -> dict[str, Any]:
+    """The policy, the simulation and the settings of a survey."""
+    config, tether = result.config, result.config.tether
+    return {
         "policy": {
             "name": trials.config.policy,
             "sha256": trials.policy_hash,
@@ -68,36 +93,21 @@ def survey_record(result: Survey, subject: Subject) -> dict[str, Any]:
             "friction": tether.friction,
             "cable_weight_n_per_m": tether.weight,
         },
-        "totals_m": {name: round(value, 3) for name, value in result.totals._asdict().items()},
-        "entries": _entries(result),
-        "without_limit_m": {name: round(value, 3) for name, value in result.without.items()},
-        "sensitivity": [{key: _finite(value) for key, value in row._asdict().items()} for row in subject.sensitivity],
-        "classes": [
-            {
-                "name": kind.name,
-                **kind._asdict(),
-                "episodes": 0 if trial is STRAIGHT else trial.episodes,
-                "successes": 0 if trial is STRAIGHT else trial.successes,
-                "interval": None if trial is STRAIGHT or not trial.episodes else [round(x, 4) for x in trial.interval],
-                "verdict": trial.verdict(config.confidence),
-                "failures": trial.failures,
-                "reason": trial.reason,
-            }
-            for kind, trial in result.trials.items()
-        ],
-        "blockers": [
-            {
-                "feature": blocker.point,
-                "behind_m": round(blocker.behind, 3),
-                "verdict": blocker.judgement.verdict,
-                "class": None if blocker.judgement.worst is None else blocker.judgement.worst.name,
-                "reason": blocker.judgement.reason,
-            }
-            for blocker in result.blockers
-        ],
-        "notes": [{**note._asdict(), "examples": list(note.examples)} for note in result.notes],
-        "features": _features(result, order),
-        "segments": _segments(result),
+    }
+
+
+def _class(kind: FittingClass, trial: Trial, confidence: float) -> dict[str, Any]:
+    """A class with its trial; a straight pipe has none."""
+    tried = trial is not STRAIGHT and trial.episodes > 0
+    return {
+        "name": kind.name,
+        **kind._asdict(),
+        "episodes": trial.episodes if tried else 0,
+        "successes": trial.successes if tried else 0,
+        "interval": [round(end, 4) for end in trial.interval] if tried else None,
+        "verdict": trial.verdict(confidence),
+        "failures": trial.failures,
+        "reason": trial.reason,
     }
 
 

@@ -1,4 +1,4 @@
-"""How far the inspected length moves with what nobody knows exactly: the map's error, the cable, friction, rates."""
+"""Sensitivity of the inspected length to what nobody knows exactly: the map's error, the cable, friction, rates."""
 
 from __future__ import annotations
 

@@ -120,23 +120,17 @@ def survey(network: NetworkMap, trials: Trials, config: SurveyConfig, progress: 
     judgements = [judged(movement, known, config.confidence) for movement in fittings.movements]
     accuracy = geometry_accuracy(config.geometry, network.fabricated)
     ways = ways_of(fittings, judgements, trials.trained, accuracy)
-    in_range = float(graph.length[ways.passable].sum())
+    _say(progress, "looking for entries")
     proposal = None
     if not entries:
-        if progress is not None:
-            progress("looking for entries", 0, 1)
+        in_range = float(graph.length[ways.passable].sum())
         proposal = propose(ways, config.tether, config.confidence, config.goal, in_range)
         entries = proposal.points
     reach = search(ways, config.tether, config.confidence, entries)
-    seen = reach.seen(graph.length)
     open_ways = ways.lifted(fittings, judgements, "unknown")
     optimistic = search(open_ways, config.tether, config.confidence, entries).seen(graph.length)
-    if progress is not None:
-        progress("ranking what stops the robot", 0, 1)
-    mains, total = float(graph.length.sum()), float(seen.sum())
-    unknown = float(np.maximum(optimistic - seen, 0.0).sum())
-    unseen_bores = float((graph.length - np.maximum(optimistic, seen))[~ways.passable].sum())
-    totals = Totals(mains, in_range, total, unknown + unseen_bores, mains - total - unknown - unseen_bores)
+    _say(progress, "ranking what stops the robot")
+    seen = reach.seen(graph.length)
     return Survey(
         config=config,
         graph=graph,
@@ -149,11 +143,25 @@ def survey(network: NetworkMap, trials: Trials, config: SurveyConfig, progress: 
         reach=reach,
         seen=seen,
         optimistic=optimistic,
-        totals=totals,
+        totals=_totals(graph.length, ways, seen, optimistic),
         blockers=_blockers(ways, config, reach, judgements, graph.length),
-        without=_without(ways, fittings, judgements, config, entries, graph.length),
+        without=_without(ways, fittings, judgements, config, entries),
         notes=[*map_notes(network), *graph_notes(graph)],
     )
+
+
+def _say(progress: Progress | None, doing: str) -> None:
+    if progress is not None:
+        progress(doing, 0, 1)
+
+
+def _totals(length: Floats, ways: Ways, seen: Floats, optimistic: Floats) -> Totals:
+    """Sums over all segments: lengths, and what is seen with and without what is unknown, (s,) each [m]."""
+    mains, total = float(length.sum()), float(seen.sum())
+    might = np.maximum(optimistic - seen, 0.0)
+    beyond = (length - np.maximum(optimistic, seen))[~ways.passable]  # in a bore that nobody knows to be passed
+    unknown = float(might.sum()) + float(beyond.sum())
+    return Totals(mains, float(length[ways.passable].sum()), total, unknown, mains - total - unknown)
 
 
 def classified(network: NetworkMap, graph: MainsGraph, geometry: Geometry) -> Fittings:
@@ -224,10 +232,9 @@ def _without(
     judgements: list[Judged],
     config: SurveyConfig,
     entries: list[int],
-    length: Floats,
 ) -> dict[str, float]:
     """Length that is seen from the same entries without each limit [m]."""
-    found = {}
+    found, length = {}, np.array(ways.length)
     for limit in LIFTED:
         tether = config.tether.lifted if limit == "tether" else config.tether
         confidence = 1e-9 if limit == "confidence" else config.confidence

@@ -56,7 +56,7 @@ class Objective(Table):
     """
 
     name: ObjectiveName = "steps"
-    success: float = Field(0.99, gt=0, le=1, description="share of a check's episodes that counts as a success")
+    success: float = Field(0.99, ge=0, le=1, description="share of a check's episodes that counts as a success")
 
     @property
     def ends_early(self) -> bool:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -109,11 +107,6 @@ class TunePlan(NamedTuple):
             "space": self.space.model_dump(mode="json")["space"],
             "training": self.config.model_dump(mode="json"),
         }
-
-    @property
-    def mark(self) -> str:
-        """Text by which a worker knows the folder of this search from another one's."""
-        return hashlib.sha256(json.dumps(self.request, sort_keys=True).encode()).hexdigest()
 
     def preset_settings(self) -> dict[str, Any] | None:
         """The searched settings as the preset has them; None where any of them is outside the space."""

@@ -12,11 +12,11 @@ from typing import NamedTuple
 from pipenav.errors import PipenavError
 from pipenav.jobs import Done, Event, Job, JobStore, Kept, Place, Progressed, Stopped, run_jobs
 from pipenav.learning.config import TrainConfig
-from pipenav.storage.atomic_files import atomic_write, prepare_folder
+from pipenav.storage.atomic_files import prepare_folder
 from pipenav.tuning.objective import Outcome
 from pipenav.tuning.plan import TunePlan
 from pipenav.tuning.study import TrialRecord, TuningStudy, best_record
-from pipenav.tuning.trial import MARK_FILE, TrialOrder, run_trial
+from pipenav.tuning.trial import TrialOrder, run_trial, trial_folder
 
 PRESET = "preset"
 """Key of the job that trains with the preset's own settings."""
@@ -24,8 +24,8 @@ PRESET = "preset"
 RESULTS = "results"
 """Folder in that of a search, with what its jobs returned."""
 
-CORES = 64
-"""Cores that a training can use at most: it has some hundred robots to step."""
+MOST_CORES = 1 << 10
+"""More cores than any machine has: a training takes all that its place has for it."""
 
 MOST_REFUSED = 100
 """Suggestions in a row that fit no training, after which a search ends."""
@@ -59,10 +59,10 @@ class Search:
         prepare_folder(plan.out)
         self.plan = plan
         self.store = JobStore(plan.out / RESULTS, plan.request)
-        atomic_write(plan.out / MARK_FILE, plan.mark + "\n")
         self.study = TuningStudy(
             plan.out, plan.space, plan.objective, plan.config.seed, check_every=plan.config.check.every
         )
+        self._shares_disk = True
         self._told: Callable[[SearchNews], None] = lambda _news: None
         self._latest: dict[str, Outcome] = {}
         self._pruned: set[str] = set()
@@ -74,7 +74,7 @@ class Search:
             JobsLost: trials whose process or machine ended under them every time; all others are done.
             PipenavError: the settings fit no training, again and again, or the place cannot be reached.
         """
-        self._told = told
+        self._told, self._shares_disk = told, place.shares_disk
         return run_jobs(place, self._trials(), self._hear, should_stop, self.store) and run_jobs(
             place, self._repetitions(), self._hear, should_stop, self.store
         )
@@ -104,24 +104,25 @@ class Search:
     def _trials(self) -> Iterator[Job]:
         """The preset's job, those of trials that ran when a driver was killed, then new ones."""
         yield self._job(PRESET, self.plan.config)
-        records = self.study.records()
-        for record in records:
+        for record in self.study.records():
             if record.state == "running":
                 job = self._trial_job(record)
                 if job is not None:
                     yield job
         refused = 0
-        while (
-            sum(not record.preset and record.state != "refused" for record in self.study.records()) < self.plan.trials
-        ):
+        while self._tried() < self.plan.trials:
             record = self.study.ask()
             job = self._trial_job(record)
             refused = refused + 1 if job is None else 0
             if refused == MOST_REFUSED:
-                problem = self.study.record(record.number).problem
-                raise PipenavError(f"the last {refused} settings fit no training, {problem} Narrow the space.")
+                problem = self.study.record(record.number).problem.rstrip(".")
+                raise PipenavError(f"the last {refused} settings fit no training, {problem}: narrow the space.")
             if job is not None:
                 yield job
+
+    def _tried(self) -> int:
+        """Number of trials that are done or run."""
+        return sum(not record.preset and record.state != "refused" for record in self.study.records())
 
     def _trial_job(self, record: TrialRecord) -> Job | None:
         """The job of a trial; None where its settings fit no training."""
@@ -142,8 +143,10 @@ class Search:
                 yield self._job(_repetition(name, seed), self.plan.trial_config(settings, seed))
 
     def _job(self, key: str, config: TrainConfig) -> Job:
-        order = TrialOrder(config, self.plan.objective, str(self.plan.out.resolve()), self.plan.mark, key)
-        return Job(key, key.replace("-", " "), run_trial, order, CORES)
+        folder = trial_folder(self.plan.out.resolve(), key) if self._shares_disk else None
+        cores = MOST_CORES if self._shares_disk else 1
+        order = TrialOrder(config, self.plan.objective, key, folder)
+        return Job(key, key.replace("-", " "), run_trial, order, cores)
 
     def _hear(self, event: Event) -> bool | None:
         key, number = event.job.key, _number(event.job.key)

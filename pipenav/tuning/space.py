@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import BeforeValidator, Field, ValidationError, model_validator
+from pydantic import BeforeValidator, Field, JsonValue, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
 from pipenav.arrays import Table
@@ -39,7 +39,7 @@ class ValueRange(Table):
     low: Number | None = Field(None, description="smallest value; whole numbers where both ends are whole")
     high: Number | None = Field(None, description="largest value")
     log: bool = Field(False, description="whether a factor counts alike everywhere, instead of a difference")
-    choices: tuple[Any, ...] | None = Field(
+    choices: tuple[JsonValue, ...] | None = Field(
         None, strict=False, min_length=2, max_length=100, description="values, instead of low and high"
     )
 
@@ -101,7 +101,7 @@ class SearchSpace(Table):
 
     description: str = Field(description="one line for `pipenav list spaces`")
     preset: str = Field(DEFAULT_PRESET, description="preset whose settings are searched")
-    settings: dict[str, Any] = Field(default_factory=dict, description="training settings that all trials have")
+    settings: dict[str, JsonValue] = Field(default_factory=dict, description="training settings that all trials have")
     space: Annotated[dict[str, ValueRange], BeforeValidator(_flat)] = Field(
         min_length=1,
         max_length=MOST_SETTINGS,

@@ -93,7 +93,7 @@ class TuningStudy:
         return [self._record(trial) for trial in self._study.get_trials(deepcopy=False)]
 
     def record(self, number: int) -> TrialRecord:
-        """One trial."""
+        """A single trial."""
         return self._record(self._study.get_trials(deepcopy=False)[number])
 
     def ask(self) -> TrialRecord:

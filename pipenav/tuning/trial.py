@@ -1,7 +1,7 @@
 """A trial as a job: train, and tell how success went.
 
-The training lies in the folder of the search where the worker's machine has that, so that a trial that was stopped or
-killed goes on there. On another machine it lies in a temporary folder, and begins anew.
+The training lies in the folder of the search where the place shares the driver's disk, so that a trial that was stopped
+or killed goes on there. Elsewhere it lies in a temporary folder, and begins anew.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from pydantic import ValidationError
 
 from pipenav.arrays import Table
+from pipenav.backends.simulators import CORES_OPTIONS, SimulatorSettings
 from pipenav.errors import PipenavError
 from pipenav.jobs import JobControl, JobStopped
 from pipenav.learning.config import TrainConfig
@@ -32,9 +33,6 @@ if TYPE_CHECKING:
 CHECKS_FILE = "checks.json"
 """File in a trial's training folder with the checks so far, which progress.csv has without their moments."""
 
-MARK_FILE = "search.txt"
-"""File in the folder of a search that tells it from others, for workers."""
-
 
 class TrialOrder(NamedTuple):
     """Everything that a worker must know of a trial.
@@ -42,16 +40,14 @@ class TrialOrder(NamedTuple):
     Attributes:
         config: configuration of its training.
         objective: what is looked for, and so when the training may end.
-        search: folder of the search, on the driver's machine.
-        mark: content of the search's `MARK_FILE`.
-        name: name of the trial's folder among the trainings.
+        name: name of the trial.
+        folder: its training folder; None where the place has no disk in common with the driver.
     """
 
     config: TrainConfig
     objective: Objective
-    search: str
-    mark: str
     name: str
+    folder: Path | None
 
 
 def trial_folder(search: Path, name: str) -> Path:
@@ -70,7 +66,7 @@ def run_trial(order: TrialOrder, control: JobControl) -> bytes:
     from pipenav.learning.train import train
 
     with _folder(order) as path, one_writer(path, f"pipenav tune, {order.name}"):
-        config = _with_threads(order.config, control.cores)
+        config = _on_cores(order.config, control.cores)
         folder, resumed = _opened(path, config)
         watch = _Watch(order, control, path, resumed)
         try:
@@ -86,24 +82,18 @@ def run_trial(order: TrialOrder, control: JobControl) -> bytes:
 
 @contextlib.contextmanager
 def _folder(order: TrialOrder) -> Iterator[Path]:
-    """The trial's folder in that of the search, or a temporary one where this machine has not got that."""
-    search, mark = Path(order.search), ""
-    with contextlib.suppress(PipenavError):
-        mark = read_text(search / MARK_FILE).strip()
-    if mark == order.mark:
-        yield trial_folder(search, order.name)
+    """The trial's folder, or a temporary one."""
+    if order.folder is not None:
+        yield order.folder
         return
     with temporary_folder("trial") as path:
         yield path
 
 
-def _with_threads(config: TrainConfig, cores: int) -> TrainConfig:
-    """The training on as many threads as its place gives it, where its backend has such a setting."""
-    from pipenav.backends.simulators import load_simulator
-
-    if "threads" not in load_simulator(config.backend).Options.model_fields:
-        return config
-    return config.model_copy(update={"options": {**config.options, "threads": cores}})
+def _on_cores(config: TrainConfig, cores: int) -> TrainConfig:
+    """The training on as many cores as its place gives it."""
+    simulator = SimulatorSettings(config.backend, config.options).on_cores(cores)
+    return config.model_copy(update={"options": dict(simulator.options)})
 
 
 class _Opened(NamedTuple):
@@ -117,15 +107,15 @@ def _opened(path: Path, config: TrainConfig) -> _Opened:
 
     with contextlib.suppress(PipenavError):
         earlier = TrainingFolder.open(path)
-        if _without_threads(earlier.config) == _without_threads(config):
+        if _without_cores(earlier.config) == _without_cores(config):
             return _Opened(earlier.folder, True)
     for file in path.glob("[!.]*"):
         shutil.rmtree(file) if file.is_dir() else file.unlink()
     return _Opened(TrainingFolder.create(path, config, "pipenav tune"), False)
 
 
-def _without_threads(config: TrainConfig) -> TrainConfig:
-    return config.model_copy(update={"options": {k: v for k, v in config.options.items() if k != "threads"}})
+def _without_cores(config: TrainConfig) -> TrainConfig:
+    return config.model_copy(update={"options": {k: v for k, v in config.options.items() if k not in CORES_OPTIONS}})
 
 
 class _Checks(Table):

@@ -30,6 +30,7 @@ def commands_into(folder: Path) -> list[tuple[str, ...]]:
     return [
         ("eval", "--policy", "arm", *QUICK, *out),
         ("experiment", "e", "--seeds", "1", "--episodes", "1", *out),
+        ("tune", *out),
         ("locate-target", "--d", "100", "--angle", "90", *out),
         ("compare-backends", "--other", "mujoco", *out),
     ]

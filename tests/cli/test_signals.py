@@ -22,6 +22,7 @@ LONG = {
     "eval": ("eval", "--policy", "arm", "--episodes", "500", "--out", "measured"),
     "eval in several processes": ("eval", "--policy", "arm", "--episodes", "300", "--backend", "pybullet"),
     "experiment": ("experiment", "f", "--seeds", "3", "--jobs", "2", "--out", "tried"),
+    "tune": ("tune", "--jobs", "2", "--out", "searched"),
     "view": (
         "view",
         "--policy",

@@ -95,6 +95,7 @@ def formats() -> dict[str, Format]:
     return {
         "robot": Format(".toml", _files("models/robots/*/robot.toml", "tests/data/0.1/robots/*.toml"), _robot),
         "config": Format(".toml", _files("pipenav/learning/presets/*.toml", "tests/data/0.1/recipe.toml"), _config),
+        "space": Format(".toml", _files("pipenav/tuning/spaces/*.toml"), _space),
         "set": Format(".txt", [b"learner.epochs=4", b"task.reward.c1=0.5", b"pipes=['d=100,angle=90']"], _set),
         "disturbance": Format(".toml", _files("pipenav/disturbances/*.toml"), _disturbance),
         "pipe-set": Format(".toml", _files("pipes/*.toml"), _pipes),
@@ -172,6 +173,12 @@ def _config(path: Path) -> None:
     from pipenav.learning.config import load_config
 
     load_config(file=path)
+
+
+def _space(path: Path) -> None:
+    from pipenav.tuning.space import load_space
+
+    load_space(str(path))
 
 
 def _set(path: Path) -> None:

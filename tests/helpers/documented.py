@@ -15,7 +15,7 @@ from pipenav.cli import main
 
 Words = tuple[str, ...]
 
-DROPPED = {"--out", "--episodes", "--seed", "--steps", "--seeds"}
+DROPPED = {"--out", "--episodes", "--seed", "--steps", "--seeds", "--jobs", "--cluster", "--shard"}
 """Options that change nothing of what a test looks at: commands that differ in them alone are run once."""
 
 CORNERS = {
@@ -187,7 +187,7 @@ def _tune(options: Options) -> Options:
     """A search of two trials in one corner, each as short as a documented training."""
     settings = [("--set", setting) for setting in (*TRAINING, 'pipes=["d=100,angle=90"]', "task.max_steps=10")]
     small = (("--space", "my-space.toml"), ("--trials", "2"), ("--again", "0"), ("--objective", "success"))
-    return Options("tune", (), (*small, ("--steps", "64"), *settings, ("--out", "searched")))
+    return options._replace(given=(*small, ("--steps", "64"), *settings, ("--out", "searched")))
 
 
 def _run_real(options: Options) -> Options:

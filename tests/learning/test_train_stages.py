@@ -211,7 +211,7 @@ INCLINED = {"name": "inclined", "steps": 128, "task": {"inclination_deg": [0.0, 
 
 
 def test_a_stage_that_observes_more_begins_with_the_policy_as_it_was(tmp_path: Path) -> None:
-    """From a level plane to gravity the policy learns where down is; until then it does not heed it."""
+    """The policy learns where down is when gravity comes after a level plane; until then it does not heed it."""
     small = {"network.policy": [8], "network.value": [8], "task.max_steps": 12, "pipes": ["d=90,angle=90"]}
     learner = {"learner.robots": 4, "learner.rollout_steps": 16, "learner.batch_size": 64, "check.episodes": 1}
     config = load_config("pirate", options={**small, **learner, "stages": [LEVEL, INCLINED]})

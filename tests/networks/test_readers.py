@@ -1,4 +1,4 @@
-"""What is written by the rules of a format is what is read: pipes, bores, lengths, places, and which pipes meet."""
+"""Networks written by the rules of a format are what is read: pipes, bores, lengths, places, and which pipes meet."""
 
 from __future__ import annotations
 

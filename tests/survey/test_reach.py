@@ -113,7 +113,7 @@ def test_greedy_entries_keep_their_bounds(seed: int, count: int, cable: float) -
         sets = itertools.combinations(range(len(ways.leaving)), k)
         return max(float(search(ways, tether, 0.9, points).seen(length).sum()) for points in sets)
 
-    proposal = propose(ways, tether, 0.9, Goal(count=count), float(length.sum()))
+    proposal = propose(ways, tether, 0.9, Goal(number=count), float(length.sum()))
     seen = float(search(ways, tether, 0.9, proposal.points).seen(length).sum())
     assert proposal.seen[-1] == pytest.approx(seen)
     assert seen >= (1 - 1 / math.e) * best(min(count, len(ways.leaving))) - 1e-6

@@ -14,9 +14,12 @@ from pipenav.jobs import JobStopped
 from pipenav.learning.train import train
 from pipenav.learning.training_folder import TrainingFolder
 from pipenav.tuning.objective import Objective, Outcome
-from pipenav.tuning.trial import CHECKS_FILE, MARK_FILE, TrialOrder, run_trial, trial_folder
+from pipenav.tuning.trial import CHECKS_FILE, TrialOrder, run_trial, trial_folder
 
 pytestmark = pytest.mark.slow
+
+
+NAME = "trial-0000"
 
 
 class Place:
@@ -37,11 +40,9 @@ class Place:
 
 
 def order(search: Path, objective: Objective, *settings: str, steps: int = STEPS, shared: bool = True) -> TrialOrder:
-    """A trial of a search whose folder the worker has, or has not."""
+    """A trial of a search at a place that shares the driver's disk, or does not."""
     plan = tiny_plan(search, objective=objective, steps=steps, settings=settings)
-    search.mkdir(exist_ok=True)
-    (search / MARK_FILE).write_text(plan.mark if shared else "another search")
-    return TrialOrder(plan.config, objective, str(search), plan.mark, "trial-0000")
+    return TrialOrder(plan.config, objective, NAME, trial_folder(search, NAME) if shared else None)
 
 
 def done(given: TrialOrder, place: Place | None = None) -> Outcome:
@@ -62,7 +63,7 @@ def test_a_trial_is_the_training_that_train_does(tmp_path: Path) -> None:
     found = done(given, place)
     folder = TrainingFolder.create(tmp_path / "plain", given.config, "pipenav train")
     summary = train(given.config, folder)
-    mine = trial_folder(tmp_path / "search", "trial-0000")
+    mine = trial_folder(tmp_path / "search", NAME)
     assert weights(mine / "last.zip") == weights(folder.last)
     assert found.steps == STEPS == found.checks[-1].steps
     assert found.success == summary.check_success
@@ -71,18 +72,18 @@ def test_a_trial_is_the_training_that_train_does(tmp_path: Path) -> None:
     assert [len(one.checks) for one in place.heard] == sorted(len(one.checks) for one in place.heard)
 
 
-def test_without_the_searchs_folder_the_same_comes_back(tmp_path: Path) -> None:
+def test_without_a_shared_disk_the_same_comes_back(tmp_path: Path) -> None:
     here, away = order(tmp_path / "here", WHOLE), order(tmp_path / "away", WHOLE, shared=False)
     assert timeless(done(here)) == timeless(done(away))
-    assert trial_folder(tmp_path / "here", "trial-0000").exists()
-    assert not trial_folder(tmp_path / "away", "trial-0000").exists()
+    assert trial_folder(tmp_path / "here", NAME).exists()
+    assert not trial_folder(tmp_path / "away", NAME).exists()
 
 
 def test_a_trial_that_was_stopped_goes_on(tmp_path: Path) -> None:
     given = order(tmp_path / "search", WHOLE, steps=1024)
     with pytest.raises(JobStopped):
         run_trial(given, Place(stop_at=512))
-    path = trial_folder(tmp_path / "search", "trial-0000")
+    path = trial_folder(tmp_path / "search", NAME)
     first = json.loads((path / CHECKS_FILE).read_text())["checks"]
     assert [check[0] for check in first] == [256]
     place = Place()
@@ -96,8 +97,8 @@ def test_a_training_of_other_settings_is_not_gone_on_with(tmp_path: Path) -> Non
     given = order(tmp_path / "search", WHOLE)
     other = order(tmp_path / "other", WHOLE, steps=256)
     done(other)
-    path = trial_folder(tmp_path / "search", "trial-0000")
-    shutil.copytree(trial_folder(tmp_path / "other", "trial-0000"), path)
+    path = trial_folder(tmp_path / "search", NAME)
+    shutil.copytree(trial_folder(tmp_path / "other", NAME), path)
     assert done(given).steps == STEPS
     assert TrainingFolder.open(path).config.steps == STEPS
 
@@ -121,5 +122,5 @@ def test_checks_of_other_pipes_are_no_success(tmp_path: Path, monkeypatch: pytes
     monkeypatch.setattr(TrainingCallback, "_measure", lambda _self: 1.0)
     stages = 'stages=[{name="easy", steps=1024, pipes=["d=120,angle=120"]}, {name="own", steps=1024}]'
     plan = tiny_plan(tmp_path / "search", objective=EASY, steps=None, settings=[stages, "check.every=512"])
-    found = done(TrialOrder(plan.config, EASY, str(tmp_path / "search"), plan.mark, "trial-0000"))
+    found = done(TrialOrder(plan.config, EASY, NAME, trial_folder(tmp_path, NAME)))
     assert timeless(found) == [(1536, 1.0)]
