@@ -13,9 +13,13 @@ from pipenav.certify.model import Model
 from pipenav.certify.slide_interval import Interval, slide_interval
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.reach.config import ReachConfig
+from pipenav.tasks.reach.episode import sample
 
 WITHIN = 0.7
 """Share of the tolerance of a target: the square of half this width lies in the circle of the tolerance."""
+
+DRAWN, AROUND_DRAWN = 2000, 0.005
+"""Targets that are drawn in a bend to see where the task's lie, and the room that is left around them [m]."""
 
 LIMIT_SPARE = 0.01
 """Share of a joint's travel by which motions stay off its limits: twice what ends an episode of the task."""
@@ -32,6 +36,8 @@ class Ends(NamedTuple):
         start_headings: largest size of each heading at the start of any episode, (hinges,) [rad].
         along: smallest and largest distance of targets along the second leg.
         left: smallest and largest distance of targets to its left.
+        aim_along: distances along it of targets that a motion may end at.
+        aim_left: distances to its left of these targets.
         tolerance: distance of tip and target that counts as reached.
         base: x of the robot's frame in the episode that a motion is for, which has any of the targets.
         start: headings of the links with hinges at its start, (hinges,) [rad].
@@ -42,6 +48,8 @@ class Ends(NamedTuple):
     start_headings: Floats
     along: tuple[float, float]
     left: tuple[float, float]
+    aim_along: tuple[float, float]
+    aim_left: tuple[float, float]
     tolerance: float
     base: float
     start: Floats
@@ -54,13 +62,21 @@ class Ends(NamedTuple):
         lower, upper = model.limits
         half = config.target_lateral * model.pipe.diameter
         depth = (inner + config.target_depth[0], inner + config.target_depth[1])
+        along, left, aim_along, aim_left = depth, (-half, half), depth, (-half, half)
+        if model.pipe.bend_radius:  # the task's targets lie along the bend, as far as the arm reaches
+            every = _drawn_targets(model, config)
+            aim_along, aim_left = ((float(at), float(at)) for at in every[0])
+            low, high = every.min(axis=0) - AROUND_DRAWN, every.max(axis=0) + AROUND_DRAWN
+            along, left = (float(low[0]), float(high[0])), (float(low[1]), float(high[1]))
         hinges = len(robot.joints) - 1
         return cls(
             (far + float(lower[0]), near + float(upper[0])),
             (far, near),
             np.asarray(config.start_bend * np.arange(1, hinges + 1), float),
-            depth,
-            (-half, half),
+            along,
+            left,
+            aim_along,
+            aim_left,
             config.reach_tolerance,
             (near + far) / 2,
             np.zeros(hinges),
@@ -79,19 +95,31 @@ class Ends(NamedTuple):
         """
         lower, upper = model.limits
         headings = np.cumsum((q * model.robot.mirror_signs if model.pipe.turn_sign < 0 else q)[1:])
-        axis = np.array([math.cos(model.turn), math.sin(model.turn)])
-        at = target + np.array([base, 0.0])
-        along, left = float(at @ axis), float(at @ np.array([-axis[1], axis[0]]))
+        along, left = _in_second_leg(model, target + np.array([base, 0.0])).tolist()
         return cls(
             (base + float(lower[0]), base + float(upper[0])),
             (base + float(q[0]), base + float(q[0])),
             np.abs(headings),
             (along, along),
             (left, left),
+            (along, along),
+            (left, left),
             config.reach_tolerance,
             base,
             headings,
         )
+
+
+def _in_second_leg(model: Model, points: Floats) -> Floats:
+    """Points of the pipe's canonical frame, (..., 2), as distances along the second leg and to its left [m]."""
+    cos, sin = math.cos(model.turn), math.sin(model.turn)
+    return np.asarray(points @ np.array([[cos, -sin], [sin, cos]]))
+
+
+def _drawn_targets(model: Model, config: ReachConfig) -> Floats:
+    """Targets of many episodes that the task draws, along the second leg and to its left, (n, 2) [m]."""
+    drawn = sample(model.robot, config, [model.pipe] * DRAWN, np.random.default_rng(0))
+    return _in_second_leg(model, drawn.target + np.stack([drawn.base, np.zeros(DRAWN)], axis=1))
 
 
 def can_be_certified(robot: RobotSpec) -> bool:
@@ -152,7 +180,7 @@ class ArmSpans:
 
     def target_slides(self, headings: Floats) -> Interval:
         """Slides at which the tip is on a target, in a square inside of the tolerance, (n,) each."""
-        return self._tip_slides(headings, WITHIN * self.ends.tolerance)
+        return self._tip_slides(headings, WITHIN * self.ends.tolerance, self.ends.aim_along, self.ends.aim_left)
 
     def _empty(self, n: int) -> Span:
         return Span(np.full(n, np.inf), np.full(n, -np.inf), np.zeros(n, bool), np.zeros(n, bool))
@@ -175,7 +203,7 @@ class ArmSpans:
         near = (np.abs(centres) <= ends.start_headings + half + TURNED).all(axis=1)
         start = near & (low <= ends.start_slide[1]) & (high >= ends.start_slide[0])
         reach = ends.tolerance + half * float(self._lengths[1:].sum()) + ROUNDING
-        at = self._tip_slides(centres, reach)
+        at = self._tip_slides(centres, reach, ends.along, ends.left)
         return Span(low, high, start & (low <= high), np.maximum(low, at.low) <= np.minimum(high, at.high))
 
     def _inner(self, centres: Floats, half: float, exact: Interval) -> Span:
@@ -187,9 +215,11 @@ class ArmSpans:
         goal = np.maximum(low, at.low) <= np.minimum(high, at.high)
         return Span(low, high, inside & (low <= start_slide) & (high >= start_slide), goal)
 
-    def _tip_slides(self, headings: Floats, tolerance: float) -> Interval:
-        """Slides at which the tip is in the rectangle of targets, made larger by a tolerance, (n,) each."""
-        turn, (least, most) = self.model.turn, zip(self.ends.along, self.ends.left, strict=True)
+    def _tip_slides(
+        self, headings: Floats, tolerance: float, along: tuple[float, float], left: tuple[float, float]
+    ) -> Interval:
+        """Slides at which the tip is in a rectangle of the second leg, made larger by a tolerance, (n,) each."""
+        turn, (least, most) = self.model.turn, zip(along, left, strict=True)
         every = _with_base(headings)
         x, y = np.cos(every) @ self._lengths, np.sin(every) @ self._lengths
         low, high = np.full(len(headings), -np.inf), np.full(len(headings), np.inf)

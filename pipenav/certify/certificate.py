@@ -68,6 +68,8 @@ class EndsInFile(BaseModel):
     start_headings: Numbers
     along: Pair
     left: Pair
+    aim_along: Pair
+    aim_left: Pair
     tolerance: float
     base: float
     start: Numbers
@@ -284,5 +286,5 @@ def _tip_on_target(model: Model, ends: Ends, q: Floats, base: float) -> bool:
     tip = kinematics.forward(model.robot, q).tip[0] * [1.0, model.pipe.turn_sign] + [base, 0.0]
     axis = np.array([math.cos(model.turn), math.sin(model.turn)])
     at = np.array([tip @ axis, tip @ [-axis[1], axis[0]]])
-    nearest = np.clip(at, [ends.along[0], ends.left[0]], [ends.along[1], ends.left[1]])
+    nearest = np.clip(at, [ends.aim_along[0], ends.aim_left[0]], [ends.aim_along[1], ends.aim_left[1]])
     return bool(np.hypot(*(at - nearest)) <= ends.tolerance)
