@@ -59,6 +59,8 @@ def clear_of_walls(model: Model, poses: Floats) -> Flags:
     held = np.ones(len(q), bool)
     for polygon in (polygon for link in link_outlines(model.robot, q) for polygon in link):
         held &= shapely.covers(region, shapely.polygons(polygon))
+    # A disc's polygon lies within it: poses of which it alone is free, by some hundredths of a millimetre, are not.
+    held[held] = clearances(model, q[held], 0.0) > 0
     return held
 
 
