@@ -116,5 +116,6 @@ def test_every_error_comes_from_another_process_as_it_was() -> None:
         error = kind.__new__(kind, "a sentence.")  # composing it anew needs what each kind alone knows
         error.args = ("a sentence.",)
         error.more = ["of", "it"]
+        error.unconfirmed = []  # what stops of an arm say besides
         again = pickle.loads(pickle.dumps(error))
         assert (type(again), str(again), again.more) == (kind, "a sentence.", error.more), kind

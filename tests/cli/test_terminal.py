@@ -80,9 +80,9 @@ def test_paths_and_brackets_are_whole_wherever_the_output_goes(tmp_path: Path) -
 
 
 def test_without_a_finished_episode_there_is_no_nan() -> None:
-    text = progress_text(TrainingProgress(100, 50.0, math.nan, 0.05, math.nan))
+    text = progress_text(TrainingProgress("", 100, 50.0, math.nan, 0.05, math.nan))
     assert text == "50 steps/s, no episode has ended yet, least laser reading 50 mm"
-    assert "success 12.5%" in progress_text(TrainingProgress(100, 50.0, 0.125, 0.05, math.nan))
+    assert "success 12.5%" in progress_text(TrainingProgress("", 100, 50.0, 0.125, 0.05, math.nan))
 
 
 def test_after_the_last_step_it_is_finalising() -> None:

@@ -291,12 +291,12 @@ def _checkpoint(path: Path) -> None:
     import numpy as np
 
     from pipenav.learning.checkpoint import load_checkpoint
-    from pipenav.learning.train import _environment, new_model
+    from pipenav.learning.train import new_model, training_env
 
     folder, config = _training(path, "resume.safetensors")
     if not _models:
         small = config.model_copy(update={"options": {"threads": 1}})
-        with closing(_environment(small, np.random.default_rng(0))) as env:
+        with closing(training_env(small, np.random.default_rng(0))) as env:
             _models.append(new_model(small, env))
     load_checkpoint(folder.checkpoint, _models[0])
 

@@ -12,10 +12,10 @@ import pytest
 from pipenav.cli import COMMANDS
 
 NAMES = (
-    "concurrent, ctypes, dynamixel_sdk, gymnasium, imageio_ffmpeg, json, logging, matplotlib, mujoco, multiprocessing, "
-    "numpy, PIL, pipenav_hardware, pipenav_mujoco, pipenav_pybullet, pybullet, pydantic, queue, rich, runpy, "
-    "safetensors, serial, signal, sitecustomize, stable_baselines3, subprocess, tempfile, tensorboard, threading, "
-    "torch, trimesh, typer, usercustomize, uuid, __future__"
+    "__future__, concurrent, ctypes, dynamixel_sdk, gymnasium, imageio_ffmpeg, json, logging, matplotlib, "
+    "mujoco, multiprocessing, numpy, optuna, PIL, pipenav_hardware, pipenav_mujoco, pipenav_pybullet, pybullet, "
+    "pydantic, queue, ray, rich, runpy, safetensors, scipy, serial, shapely, signal, sitecustomize, "
+    "stable_baselines3, subprocess, tempfile, tensorboard, threading, torch, trimesh, typer, usercustomize, uuid"
 )
 LIBRARIES = NAMES.split(", ")
 
@@ -25,11 +25,16 @@ LOADED_BY_PYTHON = ("contextlib", "functools", "warnings")
 CORNER = ("--pipes", "d=100,angle=90")
 TINY = ("--set=learner.robots=16", "--set=learner.rollout_steps=16", "--set=learner.batch_size=64")
 
+SEARCH = ("--space", "arm", "--jobs", "2", "--steps", "512", '--set=pipes=["d=100,angle=90"]', *TINY)
+EXAMPLE = str(Path(__file__).resolve().parents[2] / "examples/schutterwald/network.json")
+
 RUNS: dict[str, tuple[str, ...]] = {
     "gen-pipe": ("gen-pipe", "--d", "100", "--angle", "90", "--out", "pipe"),
     "train": ("train", "--steps", "512", *CORNER, *TINY, "--set=check.episodes=2", "--out", "trained"),
     "eval": ("eval", "--policy", "arm", *CORNER, "--episodes", "1", "--out", "evaluated"),
     "eval on pybullet": ("eval", "--policy", "arm", *CORNER, "--episodes", "1", "--backend", "pybullet", "--out", "e2"),
+    "eval in processes": ("eval", "--policy", "arm", *CORNER, "--episodes", "65", "--jobs", "2", "--out", "e3"),
+    "eval on a cluster": ("eval", "--policy", "arm", *CORNER, "--episodes", "65", "--cluster", "auto", "--out", "e4"),
     "view": ("view", "--policy", "arm", *CORNER, "--out", "film.mp4", "--out", "front.csv"),
     "locate-target": ("locate-target", "--d", "100", "--angle", "90", "--out", "located"),
     "certify": ("certify", "--robot", "basic", *CORNER, "--out", "certified"),
@@ -44,6 +49,8 @@ RUNS: dict[str, tuple[str, ...]] = {
     "robots": ("robots",),
     "presets": ("presets",),
     "list": ("list", "presets"),
+    "survey": ("survey", EXAMPLE, "--check"),
+    "tune": ("tune", *SEARCH, "--trials", "2", "--again", "0", "--objective", "success", "--out", "searched"),
 }
 
 
@@ -70,6 +77,8 @@ def test_every_command_is_tried() -> None:
 def test_no_command_runs_what_lies_in_the_current_folder(arguments: tuple[str, ...], tmp_path: Path) -> None:
     if "pybullet" in arguments:
         pytest.importorskip("pybullet")
+    if "--cluster" in arguments:
+        pytest.importorskip("ray")
     marker = plant(tmp_path, LIBRARIES)
     command = [sys.executable, "-m", "pipenav", *arguments]
     result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
