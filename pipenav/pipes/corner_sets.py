@@ -20,7 +20,7 @@ from pipenav.storage.text_files import read_toml
 ROUTE_KEYS = {"corners", "s_bend", "reducers_mm", "nodes"}
 """Keys by which a file of routes is told from one of corners."""
 
-SINGLE = "give single corners, such as thesis or d=90,angle=60; only a whole robot passes routes"
+SINGLE = "give single corners here, such as thesis or d=90,angle=60; whole robots pass routes in train, eval and view"
 """Advice where routes are named and only single corners will do."""
 
 TYPED = "write it as d=90,angle=60[,turn=right] or d=90,tee=90[,way=into], in mm and deg without the units"

@@ -202,6 +202,7 @@ class Trials:
         config = self.config
         return {
             "schema": 1,
+            "pipenav": pipenav.__version__,  # what counts as passed may change between versions
             "class": kind._asdict(),
             "policy_sha256": self.policy_hash,
             "robot": self.robot,
@@ -227,7 +228,7 @@ class Trials:
             return None  # it is simulated again
 
     def _keep(self, kind: FittingClass, trial: Trial) -> None:
-        record = {"key": self._key(kind), "pipenav": pipenav.__version__, "trial": trial.model_dump()}
+        record = {"key": self._key(kind), "trial": trial.model_dump()}
         atomic_write(prepare_folder(self._folder) / self._file(kind).name, json.dumps(record, indent=1) + "\n")
 
     def _simulated(self, kind: FittingClass) -> Trial:
