@@ -1,6 +1,7 @@
 # make demo: a pipe, a trained policy, its evaluation, and pictures of robots in the pipe, in demo/
 # make test: what continuous integration runs
 # make quick: the tests that take neither seconds nor real time, in less than a minute
+# make explore: the tests of laws once more, with new examples each time
 # make clean: remove everything that these make
 
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
@@ -8,7 +9,7 @@ BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 CPU_BUILDS := https://download.pytorch.org/whl/cpu
 
-.PHONY: demo test quick clean
+.PHONY: demo test quick explore clean
 
 demo: .venv/installed
 	rm -rf demo
@@ -31,6 +32,9 @@ test: .venv/installed-dev
 
 quick: .venv/installed-dev
 	$(BIN)/pytest -m "not slow and not realtime" --hypothesis-profile quick -n auto
+
+explore: .venv/installed-dev
+	$(BIN)/pytest -m "hypothesis and not realtime" --hypothesis-profile explore -n auto
 
 clean:
 	rm -rf .venv demo .mypy_cache .pytest_cache .ruff_cache .hypothesis

@@ -23,8 +23,10 @@ signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 sys.path.append(str(Path(__file__).parent))
 pytest.register_assert_rewrite("helpers")
-settings.register_profile("default", deadline=None)  # a loaded machine is no fault of the code
-settings.register_profile("quick", max_examples=20, deadline=None)
+# A loaded machine is no fault of the code, and the same tests run on every machine; `make explore` draws others.
+settings.register_profile("default", deadline=None, derandomize=True)
+settings.register_profile("quick", settings.get_profile("default"), max_examples=20)
+settings.register_profile("explore", deadline=None)
 settings.load_profile("default")
 pytest_plugins = ["helpers.workshop"]
 

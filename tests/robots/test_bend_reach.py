@@ -33,7 +33,9 @@ def in_pipe(pipe: PipeCorner, points: Floats) -> Floats:
 def test_points_lie_where_they_are_asked_for(d: float, angle: float, times: float, share: float, aside: float) -> None:
     pipe = PipeCorner.of(d, angle, "left", times * d)
     bends = bends_of(pipe)
-    distance, off = np.array([share * bends.end[0]]), np.array([aside * pipe.radius])
+    straight = 0.99 * (pipe.leg - pipe.inner_edge)  # so much of each leg lies before and after the bend
+    distance = np.clip(share * bends.end, -straight, bends.end + straight)
+    off = np.array([aside * pipe.radius])
     point = bends.points(distance, off)
     assert bends.distance(point) == pytest.approx(distance, abs=1e-9)
     assert pipe.contains(in_pipe(pipe, point))[0]
