@@ -10,6 +10,8 @@ from pipenav.backends.registry import check_options
 from pipenav.backends.simulators import SimulatorSettings, load_simulator
 from pipenav.disturbances.disturbance import UNDISTURBED, load_disturbance
 from pipenav.errors import PipenavError
+from pipenav.evaluation.audit import AuditRows, check_audit
+from pipenav.evaluation.audit_record import AuditRecord
 from pipenav.evaluation.config import EvaluationConfig, StageName
 from pipenav.evaluation.part_jobs import PartJobs
 from pipenav.evaluation.part_plan import PartPlan, Shard
@@ -66,6 +68,8 @@ class CheckedEvaluation:
         disturbance = UNDISTURBED if config.disturb is None else load_disturbance(config.disturb)
         if any(pipe.in_space for pipe in pipes):
             check_in_space(self._robot, config.backend, None if config.disturb is None else "--disturb")
+        if config.audit is not None:
+            check_audit(self.config.stage, pipes, config.disturb is not None)
         plan = EpisodePlan(self._robot, self._config, pipes, config.episodes, config.seed, simulator, disturbance)
         self.parts = PartPlan(self.config, plan, self._controller)
         self.cpus: set[str] = set()
@@ -115,7 +119,7 @@ class CheckedEvaluation:
     def merged(self, store: Store) -> Evaluation:
         """The evaluation from its parts in a store, all of which must be there; they are read one after another."""
         plan = self.parts.episodes
-        self._deepest = np.zeros(self.parts.total)
+        self._deepest, self._audits = np.zeros(self.parts.total), list[AuditRows]()
         records = list(pipe_records(self._read(store), plan.pipes, plan.episodes))
         trained = None if self._controller is None else self._controller.task.control
         return Evaluation.of(
@@ -124,6 +128,7 @@ class CheckedEvaluation:
             robot=self._robot.name,
             penetration_p99_m=float(np.percentile(self._deepest, 99)),
             thesis={} if trained is None else thesis_best(trained, self._robot.name),
+            audit=None if self.config.audit is None else AuditRecord.of(self._audits, self._config.max_penetration),
         )
 
     def _read(self, store: Store) -> Iterator[tuple[int, PartRows]]:
@@ -132,8 +137,9 @@ class CheckedEvaluation:
             content = store.read(self.parts.key(index))
             if content is None:
                 raise PipenavError(f"part {index + 1} of the evaluation is missing: give the command again to run it.")
-            rows, cpu = PartResult.from_bytes(content)
+            rows, cpu, audits = PartResult.from_bytes(content)
             self.cpus.add(cpu)
+            self._audits += [] if audits is None else [audits]
             for part in rows.values():
                 self._deepest[part.jobs] = np.maximum(self._deepest[part.jobs], part.penetration)
             yield end, rows

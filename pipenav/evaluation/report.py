@@ -115,6 +115,8 @@ def evaluation_table(evaluation: Evaluation) -> RenderableType:
     p99 = evaluation.penetration_p99_m
     if p99 is not None:
         where.append(f"\noverlap with the wall at most {m_to_mm(p99):.2f} mm in 99 % of the episodes")
+    if evaluation.audit is not None:
+        where.append(f"\n{evaluation.audit.words}")
     note = Text(CONTACT_NOTE, style="dim")
     parts = (where, _successes(shown), Group(_contacts(shown), note), _worst(evaluation.pipes))
     return Group(title, *(Padding(part, (0, 0, 1, 0), expand=False) for part in parts))
