@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -161,15 +162,13 @@ def _smooth(q: Floats) -> Floats:
     return np.asarray(CubicSpline(np.arange(len(q)), q)(steps[:, None] + share))
 
 
-def check_audit(stage: str, pipes: list[Pipe], disturbed: bool) -> None:
+def check_audit(stage: str, pipes: Sequence[Pipe]) -> None:
     """Refuse an audit of what cannot be replayed.
 
     Raises:
-        PipenavError: nothing is reached, pipes leave the plane, or readings are not what the robot did.
+        PipenavError: nothing is reached, or pipes leave the plane.
     """
     if stage == "locate":
         raise PipenavError("--audit replays motions that reach a target or pass a pipe: stage locate has none.")
     if any(pipe.in_space for pipe in pipes):
         raise PipenavError("--audit replays motions in the plane: leave out the pipes that leave it.")
-    if disturbed:
-        raise PipenavError("--audit replays what a robot reads of itself, which --disturb falsifies: leave one out.")

@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 
 from pipenav.evaluation.audit import AuditRows
-from pipenav.evaluation.pipe_results import Amount, Count, Record
+from pipenav.evaluation.record import Amount, Count, Record
 from pipenav.units import m_to_mm
 
 
@@ -19,9 +19,9 @@ class AuditRecord(Record):
         episodes: successful episodes that were audited.
         allowed_overlap_m: overlap that the task allows [m].
         max_overlap_m: deepest overlap in a recorded pose [m]; None where nothing was audited.
-        max_overlap_between_m: deepest overlap between recorded poses [m].
+        max_overlap_between_m: deepest overlap between recorded poses, where the motion is drawn and not known [m].
         max_speed_ratio: largest speed of a joint, as a multiple of its motor's no-load speed.
-        overlapping: episodes with more overlap than is allowed, in recorded poses or between them.
+        overlapping: episodes with more overlap than is allowed in a recorded pose.
         too_fast: episodes in which a joint was faster than its motor without load.
         not_arrived: episodes whose tip was not on the target at the end, or whose tail was not through.
         broken: episodes with any of these.
@@ -46,8 +46,7 @@ class AuditRecord(Record):
             allowed: overlap that the task allows [m].
         """
         every = AuditRows(*(np.concatenate(columns) for columns in zip(AuditRows.empty(), *parts, strict=True)))
-        overlapping = np.maximum(every.overlap, every.between) > allowed
-        too_fast, lost = every.speed > 1.0, ~every.arrived
+        overlapping, too_fast, lost = every.overlap > allowed, every.speed > 1.0, ~every.arrived
         largest = [float(c.max()) if len(c) else None for c in (every.overlap, every.between, every.speed)]
         return cls(
             episodes=len(every.jobs),
@@ -72,8 +71,8 @@ class AuditRecord(Record):
         return (
             f"audit of {self.episodes:,} successful episodes by geometry: {self.broken:,} broken\n"
             f"  overlap over {m_to_mm(self.allowed_overlap_m):g} mm: {self.overlapping:,}, largest "
-            f"{m_to_mm(self.max_overlap_m):.2f} mm in recorded poses, {m_to_mm(self.max_overlap_between_m):.2f} mm "
-            "between them\n"
+            f"{m_to_mm(self.max_overlap_m):.2f} mm (on curves drawn between the recorded poses "
+            f"{m_to_mm(self.max_overlap_between_m):.2f} mm)\n"
             f"  joints faster than their motors: {self.too_fast:,}, largest {self.max_speed_ratio:.2f} of the no-load "
             f"speed; not arrived: {self.not_arrived:,}"
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, JsonValue
@@ -26,8 +27,8 @@ MOST_EPISODES = 100_000
 
 
 def not_given(value: Any) -> bool:
-    """Whether a key is left out of files: so that those of evaluations without it stay as they were."""
-    return value is None or value is False
+    """Whether a key is left out of files, so that those of evaluations that do not have it stay as they were."""
+    return value is None
 
 
 class EvaluationConfig(Table):
@@ -51,7 +52,7 @@ class EvaluationConfig(Table):
         None, gt=0, le=1, exclude_if=not_given, description="share of the successful episodes to audit by geometry"
     )
     certify: bool = Field(
-        False, exclude_if=not_given, description="whether geometry decides which episodes were possible at all"
+        False, exclude_if=operator.not_, description="whether geometry decides which episodes were possible at all"
     )
 
     @property

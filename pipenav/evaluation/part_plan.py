@@ -123,6 +123,10 @@ class PartPlan:
         """Name that tells a part, by its number from 0, from those of every other evaluation."""
         return f"part-{index:06d}-{self._digest}"
 
+    def pipe_key(self, number: int) -> str:
+        """Name of geometry's verdict on a pipe, by its number from 0, as `key` for parts."""
+        return f"pipe-{number:06d}-{self._digest}"
+
     @cached_property
     def _digest(self) -> str:
         return _digest(json.dumps(self.request()).encode())

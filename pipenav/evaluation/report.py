@@ -17,6 +17,7 @@ from pipenav.evaluation.coarse import coarse
 from pipenav.evaluation.folder import RECORD
 from pipenav.evaluation.interval import wilson
 from pipenav.evaluation.map_figure import map_figure
+from pipenav.evaluation.passability_record import PipePassability
 from pipenav.evaluation.pipe_results import DiameterRecord, PipeRecord, by_diameter
 from pipenav.evaluation.results import Evaluation
 from pipenav.evaluation.success_figure import success_figure
@@ -92,12 +93,16 @@ def _replaced(folder: Path, files: dict[str, bytes]) -> bool:
 def pipes_csv(pipes: Sequence[PipeRecord]) -> str:
     """Text of eval.csv: a row for each pipe with the keys of eval.json, failures as `limit=3 timeout=1`."""
     text = io.StringIO()
-    columns = [*PipeRecord.model_fields, *PipeRecord.model_computed_fields]
+    kept = [name for name in PipeRecord.model_fields if name not in ("passability", "trained")]
+    columns = [*kept, *PipeRecord.model_computed_fields]
+    if any(record.passability is not None for record in pipes):
+        columns += [*PipePassability.model_fields, "trained"]
     writer = csv.DictWriter(text, columns, lineterminator="\n")
     writer.writeheader()
     for record in pipes:
         failures = " ".join(f"{reason}={count}" for reason, count in record.failures.items())
-        writer.writerow(record.model_dump() | {"failures": failures})
+        row = record.model_dump() | {"failures": failures}
+        writer.writerow(row | row.pop("passability", {}))
     return text.getvalue()
 
 

@@ -13,7 +13,9 @@ from pipenav.evaluation.audit_record import AuditRecord
 from pipenav.evaluation.config import EvaluationConfig, not_given
 from pipenav.evaluation.earlier_schema import todays_evaluation
 from pipenav.evaluation.interval import wilson
-from pipenav.evaluation.pipe_results import DiameterRecord, PipeRecord, Record, Share, by_diameter
+from pipenav.evaluation.passability_record import Passability
+from pipenav.evaluation.pipe_results import DiameterRecord, PipeRecord, by_diameter
+from pipenav.evaluation.record import Record, Share
 from pipenav.storage.text_files import checked_json, read_text
 
 MAX_EVALUATION = 256 << 20
@@ -33,6 +35,7 @@ class Evaluation(Record):
         pipes: one record for each pipe, in the order in which they were given.
         diameters: one record for each diameter, widest first.
         audit: the audit of successful episodes; None and left out of the file where nobody asked for one.
+        passability: chances that geometry gave the episodes; None and left out of the file likewise.
     """
 
     schema_version: Literal[1, 2] = Field(2, alias="schema")
@@ -45,6 +48,7 @@ class Evaluation(Record):
     pipes: tuple[PipeRecord, ...] = Field(min_length=1)
     diameters: tuple[DiameterRecord, ...] = Field(min_length=1)
     audit: AuditRecord | None = Field(None, exclude_if=not_given)
+    passability: Passability | None = Field(None, exclude_if=not_given)
 
     @model_validator(mode="before")
     @classmethod
@@ -66,6 +70,7 @@ class Evaluation(Record):
         successes, episodes = sum(r.successes for r in pipes), sum(r.episodes for r in pipes)
         diameters = [DiameterRecord.of(group, (thesis or {}).get(d)) for d, group in by_diameter(pipes).items()]
         low, high = wilson(successes, episodes)
+        certified = [record.passability for record in pipes if record.passability is not None]
         return cls(
             config=config,
             robot=robot,
@@ -76,6 +81,7 @@ class Evaluation(Record):
             pipes=tuple(pipes),
             diameters=tuple(diameters),
             audit=audit,
+            passability=Passability.of(certified) if certified else None,
         )
 
     @computed_field  # type: ignore[prop-decorator]  # mypy knows no decorated properties
