@@ -159,7 +159,7 @@ def _measured(config: EvaluationConfig, out: Path | None, where: ShardedPlaceOpt
                 _run_shard(checked, store, place, shard)
                 return None
             _run(progress_console(), checked, store, place)
-            evaluation = checked.merged(store)
+            evaluation = _merged(progress_console(), checked, store, place)
         write_evaluation(folder, evaluation)
         store.remove()
     show(evaluation_table(evaluation))
@@ -167,6 +167,17 @@ def _measured(config: EvaluationConfig, out: Path | None, where: ShardedPlaceOpt
         say(f"parts were computed by {len(checked.cpus)} kinds of processors: their last digits may differ", "yellow")
     say(f"evaluation folder {folder}: {', '.join(FILES)}")
     return evaluation
+
+
+def _merged(console: Console, checked: CheckedEvaluation, store: JobStore, place: Place) -> Evaluation:
+    """Merge the parts, under a bar where geometry decides about the pipes."""
+    from pipenav.cli.progress_bars import percentage_bar
+
+    if not checked.config.certify:
+        return checked.merged(store)
+    with percentage_bar(console) as bar:
+        task = bar.add_task("deciding pipes by geometry", total=len(checked.parts.episodes.pipes))
+        return checked.merged(store, place, lambda total, done: bar.update(task, total=total, completed=done))
 
 
 @contextmanager

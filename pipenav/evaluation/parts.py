@@ -18,7 +18,7 @@ from pipenav.arrays import Flags, Floats, Ints
 from pipenav.errors import PipenavError
 from pipenav.evaluation.audit import Auditor, AuditRows
 from pipenav.evaluation.config import StageName
-from pipenav.evaluation.passage import EpisodePlan, Passages, ReportProgress, StageResult
+from pipenav.evaluation.passage import EpisodePlan, Passages, StageResult
 from pipenav.jobs import JobControl
 from pipenav.locating.locator import Variant
 from pipenav.policies.controller import AnyController

@@ -118,7 +118,7 @@ def _chances(question: Question, pipe: PipeCorner, rigid: Kind, soft: Kind) -> S
 
 
 def _episode(question: Question, pipe: PipeCorner, drawn: ReachEpisodes, pipe_is: Kind) -> Chance:
-    """Chance of one episode of an arm; where the whole pipe is proven impossible for rigid bodies, so is the episode."""
+    """Chance of one episode of an arm; where no episode of the pipe is possible for rigid bodies, this one is not."""
     task = question.task
     assert isinstance(task, ReachConfig)
 
@@ -146,6 +146,6 @@ def check_certified_stage(stage: str) -> None:
     """
     if stage not in ("reach", "traverse"):
         raise PipenavError(
-            f"--certify decides about given targets and whole robots, and stage {stage} goes on from what a robot found "
-            "or did: choose stage reach, or leave out --certify."
+            f"--certify decides about given targets and whole robots, and stage {stage} goes on from what a robot "
+            "found: choose stage reach, or leave out --certify."
         )

@@ -1,4 +1,4 @@
-"""Passability of pipes and episodes, as written to eval.json. docs/formats/evaluation-folder.md describes the format."""
+"""Passability of pipes and episodes in eval.json. docs/formats/evaluation-folder.md describes the format."""
 
 from __future__ import annotations
 

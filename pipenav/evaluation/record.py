@@ -1,4 +1,4 @@
-"""Base of the records in eval.json, and the types of their numbers. docs/formats/evaluation-folder.md describes them."""
+"""Base of the records in eval.json, and types of their numbers. docs/formats/evaluation-folder.md has them."""
 
 from __future__ import annotations
 
