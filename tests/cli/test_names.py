@@ -17,7 +17,8 @@ from pipenav.pipes.corner_sets import corner_set_names
 from pipenav.pipes.route_sets import route_set_names
 from pipenav.policies.named import BASELINES
 from pipenav.policies.policy import policy_names
-from pipenav.robots.robot import RobotSpec, load_robot, robot_names
+from pipenav.robots.robot import RobotSpec, load_robot
+from pipenav.robots.variants import robot_names
 from pipenav.tuning.space import space_names
 
 NAMES = {

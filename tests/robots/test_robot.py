@@ -9,7 +9,8 @@ import pytest
 from pydantic import ValidationError
 
 from pipenav.errors import ConfigError, FileProblem, UnknownName
-from pipenav.robots.robot import RobotSpec, load_robot, robot_names
+from pipenav.robots.robot import RobotSpec, load_robot
+from pipenav.robots.variants import robot_names
 from pipenav.storage.shipped import robots_dir
 
 TEXT = (robots_dir() / "basic" / "robot.toml").read_text(encoding="utf-8")
