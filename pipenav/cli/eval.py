@@ -94,7 +94,7 @@ class LoadOptions(OptionGroup):
 
 @dataclass(frozen=True)
 class ResultOptions(OptionGroup):
-    """Place of the result, and what else geometry says of it."""
+    """Result of an evaluation: its folder, what it must reach, and what geometry says of it."""
 
     panel: ClassVar[str] = RESULT
     out: OutOption = None
@@ -119,23 +119,19 @@ def evaluate(
 ) -> None:
     """Measure in which pipes a policy passes: success with 95 % intervals, failures, ranges, contact, pictures.
 
-    Every stage begins where the one before ended. Success of `rear` is a share of the episodes whose front half
-    reached its target. The result is the same wherever it runs. Finished parts are kept: after Ctrl-C the same command
-    goes on from there.
+    Every stage begins where the one before ended. Success of `rear` is a share of the episodes whose front half reached
+    its target. The result is the same wherever it runs. After Ctrl-C the same command goes on from what is finished.
 
     Examples:
 
         pipenav eval --policy runs/arm/best.zip
-        pipenav eval --policy arm --pipes thesis --episodes 100
+        pipenav eval --policy arm --pipes thesis --episodes 100 --jobs 2
         pipenav eval --policy arm --stage passage --episodes 50
         pipenav eval --stage locate --robot high-fidelity --pipes thesis
         pipenav eval --policy pirate --pipes runs-level --option timestep=0.001
         pipenav eval --policy arm --disturb real-world --require 90%
-        pipenav eval --policy arm --max-force 100
-        pipenav eval --policy pirate --pipes d=100,angle=90 --tether 100 --cable-friction 0.6
-        pipenav eval --policy arm --episodes 100 --jobs 2
-        pipenav eval --policy arm --audit 10%
-        pipenav eval --policy pirate --pipes d=70,angle=55 --pipes d=60,angle=55 --certify
+        pipenav eval --policy pirate --pipes d=100,angle=90 --tether 100 --max-force 100
+        pipenav eval --policy pirate --pipes d=60,angle=55 --certify --audit 10%
     """
     from pipenav.evaluation.config import EvaluationConfig, todays_stage
 
@@ -156,8 +152,7 @@ def evaluate(
         audit=None if result.audit is None else audited_share(result.audit),
         certify=result.certify,
     )
-    evaluation = _measured(config, result.out, where)
-    if evaluation is not None and required is not None and evaluation.success < required:
+    if (evaluation := _measured(config, result.out, where)) and evaluation.success < required:
         raise PipenavError(f"success {100 * evaluation.success:.6g}% is below the required {result.require}.")
 
 
@@ -228,10 +223,10 @@ def _run_shard(checked: CheckedEvaluation, store: JobStore, place: Place, number
     say(f"share {shard} is done in {store.folder}: {left}; the same command without --shard writes the evaluation")
 
 
-def _required_share(text: str | None, where: ShardedPlaceOptions) -> float | None:
-    """The share of successes that is required, from a percentage as it was typed."""
+def _required_share(text: str | None, where: ShardedPlaceOptions) -> float:
+    """The share of successes that is required, from a percentage as it was typed; 0 where none is."""
     if text is None:
-        return None
+        return 0.0
     if where.shard is not None:
         refuse_ignored({"--require": text}, "a share of an evaluation has no success yet")
     return share_of(text, "--require")

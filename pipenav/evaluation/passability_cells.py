@@ -67,7 +67,7 @@ class CertifiedCell(NamedTuple):
 
     @property
     def words(self) -> str:
-        """Description of the episodes that failed; empty where none did."""
+        """Kinds of the episodes that failed, with their counts; empty where none did."""
         chances = self.chances
         kinds = {
             "gap": chances.gaps,
