@@ -39,6 +39,9 @@ ROBOT_HELP = "Robot of --stage locate (basic) or of a baseline; a policy brings 
 PIPES_HELP = (
     "Shipped set, FILE.toml or d=90,angle=60[,turn=right]; for a whole robot also sets and files of routes; repeatable."
 )
+TETHER_HELP = "Length of cable behind a whole robot at the start, in straight, level pipe [m]: 0-100000."
+CABLE_HELP = "Friction of that cable in the pipe: 0.3 for PVC, 0.6 for corroded steel."
+FORCE_HELP = "Largest contact force on any one link [N]: an episode with more has failed."
 DISTURB_HELP = "Disturbances, by name or as FILE.toml; see `pipenav list disturbances`."
 AUDIT_HELP = "Replay this share of the successful episodes, 10% or 0.1, by geometry alone, without the simulator."
 CERTIFY_HELP = "Decide by geometry which episodes were possible at all, as `pipenav certify` does, in the plane."
@@ -58,6 +61,11 @@ PipesOption = Annotated[list[str] | None, typer.Option(help=PIPES_HELP, rich_hel
 EpisodesOption = Annotated[int, typer.Option(min=1, max=100_000, help="Episodes per pipe.", rich_help_panel=EPISODES)]
 SeedOption = Annotated[int, typer.Option(min=0, help="Seed of starts and targets.", rich_help_panel=EPISODES)]
 DisturbOption = Annotated[str | None, typer.Option(help=DISTURB_HELP, rich_help_panel=SIMULATOR)]
+TetherOption = Annotated[float | None, typer.Option(help=TETHER_HELP, min=0, max=100_000, rich_help_panel=EPISODES)]
+CableOption = Annotated[
+    float | None, typer.Option(help=CABLE_HELP, min=0, max=3, show_default="0.3", rich_help_panel=EPISODES)
+]
+ForceOption = Annotated[float | None, typer.Option(help=FORCE_HELP, min=0.001, max=1e6, rich_help_panel=EPISODES)]
 OutOption = Annotated[Path | None, typer.Option(help="Evaluation folder; default beside the policy.")]
 RequireOption = Annotated[str | None, typer.Option(metavar="PERCENT", help="Exit code 1 below this success, for CI.")]
 AuditOption = Annotated[str | None, typer.Option(metavar="SHARE", help=AUDIT_HELP)]
@@ -74,6 +82,17 @@ class SimulatorOptions(OptionGroup):
 
 
 @dataclass(frozen=True)
+class LoadOptions(OptionGroup):
+    """Loads that make episodes harder."""
+
+    panel: ClassVar[str] = EPISODES
+    disturb: DisturbOption = None
+    tether: TetherOption = None
+    cable_friction: CableOption = None
+    max_force: ForceOption = None
+
+
+@dataclass(frozen=True)
 class ResultOptions(OptionGroup):
     """Result of an evaluation: its folder, what it must reach, and what geometry says of it."""
 
@@ -87,6 +106,7 @@ class ResultOptions(OptionGroup):
 @takes_option_groups
 def evaluate(
     simulator: SimulatorOptions,
+    loads: LoadOptions,
     result: ResultOptions,
     where: ShardedPlaceOptions,
     policy: PolicyOption = None,
@@ -96,7 +116,6 @@ def evaluate(
     pipes: PipesOption = None,
     episodes: EpisodesOption = 20,
     seed: SeedOption = 0,
-    disturb: DisturbOption = None,
 ) -> None:
     """Measure in which pipes a policy passes: success with 95 % intervals, failures, ranges, contact, pictures.
 
@@ -109,9 +128,9 @@ def evaluate(
         pipenav eval --policy arm --pipes thesis --episodes 100 --jobs 2
         pipenav eval --policy arm --stage passage --episodes 50
         pipenav eval --stage locate --robot high-fidelity --pipes thesis
-        pipenav eval --policy baseline:centreline --pipes d=90,angle=60 --pipes d=90,angle=60,turn=right
         pipenav eval --policy pirate --pipes runs-level --option timestep=0.001
         pipenav eval --policy arm --disturb real-world --require 90%
+        pipenav eval --policy pirate --pipes d=100,angle=90 --tether 100 --max-force 100
         pipenav eval --policy pirate --pipes d=60,angle=55 --certify --audit 10%
     """
     from pipenav.evaluation.config import EvaluationConfig, todays_stage
@@ -129,7 +148,7 @@ def evaluate(
         variant=variant or "map",
         backend=simulator.backend,
         options=checked_options(simulator.backend, simulator.option or []),
-        disturb=disturb,
+        **vars(loads),
         audit=None if result.audit is None else audited_share(result.audit),
         certify=result.certify,
     )

@@ -120,6 +120,8 @@ def evaluation_table(evaluation: Evaluation) -> RenderableType:
     p99 = evaluation.penetration_p99_m
     if p99 is not None:
         where.append(f"\noverlap with the wall at most {m_to_mm(p99):.2f} mm in 99 % of the episodes")
+    if evaluation.force_p99_n is not None:
+        where.append(f"\npeak force at most {evaluation.force_p99_n:.0f} N in 99 % of the episodes")
     if evaluation.audit is not None:
         where.append(f"\n{evaluation.audit.words}")
     if evaluation.passability is not None:
