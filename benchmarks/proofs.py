@@ -36,7 +36,7 @@ from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.reach.episode import check_fits
 from pipenav.units import m_to_mm
 
-POLICIES = ("arm", "real-setup", "high-fidelity", "pirate")
+POLICIES = ("arm", "real-setup", "high-fidelity", "pirate", "pirate-strong")
 ANGLES_DEG = (45, 60, 90, 120, 135)
 BELOW_MM = (0.0, 0.5, 1.0, 2.0, 4.0)
 """Distances of the bores below the largest one that is proven impossible."""
