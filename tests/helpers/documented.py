@@ -183,6 +183,12 @@ def _experiment(options: Options) -> Options:
     return options._replace(arguments=("e",)).without(DROPPED).plus(*small, ("--out", "reported"))
 
 
+def _export(options: Options) -> Options:
+    """A few observations of one corner to compare on."""
+    small = (("--observations", "50"), ("--pipes", "d=100,angle=90"))
+    return options.without(("--observations", "--pipes")).plus(*small)
+
+
 def _tune(options: Options) -> Options:
     """A search of two trials in one corner, each as short as a documented training."""
     settings = [("--set", setting) for setting in (*TRAINING, 'pipes=["d=100,angle=90"]', "task.max_steps=10")]
@@ -209,6 +215,7 @@ RULES: dict[str, Callable[[Options], Options]] = {
     "compare-backends": _as_it_stands,
     "eval": _eval,
     "experiment": _experiment,
+    "export": _export,
     "gen-pipe": _as_it_stands,
     "hw-check": _as_it_stands,
     "list": _as_it_stands,
