@@ -42,6 +42,7 @@ LEFT = {
     "drawing": 2.38,
     "backends": 6.1,
     "networks": 7.8,
+    "pages": 9.6,
     "pipes": 2.6,
     "robots": 5.8,
     "jobs": 10.2,

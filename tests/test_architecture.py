@@ -20,7 +20,7 @@ FLOORS: list[set[str]] = [
     {"errors", "units", "arrays"},
     {"storage", "processes"},
     {"jobs", "pipes", "robots"},
-    {"backends", "drawing", "networks"},
+    {"backends", "drawing", "networks", "pages"},
     {"tasks", "disturbances", "locating", "export", "testing"},
     {"policies", "motions", "envs"},
     {"certify"},
