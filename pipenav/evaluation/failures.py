@@ -78,8 +78,8 @@ class Failure(Table):
 class Failures(Table):
     """All failed episodes of an evaluation, in order of their numbers."""
 
-    schema_version: Literal[1] = Field(1, alias="schema")
-    failures: tuple[Failure, ...] = Field((), strict=False)
+    schema_version: Literal[1] = Field(alias="schema")
+    failures: tuple[Failure, ...] = Field(strict=False)
 
     def to_json(self) -> str:
         return self.model_dump_json(by_alias=True) + "\n"

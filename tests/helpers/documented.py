@@ -166,7 +166,12 @@ def _eval(options: Options) -> Options:
 
 
 def _view(options: Options) -> Options:
-    """The same motion as a strip instead of a film; the film of the policy `arm` stays one."""
+    """The same motion as a strip instead of a film; the film of the policy `arm` stays one.
+
+    An evaluation's folder is the one of the last documented evaluation, whose only episode has number 0.
+    """
+    if options.has("--eval"):
+        return options.without(("--eval", "--episode")).plus(("--eval", "evaluated"), ("--episode", "0"))
     strips = options.value("--policy") != "arm"
 
     def smaller(name: str, value: str | None) -> tuple[str, str | None]:
