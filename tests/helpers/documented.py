@@ -168,7 +168,7 @@ def _eval(options: Options) -> Options:
 def _view(options: Options) -> Options:
     """The same motion as a strip instead of a film; the film of the policy `arm` stays one.
 
-    An evaluation's folder is the one of the last documented evaluation, whose only episode has number 0.
+    An evaluation's folder is the workshop's, whose only episode has number 0.
     """
     if options.has("--eval"):
         return options.without(("--eval", "--episode")).plus(("--eval", "evaluated"), ("--episode", "0"))
