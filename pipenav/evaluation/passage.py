@@ -18,6 +18,7 @@ from pipenav.backends.backend import Simulator
 from pipenav.backends.simulators import DEFAULT_SIMULATOR, SimulatorSettings
 from pipenav.disturbances.disturbance import UNDISTURBED, Disturbance
 from pipenav.disturbances.disturbed_backend import disturbed
+from pipenav.evaluation.audit import Auditor
 from pipenav.evaluation.episode_runner import (
     EpisodeQueue,
     EpisodeResults,
@@ -31,7 +32,7 @@ from pipenav.evaluation.locate_stage import LocateStage
 from pipenav.evaluation.rear_stage import RearStage
 from pipenav.evaluation.recorded_stage import RecordedStage
 from pipenav.evaluation.rolling_stage import rolling_stage
-from pipenav.evaluation.stage import Stage, TaskStage
+from pipenav.evaluation.stage import Stage, TaskStage, gentle
 from pipenav.locating.locator import LocateConfig, Variant, robot_for
 from pipenav.locating.variants import LOCATORS
 from pipenav.motions.mirror import join, rear_motion
@@ -67,6 +68,7 @@ class EpisodePlan:
         seed: seed of starts and, where none is located, of targets.
         simulator: the simulator.
         disturbance: disturbances, drawn anew in every stage.
+        max_force: contact force on any one link beyond which an episode fails [N]; None for no limit.
         first: number of the first episode, where the first pipe begins with a later one than 0.
         count: number of episodes in all; None for as many as the pipes have.
         chosen: numbers of the episodes where only some are run, in order; None for all of them.
@@ -79,6 +81,7 @@ class EpisodePlan:
     seed: int
     simulator: SimulatorSettings = DEFAULT_SIMULATOR
     disturbance: Disturbance = UNDISTURBED
+    max_force: float | None = None
     first: int = 0
     count: int | None = None
     chosen: Sequence[int] | None = None
@@ -129,11 +132,17 @@ class Passages:
         plan: the episodes.
         report_progress: see `ReportProgress`.
         keep_motions: whether results have the motions, which the rear half needs, and which take most of the memory.
+        auditor: audits successful episodes of the task as they end; None for no audit.
     """
 
     def __init__(
-        self, plan: EpisodePlan, report_progress: ReportProgress = report_nothing, keep_motions: bool = True
+        self,
+        plan: EpisodePlan,
+        report_progress: ReportProgress = report_nothing,
+        keep_motions: bool = True,
+        auditor: Auditor | None = None,
     ) -> None:
+        self._auditor = auditor
         self._plan, self._report_progress, self._keep_motions = plan, report_progress, keep_motions
         self._task = task_of(plan.task)
         self._pipes = [plan.pipes[number // plan.episodes] for number in plan.numbers]
@@ -186,7 +195,9 @@ class Passages:
             results.put(np.searchsorted(jobs, flat), found)
             in_plane = int((found.outcome == Outcome.REACHED).sum())
         in_space = run_queue(
-            lambda queue: rolling_stage(controller, self._plan.simulator, queue),
+            lambda queue: gentle(
+                rolling_stage(controller, self._plan.task, self._plan.simulator, queue), self._plan.max_force
+            ),
             lambda i: self._given(int(rolled[i])),
             len(rolled),
             max(robots_for(len(rolled)), min(len(rolled), usable_cores())),
@@ -215,7 +226,8 @@ class Passages:
 
         def make(simulator: Simulator, queue: EpisodeQueue[Motion]) -> Stage:
             n = len(queue.running)
-            return RearStage(robot, self._disturbed(simulator, n), n, queue.take, task)
+            stage = RearStage(robot, self._disturbed(simulator, n), n, queue.take, task)
+            return gentle(stage, self._plan.max_force)
 
         results = run_stage(
             make,
@@ -255,15 +267,22 @@ class Passages:
             return _nothing(robot)
         recorded: list[RecordedStage] = []
         pipes = [self._pipes[job] for job in jobs]
-        most_steps = self._plan.task.max_steps * max(len(pipe.interior_angles) for pipe in pipes)
-        rows = most_steps + 1 if self._keep_motions else 0
+        most_steps = self._task.most_steps(self._plan.robot, pipes)
+        auditor, motions = self._auditor if name == self._task.stage else None, dict[int, Floats]()
+        hears = self._keep_motions or auditor is not None
 
         def begin(i: int) -> Any:
             return start(int(jobs[i]))
 
+        def hear(i: int, reached: bool, motion: Floats) -> None:
+            if self._keep_motions:
+                motions[i] = motion.copy()
+            if auditor is not None and i >= 0 and reached and auditor.wants(job := int(jobs[i])):
+                auditor.audit(job, begin(i), motion)
+
         def make_recorded(simulator: Simulator, queue: EpisodeQueue[Any]) -> Stage:
-            stage = make(self._disturbed(simulator, len(queue.running)), queue)
-            recorded.append(RecordedStage(stage, queue, begin, rows))
+            stage = gentle(make(self._disturbed(simulator, len(queue.running)), queue), self._plan.max_force)
+            recorded.append(RecordedStage(stage, queue, begin, most_steps + 1, hear if hears else None))
             return recorded[0]
 
         def report(done: int, successes: int) -> None:
@@ -272,8 +291,8 @@ class Passages:
         results = run_stage(make_recorded, robot, begin, pipes, self._plan.simulator, report)
         (kept,) = recorded
         targets = [kept.targets.get(i, np.full(2, np.nan)) for i in range(len(jobs))]
-        motions = [kept.motions[i] for i in range(len(jobs))] if self._keep_motions else []
-        return StageResult(jobs, results, motions, np.reshape(targets, (-1, 2)))
+        kept_motions = [motions[i] for i in range(len(jobs))] if self._keep_motions else []
+        return StageResult(jobs, results, kept_motions, np.reshape(targets, (-1, 2)))
 
 
 def _nothing(robot: RobotSpec) -> StageResult:

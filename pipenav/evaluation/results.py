@@ -4,19 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Any, Literal, NamedTuple, Self
 
 from pydantic import Field, JsonValue, ValidationError, computed_field, model_validator
 
 from pipenav.errors import ConfigError
-from pipenav.evaluation.config import EvaluationConfig
+from pipenav.evaluation.audit_record import AuditRecord
+from pipenav.evaluation.config import EvaluationConfig, not_given
 from pipenav.evaluation.earlier_schema import todays_evaluation
 from pipenav.evaluation.interval import wilson
-from pipenav.evaluation.pipe_results import DiameterRecord, PipeRecord, Record, Share, by_diameter
+from pipenav.evaluation.passability_record import Passability
+from pipenav.evaluation.pipe_results import DiameterRecord, PipeRecord, by_diameter
+from pipenav.evaluation.record import Record, Share
 from pipenav.storage.text_files import checked_json, read_text
 
 MAX_EVALUATION = 256 << 20
 """Largest eval.json that is read [bytes]; that of 100,000 pipes has 71 MB."""
+
+
+class Extremes(NamedTuple):
+    """99th percentiles over the episodes of an evaluation.
+
+    Attributes:
+        penetration: of the deepest overlap [m].
+        force: of the peak contact force [N].
+    """
+
+    penetration: float
+    force: float
 
 
 class Evaluation(Record):
@@ -29,8 +44,11 @@ class Evaluation(Record):
         success: share of all episodes that passed every stage that was run.
         success_low, success_high: ends of the 95 % interval of that share.
         penetration_p99_m: 99th percentile over the episodes of the deepest overlap [m].
+        force_p99_n: 99th percentile over the episodes of the peak contact force [N].
         pipes: one record for each pipe, in the order in which they were given.
         diameters: one record for each diameter, widest first.
+        audit: the audit of successful episodes; None and left out of the file where nobody asked for one.
+        passability: chances that geometry gave the episodes; None and left out of the file likewise.
     """
 
     schema_version: Literal[1, 2] = Field(2, alias="schema")
@@ -40,8 +58,11 @@ class Evaluation(Record):
     success_low: Share
     success_high: Share
     penetration_p99_m: float | None = None
+    force_p99_n: float | None = None
     pipes: tuple[PipeRecord, ...] = Field(min_length=1)
     diameters: tuple[DiameterRecord, ...] = Field(min_length=1)
+    audit: AuditRecord | None = Field(None, exclude_if=not_given)
+    passability: Passability | None = Field(None, exclude_if=not_given)
 
     @model_validator(mode="before")
     @classmethod
@@ -55,22 +76,27 @@ class Evaluation(Record):
         *,
         config: EvaluationConfig,
         robot: str,
-        penetration_p99_m: float | None = None,
+        extremes: Extremes | None = None,
         thesis: Mapping[float, float] | None = None,
+        audit: AuditRecord | None = None,
     ) -> Self:
         """An evaluation of at least one pipe; `thesis` holds figures [percent] to compare with, by diameter [mm]."""
         successes, episodes = sum(r.successes for r in pipes), sum(r.episodes for r in pipes)
         diameters = [DiameterRecord.of(group, (thesis or {}).get(d)) for d, group in by_diameter(pipes).items()]
         low, high = wilson(successes, episodes)
+        certified = [record.passability for record in pipes if record.passability is not None]
         return cls(
             config=config,
             robot=robot,
             success=successes / episodes,
             success_low=low,
             success_high=high,
-            penetration_p99_m=penetration_p99_m,
+            penetration_p99_m=None if extremes is None else extremes.penetration,
+            force_p99_n=None if extremes is None else extremes.force,
             pipes=tuple(pipes),
             diameters=tuple(diameters),
+            audit=audit,
+            passability=Passability.of(certified) if certified else None,
         )
 
     @computed_field  # type: ignore[prop-decorator]  # mypy knows no decorated properties
