@@ -1,0 +1,193 @@
+"""The door between those who drive and the robot: a person's wishes and a policy's commands become set-points that never
+jump, whoever drives and whenever they change."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from pipenav.arrays import Floats
+from pipenav.backends.messages import Reading
+from pipenav.driving.ask import NOTHING, PERSON, POLICY, Ask, Operator, Seen
+from pipenav.driving.slew import Slew, SlewLimits
+from pipenav.driving.steps import StepDriver
+from pipenav.driving.tip import TipDriver
+from pipenav.errors import PipenavError
+from pipenav.pipes.corner import PipeCorner
+from pipenav.robots import kinematics
+from pipenav.robots.robot import RobotSpec
+from pipenav.tasks.rolling.clamp import forward_directions
+
+TURNING_LEASH, SLIDING_LEASH = 0.25, 0.025
+"""Largest distance of a person's set-point from its joint [rad, m]: enough for its full effort, little to spring back
+from."""
+
+STEPS_ONLY = "steps are for a whole robot in a single corner"
+"""Why a step that was asked for did not begin."""
+
+
+class Scene(NamedTuple):
+    """What is known when an episode begins: the pipe as it is drawn, and about where the robot lies.
+
+    Attributes:
+        pipe: the pipe; None where it is no single corner.
+        tip_gap: distance of the tip before the inner wall's bend, about [m].
+        target: target of the tip in the robot's own frame, (2,) [m]; None where there is none.
+    """
+
+    pipe: PipeCorner | None
+    tip_gap: float
+    target: Floats | None
+
+
+class Door:
+    """One robot's door.
+
+    Args:
+        robot: the robot.
+        operator: who drives it; None for the policy alone.
+        has_policy: whether a policy drives while the operator does not.
+
+    Attributes:
+        who: who drove the last control step, `person` or `policy`.
+        asked: what was asked for in it.
+        takeovers: how often the person took over from the policy in this episode.
+        said: what the screen says about it.
+    """
+
+    def __init__(self, robot: RobotSpec, operator: Operator | None, has_policy: bool) -> None:
+        self._robot, self._operator, self._has_policy = robot, operator, has_policy
+        self._joints = len(robot.joints)
+        self._slew = Slew(SlewLimits.of(robot), self._joints)
+        self._leash = np.where(robot.hinges, TURNING_LEASH, SLIDING_LEASH)
+        self._names = [joint.name for joint in robot.joints]
+        self._wheels = SlewLimits.of(robot).upper[self._joints :]
+        self._steps: StepDriver | None = None
+        self._tip: TipDriver | None = None
+        self._steering = self._stepping = False
+        self._tick = 0
+        self._scene = Scene(None, 0.0, None)
+        self.who, self.asked, self.takeovers, self.said = PERSON, NOTHING, 0, ""
+
+    @property
+    def command(self) -> Floats:
+        """The last command, (actuators,)."""
+        return self._slew.last.copy()
+
+    @property
+    def step(self) -> str:
+        """The step that is under way; empty where none is."""
+        return self._steps.step if self._steps is not None and self._stepping else ""
+
+    def start(self, reading: Reading, scene: Scene) -> None:
+        """Begin an episode; readings are rows of one."""
+        self._slew.start(reading.q[0])
+        self._steps = self._tip = None
+        if self._robot.free and scene.pipe is not None:
+            self._steps = StepDriver(self._robot, scene.pipe, scene.tip_gap, reading)
+        if not self._robot.free:
+            self._tip = TipDriver(self._robot, reading.q[0])
+        self._steering = self._stepping = False
+        self._tick, self._scene = 0, scene
+        self.who = POLICY if self._has_policy else PERSON
+        self.asked, self.takeovers, self.said = NOTHING, 0, ""
+
+    def next(self, reading: Reading, policy: Floats | None) -> Floats:
+        """The command of the next control step, (actuators,).
+
+        Args:
+            reading: readings of the robot's sensors, rows of one.
+            policy: what the policy would command, (actuators,); None without one.
+
+        Raises:
+            OperatorLost: the person's device is gone.
+        """
+        if self._steps is not None:
+            self._steps.see(reading)
+        asked = NOTHING if self._operator is None else self._operator.ask(self._seen(reading))
+        self.asked = asked
+        self._tick += 1
+        if policy is not None and not asked.active:
+            if self.who == PERSON:
+                self._slew.hand_over()
+            self.who, self._steering, self._stepping = POLICY, False, False
+            return self._slew.policy(policy)
+        if self.who == POLICY:
+            self.takeovers += 1
+        self.who = PERSON
+        return self._by_hand(asked, reading)
+
+    def _seen(self, reading: Reading) -> Seen:
+        done = self._steps is not None and self._stepping and self._steps.done
+        scene = self._scene
+        return Seen(self._tick, reading, self.step, done, scene.target, scene.pipe, scene.tip_gap)
+
+    def _by_hand(self, asked: Ask, reading: Reading) -> Floats:
+        """The person's command for a control step, (actuators,)."""
+        self.said = ""
+        if asked.step:
+            self._begin(asked.step)
+        by_joint = bool(asked.joints or asked.positions or asked.wheels)
+        if asked.quiet or by_joint or asked.tip is not None:
+            self._stepping = False
+        if asked.tip is not None and self._tip is not None:
+            return self._steered(asked.tip, reading)
+        self._steering = False
+        if self._stepping and self._steps is not None:
+            goal = self._steps.goal(reading)
+            self.said = self._steps.refusal or self.said
+            return self._slew.person(np.concatenate([self._leashed(goal.set_points, reading), goal.wheels]))
+        return self._joint_by_joint(asked, reading)
+
+    def _begin(self, step: str) -> None:
+        if self._steps is None:
+            self.said = STEPS_ONLY
+            return
+        self._stepping = True
+        self._steps.begin(step)
+        self.said = self._steps.refusal
+
+    def _joint_by_joint(self, asked: Ask, reading: Reading) -> Floats:
+        goal, speed = self._slew.last.copy(), np.ones(self._joints)
+        for name, share in asked.joints.items():
+            i = self._names.index(name)
+            goal[i] = np.inf if share > 0 else -np.inf
+            speed[i] = min(abs(share), 1.0)
+        for name, position in asked.positions.items():
+            goal[self._names.index(name)] = position
+        moved = [*asked.joints, *asked.positions]
+        leashed = self._leashed(goal[: self._joints], reading)
+        for name in moved:
+            i = self._names.index(name)
+            goal[i] = leashed[i]
+        if len(self._wheels):
+            forwards = forward_directions(reading.q)[0]
+            goal[self._joints :] = np.clip(asked.wheels, -1.0, 1.0) * self._wheels * forwards
+        return self._slew.person(goal, speed)
+
+    def _steered(self, tip: tuple[float, float], reading: Reading) -> Floats:
+        assert self._tip is not None
+        before = self._slew.last[: self._joints]
+        if not self._steering:
+            self._tip.restart(before)
+            self._steering = True
+        lag = float((np.abs(before - reading.q[0]) / self._leash).max())
+        share = max(0.0, 1.0 - lag) if tip[0] >= 0 else 1.0
+        heading = float(kinematics.forward(self._robot, reading.q).headings[0, -1])
+        goal = self._tip.move(tip[0] * share, tip[1] * share, heading)
+        return self._slew.person(np.concatenate([goal, self._slew.last[self._joints :]]))
+
+    def _leashed(self, goal: Floats, reading: Reading) -> Floats:
+        return np.clip(goal, reading.q[0] - self._leash, reading.q[0] + self._leash)
+
+
+def known_joint(robot: RobotSpec, name: str) -> None:
+    """Refuse the name of a joint that a robot does not have.
+
+    Raises:
+        PipenavError: the robot has no such joint.
+    """
+    names = [joint.name for joint in robot.joints]
+    if name not in names:
+        raise PipenavError(f"robot {robot.name!r} has no joint {name!r}: choose one of {', '.join(names)}.")
