@@ -58,6 +58,7 @@ class Seen(NamedTuple):
         target: target of the tip in the robot's own frame, (2,) [m]; None where there is none.
         pipe: the corner as it is drawn; None where the pipe is none, or not known.
         tip_gap: distance of the tip before the inner wall's bend at the start, about [m].
+        who: who drove the control step before.
     """
 
     tick: int
@@ -67,6 +68,7 @@ class Seen(NamedTuple):
     target: Floats | None = None
     pipe: PipeCorner | None = None
     tip_gap: float = 0.0
+    who: str = PERSON
 
 
 class Operator(Protocol):

@@ -10,10 +10,10 @@ import numpy as np
 from pipenav.arrays import Floats
 from pipenav.backends.messages import Reading
 from pipenav.driving.ask import NOTHING, PERSON, POLICY, Ask, Operator, Seen
+from pipenav.driving.primitives import AS_STEPS, DIRECTIONS, FRONT_FIRST, NO_ROLL, Clamped
 from pipenav.driving.slew import Slew, SlewLimits
-from pipenav.driving.steps import StepDriver
+from pipenav.driving.steps import STEPS, StepDriver
 from pipenav.driving.tip import TipDriver
-from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots import kinematics
 from pipenav.robots.robot import RobotSpec
@@ -50,6 +50,7 @@ class Door:
         has_policy: whether a policy drives while the operator does not.
 
     Attributes:
+        robot: the robot.
         who: who drove the last control step, `person` or `policy`.
         asked: what was asked for in it.
         takeovers: how often the person took over from the policy in this episode.
@@ -57,15 +58,17 @@ class Door:
     """
 
     def __init__(self, robot: RobotSpec, operator: Operator | None, has_policy: bool) -> None:
-        self._robot, self._operator, self._has_policy = robot, operator, has_policy
+        self.robot, self._operator, self._has_policy = robot, operator, has_policy
         self._joints = len(robot.joints)
         self._slew = Slew(SlewLimits.of(robot), self._joints)
         self._leash = np.where(robot.hinges, TURNING_LEASH, SLIDING_LEASH)
         self._names = [joint.name for joint in robot.joints]
         self._wheels = SlewLimits.of(robot).upper[self._joints :]
         self._steps: StepDriver | None = None
+        self._clamped: Clamped | None = None
         self._tip: TipDriver | None = None
-        self._steering = self._stepping = False
+        self._steering = False
+        self._under_way = ""  # the step or primitive that goes on by itself
         self._tick = 0
         self._scene = Scene(None, 0.0, None)
         self.who, self.asked, self.takeovers, self.said = PERSON, NOTHING, 0, ""
@@ -77,18 +80,19 @@ class Door:
 
     @property
     def step(self) -> str:
-        """The step that is under way; empty where none is."""
-        return self._steps.step if self._steps is not None and self._stepping else ""
+        """The step or primitive that is under way; empty where none is."""
+        return self._under_way
 
     def start(self, reading: Reading, scene: Scene) -> None:
         """Begin an episode; readings are rows of one."""
         self._slew.start(reading.q[0])
-        self._steps = self._tip = None
-        if self._robot.free and scene.pipe is not None:
-            self._steps = StepDriver(self._robot, scene.pipe, scene.tip_gap, reading)
-        if not self._robot.free:
-            self._tip = TipDriver(self._robot, reading.q[0])
-        self._steering = self._stepping = False
+        self._steps = self._tip = self._clamped = None
+        if self.robot.free and scene.pipe is not None:
+            self._steps = StepDriver(self.robot, scene.pipe, scene.tip_gap, reading)
+            self._clamped = Clamped(self.robot, scene.pipe.radius)
+        if not self.robot.free:
+            self._tip = TipDriver(self.robot, reading.q[0])
+        self._steering, self._under_way = False, ""
         self._tick, self._scene = 0, scene
         self.who = POLICY if self._has_policy else PERSON
         self.asked, self.takeovers, self.said = NOTHING, 0, ""
@@ -111,7 +115,7 @@ class Door:
         if policy is not None and not asked.active:
             if self.who == PERSON:
                 self._slew.hand_over()
-            self.who, self._steering, self._stepping = POLICY, False, False
+            self.who, self._steering, self._under_way = POLICY, False, ""
             return self._slew.policy(policy)
         if self.who == POLICY:
             self.takeovers += 1
@@ -119,34 +123,48 @@ class Door:
         return self._by_hand(asked, reading)
 
     def _seen(self, reading: Reading) -> Seen:
-        done = self._steps is not None and self._stepping and self._steps.done
+        done = self._steps is not None and self._under_way in STEPS and self._steps.done
         scene = self._scene
-        return Seen(self._tick, reading, self.step, done, scene.target, scene.pipe, scene.tip_gap)
+        return Seen(self._tick, reading, self.step, done, scene.target, scene.pipe, scene.tip_gap, self.who)
 
     def _by_hand(self, asked: Ask, reading: Reading) -> Floats:
         """The person's command for a control step, (actuators,)."""
-        self.said = ""
+        if asked != NOTHING:
+            self.said = ""
         if asked.step:
-            self._begin(asked.step)
+            self._begin(asked.step, reading)
         by_joint = bool(asked.joints or asked.positions or asked.wheels)
         if asked.quiet or by_joint or asked.tip is not None:
-            self._stepping = False
+            self._under_way = ""
         if asked.tip is not None and self._tip is not None:
             return self._steered(asked.tip, reading)
         self._steering = False
-        if self._stepping and self._steps is not None:
+        if self._under_way in STEPS and self._steps is not None:
             goal = self._steps.goal(reading)
-            self.said = self._steps.refusal or self.said
             return self._slew.person(np.concatenate([self._leashed(goal.set_points, reading), goal.wheels]))
+        if self._under_way and self._clamped is not None:
+            goals = self._clamped.goal(reading)
+            goals[: self._joints] = self._leashed(goals[: self._joints], reading)
+            return self._slew.person(goals)
         return self._joint_by_joint(asked, reading)
 
-    def _begin(self, step: str) -> None:
-        if self._steps is None:
+    def _begin(self, name: str, reading: Reading) -> None:
+        """Begin a step or a primitive, or say why not."""
+        if self._steps is None or self._clamped is None:
             self.said = STEPS_ONLY
-            return
-        self._stepping = True
-        self._steps.begin(step)
-        self.said = self._steps.refusal
+        elif name == "roll":
+            self.said = NO_ROLL
+        elif name in DIRECTIONS:
+            if self._steps.step == "b" and not self._steps.done:
+                self.said = FRONT_FIRST
+                return
+            self._clamped.begin(name, reading, self._slew.last[: self._joints])
+            self._under_way = name
+        else:
+            self._steps.begin(AS_STEPS.get(name, name))
+            self.said = self._steps.refusal
+            if not self.said:
+                self._under_way = self._steps.step
 
     def _joint_by_joint(self, asked: Ask, reading: Reading) -> Floats:
         goal, speed = self._slew.last.copy(), np.ones(self._joints)
@@ -174,20 +192,9 @@ class Door:
             self._steering = True
         lag = float((np.abs(before - reading.q[0]) / self._leash).max())
         share = max(0.0, 1.0 - lag) if tip[0] >= 0 else 1.0
-        heading = float(kinematics.forward(self._robot, reading.q).headings[0, -1])
+        heading = float(kinematics.forward(self.robot, reading.q).headings[0, -1])
         goal = self._tip.move(tip[0] * share, tip[1] * share, heading)
         return self._slew.person(np.concatenate([goal, self._slew.last[self._joints :]]))
 
     def _leashed(self, goal: Floats, reading: Reading) -> Floats:
         return np.clip(goal, reading.q[0] - self._leash, reading.q[0] + self._leash)
-
-
-def known_joint(robot: RobotSpec, name: str) -> None:
-    """Refuse the name of a joint that a robot does not have.
-
-    Raises:
-        PipenavError: the robot has no such joint.
-    """
-    names = [joint.name for joint in robot.joints]
-    if name not in names:
-        raise PipenavError(f"robot {robot.name!r} has no joint {name!r}: choose one of {', '.join(names)}.")

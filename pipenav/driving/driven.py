@@ -29,12 +29,15 @@ class DrivenSimulator(Simulator):
         self.target: Callable[[int], Floats | None] = lambda _: None
         """Target of a robot in its own frame, by the robot's index; a task that has targets sets it."""
         self._begins: set[int] = set()
+        self.bases = np.zeros(len(doors))
+        """Origins of the robots' frames, x in their pipes' frames, (n,) [m]: for pictures."""
         self._pipes: list[Pipe | None] = [None] * len(doors)
 
     def reset(self, indices: Ints, pipes: Sequence[Pipe], q: Floats, base: Floats) -> Reading:
         for i, pipe in zip(indices, pipes, strict=True):
             self._begins.add(int(i))
             self._pipes[i] = pipe
+        self.bases[indices] = base
         return self._inner.reset(indices, pipes, q, base)
 
     def step(self, command: Command) -> None:

@@ -166,3 +166,41 @@ def _dense_line(robot: RobotSpec, pipe: PipeCorner, base: float, target: Floats)
     distance = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     along = np.arange(0.0, distance[-1], 0.002)
     return np.stack([np.interp(along, distance, column) for column in points.T], axis=1)
+
+
+STUCK = 20
+"""Control steps without motion after which a person helps a policy."""
+
+STILL = 0.01
+"""Largest motion of a joint within that time that counts as none [rad or m]."""
+
+HELP = (8, 25)
+"""Least and most control steps for which a person helps."""
+
+
+class HelpScript(Scripted):
+    """Watches a policy, and where the robot does not move any more, takes it back a little and hands it back."""
+
+    def begin(self, seen: Seen) -> None:  # noqa: ARG002  # the signature of a script
+        self._past: list[Floats] = []
+        self._helps = 0
+
+    def answer(self, seen: Seen) -> Ask:
+        q = seen.reading.q[0].copy()
+        if self._helps > 0:
+            self._helps -= 1
+            self._past = []
+            strength = -float(np.clip(1.0 + self._rng.normal(0.0, TREMOR), 0.3, 1.0))
+            return Ask(active=True, wheels=strength) if self._robot.free else Ask(active=True, tip=(strength, 0.0))
+        self._past = [*self._past[-STUCK:], q]
+        moved = np.ptp(np.array(self._past), axis=0).max()
+        if len(self._past) > STUCK and moved < STILL and self._rng.random() < 0.3:
+            self._helps = int(self._rng.integers(*HELP))
+        return NOTHING
+
+
+def script_for(robot: RobotSpec, seed: int, shared: bool) -> Scripted:
+    """The script that drives a robot: alone, or beside a policy."""
+    if shared:
+        return HelpScript(robot, seed)
+    return StepScript(robot, seed) if robot.free else TipScript(robot, seed)

@@ -6,6 +6,7 @@ Backwards the tip goes back along its way.
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -69,8 +70,9 @@ class TipDriver:
         if along < 0:
             self._back(-along * distance)
         ahead = distance * max(along, 0.0)
-        forwards, sideways = np.array([math.cos(heading), math.sin(heading)]), np.array(
-            [-math.sin(heading), math.cos(heading)]
+        forwards, sideways = (
+            np.array([math.cos(heading), math.sin(heading)]),
+            np.array([-math.sin(heading), math.cos(heading)]),
         )
         moved = self.tip + ahead * forwards + distance * left * sideways
         if ahead > 0:
@@ -128,7 +130,7 @@ def _crossing(far: Floats, near: Floats, point: Floats, length: float) -> Floats
 def _dense(points: Floats) -> Floats:
     """Points of a line at most `GRAIN` apart, (m, 2) [m], through the given ones, (k, 2)."""
     parts = [points[:1]]
-    for a, b in zip(points[:-1], points[1:], strict=True):
+    for a, b in itertools.pairwise(points):
         count = max(math.ceil(math.hypot(*(b - a)) / GRAIN), 1)
         parts.append(a + np.linspace(0.0, 1.0, count + 1)[1:, None] * (b - a))
     return np.concatenate(parts)

@@ -1,0 +1,177 @@
+"""`pipenav drive`."""
+
+from __future__ import annotations
+
+import contextlib
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from pipenav.cli.drive_options import ArmDriveOptions, DriveOptions, DrivePipeOptions, DriverOptions
+from pipenav.cli.option_groups import takes_option_groups
+from pipenav.cli.terminal import say
+from pipenav.errors import PipenavError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from pipenav.driving.ask import Operator
+    from pipenav.driving.sessions import DrivePlan, Session, Shown
+    from pipenav.robots.robot import RobotSpec
+
+DEFAULT_PIPE = "d=90,angle=90"
+
+
+@takes_option_groups
+def drive(
+    driver: DriverOptions,
+    where: DrivePipeOptions,
+    arm: ArmDriveOptions,
+    how: DriveOptions,
+    out: Annotated[Path | None, typer.Option(help="Drive folder; default runs/drive-N.")] = None,
+) -> None:
+    """Drive a robot by hand: joint by joint, by the tip, or by the thesis's steps (a)-(e); alone or with a policy.
+
+    The whole robot by the keys a, b, c, d and e: pipenav drive
+
+    The arm by its tip: pipenav drive --robot basic --pipes d=100,angle=75
+
+    Shared control, a held key takes over: pipenav drive --policy pirate --pipes d=70,angle=55
+
+    Without a person: pipenav drive --operator scripted --pipes working-range --episodes 10
+
+    An arm made of software, over its bus: pipenav drive --emulate --d 130
+    """
+    from pipenav.driving.plans import free_drive_folder, make_plan
+    from pipenav.storage.atomic_files import used_folder
+
+    _require_driver(driver)
+    if arm.emulate or arm.arm is not None:
+        from pipenav.cli.drive_arm import drive_arm
+
+        drive_arm(driver, where, arm, out)
+        return
+    folder = free_drive_folder(out)
+    plan = make_plan(driver.policy, where.robot, where.pipes or [DEFAULT_PIPE], where.episodes, where.seed)
+    plan = plan.on(how.backend, _options(how), where.disturb, folder if how.record else None)
+    with contextlib.ExitStack() as opened:
+        operators, mapping = _operators(opened, driver, plan)
+        opened.enter_context(used_folder(folder))
+        session, ended = _drive(opened, plan, driver, how, operators, mapping)
+    _conclude(plan, driver, how, session, folder, where.disturb)
+    if ended is not None:
+        raise ended
+
+
+def _require_driver(driver: DriverOptions) -> None:
+    if driver.operator == "none" and driver.policy is None:
+        raise PipenavError("nobody drives: give --policy, or leave out --operator none.")
+    if driver.operator != "person" and (driver.device or driver.mapping):
+        raise PipenavError("--device and --mapping are a person's: leave them out, or choose --operator person.")
+
+
+def _options(how: DriveOptions) -> dict[str, Any]:
+    from pipenav.cli.options import checked_options
+
+    return checked_options(how.backend, how.option or [])
+
+
+def _operators(
+    opened: contextlib.ExitStack, driver: DriverOptions, plan: DrivePlan
+) -> tuple[Callable[[int], Operator] | None, Mapping[str, str]]:
+    """Operators of the robots by index, and the mapping that the screen shows."""
+    from pipenav.driving.scripted import script_for
+
+    if driver.operator == "none":
+        return None, {}
+    if driver.operator == "scripted":
+        shared = plan.controller is not None
+        return (lambda _: script_for(plan.robot, plan.seed, shared)), {}
+    operator, mapping = person(opened, driver, plan.robot)
+    return (lambda _: operator), mapping
+
+
+def person(opened: contextlib.ExitStack, driver: DriverOptions, robot: RobotSpec) -> tuple[Operator, Mapping[str, str]]:
+    """A person's device, open until `opened` is closed, and its mapping.
+
+    Raises:
+        PipenavError: there is no such device, or the mapping does not fit.
+    """
+    import sys
+
+    from pipenav.driving.gamepad import Gamepad
+    from pipenav.driving.keyboard import Keyboard
+    from pipenav.driving.mapping import load_mapping
+    from pipenav.driving.midi import Faders, open_port
+
+    mapping = load_mapping(driver.mapping, robot, driver.input)
+    if driver.input == "keyboard":
+        return opened.enter_context(Keyboard(mapping, sys.stdin.fileno())), mapping
+    if driver.input == "gamepad":
+        return opened.enter_context(Gamepad(mapping, driver.device)), mapping
+    return opened.enter_context(Faders(mapping, robot, open_port(driver.device))), mapping
+
+
+def _drive(
+    opened: contextlib.ExitStack,
+    plan: DrivePlan,
+    driver: DriverOptions,
+    how: DriveOptions,
+    operators: Callable[[int], Operator] | None,
+    mapping: Mapping[str, str],
+) -> tuple[Session, BaseException | None]:
+    """Run the session; the session, and what ended it before its last episode."""
+    from rich.console import Console
+
+    from pipenav.cli.drive_view import DriveView
+    from pipenav.cli.signals import Interrupted
+    from pipenav.driving.ask import OperatorLost
+    from pipenav.driving.sessions import EndedByPerson, Session
+
+    looked_at = driver.operator == "person" or how.watch
+    view: Callable[[Shown], None] | None = None
+    if looked_at:
+        view = opened.enter_context(DriveView(Console(), mapping))
+    session = Session(plan, operators, view, alone=looked_at)
+    ended: BaseException | None = None
+    try:
+        session.run()
+    except EndedByPerson:
+        pass
+    except (OperatorLost, Interrupted) as error:
+        ended = error
+    return session, ended
+
+
+def _conclude(
+    plan: DrivePlan, driver: DriverOptions, how: DriveOptions, session: Session, folder: Path, disturb: str | None
+) -> None:
+    """Write the records, and say how it went."""
+    from pipenav.driving.records import DriveRecords, write_records
+    from pipenav.evaluation.interval import wilson
+
+    records = sorted(session.records, key=lambda record: (plan.names.index(record.pipe), record.number))
+    written = DriveRecords(
+        schema=1,
+        robot=plan.robot.name,
+        policy=driver.policy,
+        operator=driver.operator,
+        input=driver.input if driver.operator == "person" else None,
+        backend=how.backend,
+        seed=plan.seed,
+        disturb=disturb,
+        episodes=tuple(records),
+    )
+    write_records(folder, written)
+    passed, n = sum(record.passed for record in records), len(records)
+    if n:
+        low, high = wilson(passed, n)
+        say(
+            f"{written.driver}: {passed} of {n} episodes passed, {passed / n:.1%} (95 % interval {low:.1%} to {high:.1%}), "
+            f"{sum(record.seconds for record in records) / n:.1f} s each, "
+            f"{sum(record.takeovers for record in records)} take-overs"
+        )
+        for record in [record for record in records if not record.passed][:20]:
+            say(f"  failed: {record.pipe}, episode {record.number}: {record.outcome} after {record.seconds:.1f} s")
+    say(f"drive folder {folder}: drive.json{', and a telemetry file of every episode' if plan.folder else ''}")
