@@ -168,8 +168,8 @@ def _conclude(
     if n:
         low, high = wilson(passed, n)
         say(
-            f"{written.driver}: {passed} of {n} episodes passed, {passed / n:.1%} (95 % interval {low:.1%} to {high:.1%}), "
-            f"{sum(record.seconds for record in records) / n:.1f} s each, "
+            f"{written.driver}: {passed} of {n} episodes passed, {passed / n:.1%} "
+            f"(95 % interval {low:.1%} to {high:.1%}), {sum(record.seconds for record in records) / n:.1f} s each, "
             f"{sum(record.takeovers for record in records)} take-overs"
         )
         for record in [record for record in records if not record.passed][:20]:

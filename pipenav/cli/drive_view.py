@@ -84,7 +84,7 @@ class DriveView:
         centre = (points.max(axis=0) + points.min(axis=0)) / 2
         extent = np.ptp(points, axis=0)
         width = max(1.3 * extent[0], 1.3 * extent[1] * columns / (2 * rows), 0.5)
-        walls = [_near(segment, centre, 2 * width) for segment in shown.pipe.segments]
+        walls = [] if shown.pipe is None else [_near(part, centre, 2 * width) for part in shown.pipe.segments]
         target = [] if shown.target is None else [_cross(shown.target, width / 60)]
         cells = draw(View(centre, float(width), columns, rows), [walls, [points], target])
         lines = []
@@ -97,13 +97,14 @@ class DriveView:
 
     def _words(self, shown: Shown) -> list[Text]:
         door, reading = shown.door, shown.reading
+        where = "" if shown.pipe is None else f"{shown.pipe.label}, "
         step = f", step ({door.step}) {STEPS[door.step]}" if door.step in STEPS else door.step and f", {door.step}"
         joints = "  ".join(
             f"{1e3 * value:.0f} mm" if slide else f"{rad_to_deg(value):.0f}°"
             for value, slide in zip(reading.q[0], ~door.robot.hinges, strict=True)
         )
         return [
-            Text(f"{shown.pipe.label}, {shown.seconds:.1f} s: {door.who} drives{step}", "bold"),
+            Text(f"{where}{shown.seconds:.1f} s: {door.who} drives{step}", "bold"),
             Text(f"joints {joints}   force {shown.force:.0f} N   taken over {door.takeovers} times"),
             Text(door.said, "yellow"),
             Text(self._legend, "dim"),

@@ -1,4 +1,4 @@
-"""What a person asks for in a control step, and what an operator sees when asked: the door that every input goes through.
+"""What a person asks for in a control step, and what an operator sees when asked.
 
 A keyboard, a gamepad, faders and a script all answer `Operator.ask`. None of them sees where the robot is.
 """

@@ -1,8 +1,8 @@
-"""The door between those who drive and the robot: a person's wishes and a policy's commands become set-points that never
-jump, whoever drives and whenever they change."""
+"""The door between those who drive and the robot: whoever drives, and whenever they change, set-points never jump."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -97,12 +97,12 @@ class Door:
         self.who = POLICY if self._has_policy else PERSON
         self.asked, self.takeovers, self.said = NOTHING, 0, ""
 
-    def next(self, reading: Reading, policy: Floats | None) -> Floats:
+    def next(self, reading: Reading, policy: Callable[[], Floats] | None) -> Floats:
         """The command of the next control step, (actuators,).
 
         Args:
             reading: readings of the robot's sensors, rows of one.
-            policy: what the policy would command, (actuators,); None without one.
+            policy: gives what the policy commands, (actuators,), if it is to drive; None without one.
 
         Raises:
             OperatorLost: the person's device is gone.
@@ -116,7 +116,7 @@ class Door:
             if self.who == PERSON:
                 self._slew.hand_over()
             self.who, self._steering, self._under_way = POLICY, False, ""
-            return self._slew.policy(policy)
+            return self._slew.policy(policy())
         if self.who == POLICY:
             self.takeovers += 1
         self.who = PERSON
@@ -140,7 +140,7 @@ class Door:
             return self._steered(asked.tip, reading)
         self._steering = False
         if self._under_way in STEPS and self._steps is not None:
-            goal = self._steps.goal(reading)
+            goal = self._steps.goal()
             return self._slew.person(np.concatenate([self._leashed(goal.set_points, reading), goal.wheels]))
         if self._under_way and self._clamped is not None:
             goals = self._clamped.goal(reading)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -54,7 +55,7 @@ class DrivenSimulator(Simulator):
                 pipe = self._pipes[i]
                 corner = None if pipe is None else pipe.corner
                 door.start(row, Scene(corner, self._tip_gap, self.target(i)))
-            values[i] = door.next(row, command.values[i] if self._has_policy else None)
+            values[i] = door.next(row, partial(np.copy, command.values[i]) if self._has_policy else None)
         self._begins.clear()
         self._inner.step(Command("position", values))
 

@@ -1,7 +1,7 @@
 """The terminal's keyboard as a device: a terminal tells of keys that go down, never of keys that come up.
 
-So a key counts as held until its repetitions stay away: for a moment after the first press, which a terminal repeats only
-after a while, and for less after each repetition.
+So a key counts as held until its repetitions stay away: for a moment after the first press, which a terminal repeats
+only after a while, and for less after each repetition.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from pipenav.driving.mapping import TAPS
 from pipenav.errors import PipenavError
 
 FIRST, REPEATED = 0.55, 0.25
-"""Time for which a key counts as held after its first press, and after a repetition [s]: terminals begin to repeat after
-0.25 to 0.5 s, and then repeat 20 to 30 times a second."""
+"""Time for which a key counts as held after its first press, and after a repetition [s]: terminals begin to repeat
+after 0.25 to 0.5 s, and then repeat 20 to 30 times a second."""
 
 NAMES = {
     b"\x1b[A": "up",

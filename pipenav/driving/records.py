@@ -116,8 +116,8 @@ def matched(sessions: Sequence[DriveRecords]) -> list[list[EpisodeRecord]]:
         values = {str(getattr(session, key)) for session in sessions}
         if len(values) > 1:
             raise PipenavError(
-                f"these sessions differ in their {key} ({', '.join(sorted(values))}): compare those that drove the same "
-                "numbered pipes."
+                f"these sessions differ in their {key} ({', '.join(sorted(values))}): compare those that drove the "
+                "same numbered pipes."
             )
     numbered = [{(e.pipe, e.number): e for e in session.episodes} for session in sessions]
     common = sorted(set.intersection(*(set(episodes) for episodes in numbered)))

@@ -1,7 +1,7 @@
 """Scripted operators: fixed, noisy scripts that drive through the same door as people do.
 
-They see what a person sees on the screen: the robot's own sensors, the pipe's drawing, a target where there is one. None
-of them knows where the robot is. They react late, hesitate and press keys too early, all by a seed.
+They see what a person sees on the screen: the robot's own sensors, the pipe's drawing, a target where there is one.
+None of them knows where the robot is. They react late, hesitate and press keys too early, all by a seed.
 """
 
 from __future__ import annotations

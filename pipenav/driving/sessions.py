@@ -101,7 +101,7 @@ class Shown(NamedTuple):
 
     Attributes:
         job: number of the episode, of all pipes together.
-        pipe: the pipe.
+        pipe: the pipe; None where it is not known.
         points: rear end, joints and tip in the pipe's frame, (m, 2) [m].
         target: target of the tip in that frame, (2,) [m]; None where there is none.
         reading: readings of the sensors, rows of one.
@@ -111,7 +111,7 @@ class Shown(NamedTuple):
     """
 
     job: int
-    pipe: Pipe
+    pipe: Pipe | None
     points: Floats
     target: Floats | None
     reading: Reading

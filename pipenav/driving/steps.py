@@ -1,8 +1,8 @@
 """The steps of the thesis's turning sequence (1.2), each begun by one key, for a whole robot.
 
-(a) unclamp the front, (b) move the front through the corner, (c) clamp the front and unclamp the rear, (d) move the rear
-through, (e) clamp the rear. A step goes on until it is done; a person decides when the next one begins. The front half
-is never clamped before it has moved on far enough: step (c) moves it on first.
+(a) unclamp the front, (b) move the front through the corner, (c) clamp the front and unclamp the rear, (d) move the
+rear through, (e) clamp the rear. A step goes on until it is done; a person decides when the next one begins. The front
+half is never clamped before it has moved on far enough: step (c) moves it on first.
 """
 
 from __future__ import annotations
@@ -120,8 +120,8 @@ class StepDriver:
         """Whether the step that is under way is done."""
         return self._state is not None and bool(self.step) and self._turn.done(self._course, self._state)
 
-    def goal(self, reading: Reading) -> StepGoal:
-        """What the step asks of the robot now; rows of one."""
+    def goal(self) -> StepGoal:
+        """What the step asks of the robot now, after `see`."""
         assert self._state is not None, "the robot is seen before it is driven"
         state, course = self._state, self._course
         if self._moves_on_first and self.done:

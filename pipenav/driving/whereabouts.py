@@ -1,7 +1,7 @@
 """Place of a whole robot in a corner, told by its own sensors and the pipe's drawing.
 
-A half that clamps says how the robot lies: its wheels stand on known walls. How far along the pipe it lies is counted by
-its wheels, and put right by the laser, as long as the corner is in sight: the scan is compared with the scans that
+A half that clamps says how the robot lies: its wheels stand on known walls. How far along the pipe it lies is counted
+by its wheels, and put right by the laser, as long as the corner is in sight: the scan is compared with the scans that
 the drawing gives for many distances.
 """
 
