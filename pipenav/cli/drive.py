@@ -10,7 +10,7 @@ import typer
 
 from pipenav.cli.drive_options import ArmDriveOptions, DriveOptions, DrivePipeOptions, DriverOptions
 from pipenav.cli.option_groups import takes_option_groups
-from pipenav.cli.terminal import say
+from pipenav.cli.terminal import progress_console, say
 from pipenav.errors import PipenavError
 
 if TYPE_CHECKING:
@@ -125,6 +125,7 @@ def _drive(
     from rich.console import Console
 
     from pipenav.cli.drive_view import DriveView
+    from pipenav.cli.progress_bars import episode_bar
     from pipenav.cli.signals import Interrupted
     from pipenav.driving.ask import OperatorLost
     from pipenav.driving.sessions import EndedByPerson, Session
@@ -133,7 +134,14 @@ def _drive(
     view: Callable[[Shown], None] | None = None
     if looked_at:
         view = opened.enter_context(DriveView(Console(), mapping))
-    session = Session(plan, operators, view, alone=looked_at)
+    bar = None if looked_at else opened.enter_context(episode_bar(progress_console()))
+    row = None if bar is None else bar.add_task("driving", total=plan.total)
+
+    def report(done: int, passed: int) -> None:
+        if bar is not None and row is not None:
+            bar.update(row, completed=done, description=f"driving: {passed / done:.1%} passed")
+
+    session = Session(plan, operators, view, looked_at, report)
     ended: BaseException | None = None
     try:
         session.run()

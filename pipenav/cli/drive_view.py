@@ -99,6 +99,7 @@ class DriveView:
         door, reading = shown.door, shown.reading
         where = "" if shown.pipe is None else f"{shown.pipe.label}, "
         step = f", step ({door.step}) {STEPS[door.step]}" if door.step in STEPS else door.step and f", {door.step}"
+        step += ": done" if door.step_done else ""
         joints = "  ".join(
             f"{1e3 * value:.0f} mm" if slide else f"{rad_to_deg(value):.0f}°"
             for value, slide in zip(reading.q[0], ~door.robot.hinges, strict=True)

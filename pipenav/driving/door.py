@@ -79,6 +79,11 @@ class Door:
         return self._slew.last.copy()
 
     @property
+    def step_done(self) -> bool:
+        """Whether the step that is under way is done."""
+        return self._steps is not None and self._under_way in STEPS and self._steps.done
+
+    @property
     def step(self) -> str:
         """The step or primitive that is under way; empty where none is."""
         return self._under_way
@@ -123,15 +128,13 @@ class Door:
         return self._by_hand(asked, reading)
 
     def _seen(self, reading: Reading) -> Seen:
-        done = self._steps is not None and self._under_way in STEPS and self._steps.done
         scene = self._scene
-        return Seen(self._tick, reading, self.step, done, scene.target, scene.pipe, scene.tip_gap, self.who)
+        return Seen(self._tick, reading, self.step, self.step_done, scene.target, scene.pipe, scene.tip_gap, self.who)
 
     def _by_hand(self, asked: Ask, reading: Reading) -> Floats:
         """The person's command for a control step, (actuators,)."""
-        if asked != NOTHING:
-            self.said = ""
         if asked.step:
+            self.said = ""
             self._begin(asked.step, reading)
         by_joint = bool(asked.joints or asked.positions or asked.wheels)
         if asked.quiet or by_joint or asked.tip is not None:

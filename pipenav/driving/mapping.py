@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Literal
 
@@ -12,7 +13,7 @@ from pydantic import Field, ValidationError
 from pipenav.arrays import Table
 from pipenav.driving.primitives import PRIMITIVES
 from pipenav.driving.steps import STEPS
-from pipenav.errors import ConfigError, PipenavError, UnknownName
+from pipenav.errors import ConfigError, PipenavError, shown
 from pipenav.robots.robot import RobotSpec
 from pipenav.storage import shipped
 from pipenav.storage.text_files import read_toml
@@ -111,7 +112,7 @@ def _check(file: Path, device: Device, control: str, action: str, robot: RobotSp
     """Refuse an action that the control cannot do.
 
     Raises:
-        UnknownName: there is no such action or joint.
+        PipenavError: there is no such action or joint.
     """
     joints = [joint.name for joint in robot.joints]
     analogue = control.startswith(("axis", "cc"))
@@ -123,4 +124,10 @@ def _check(file: Path, device: Device, control: str, action: str, robot: RobotSp
             f"{file}: {control!r} of the {device} names {action!r}, and robot {robot.name!r} has {len(joints)} joints: "
             f"{', '.join(joints)}."
         )
-    raise PipenavError(f"{file}, {control!r} of the {device}: {UnknownName('action', action, known)}")
+    near = get_close_matches(action, known, n=1)
+    others = "a joint" if analogue else "a joint with + or -"
+    choose = f"did you mean {near[0]!r}?" if near else f"choose {', '.join(ANALOGUE if analogue else TAPS + HELD)}, or "
+    raise PipenavError(
+        f"{file}: {control!r} of the {device} names an unknown action, {shown(action)}: {choose}"
+        + ("" if near else f"{others}.")
+    )

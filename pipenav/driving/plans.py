@@ -10,6 +10,7 @@ from pipenav.driving.sessions import DrivePlan
 from pipenav.errors import PipenavError
 from pipenav.pipes.pipe import Pipe
 from pipenav.policies.controller import AnyController
+from pipenav.policies.header import robot_difference
 from pipenav.policies.named import open_controller
 from pipenav.policies.policy import load_policy, policy_names, resolve_policy
 from pipenav.robots.robot import RobotSpec, load_robot
@@ -86,7 +87,7 @@ def _task(robot: RobotSpec) -> TaskConfig:
     """The task of a robot: that of a shipped policy for it under position control, so that all drivers start alike."""
     for name in policy_names():
         header = load_policy(resolve_policy(name)).header
-        if header.robot == robot and header.task.control == "position":
+        if not robot_difference(header.robot, robot) and header.task.control == "position":
             return header.task
     default = default_config(robot)
     return default.model_copy(update={"control": "position"})

@@ -138,6 +138,7 @@ class Session:
         operators: makes the operator of a robot by its index; None for the policy alone.
         show: called after every control step, with the first robot; may raise to end the session.
         alone: whether one robot is driven at a time, as by a person.
+        report: called with the number of episodes that are done and how many of them passed.
 
     Raises:
         PipenavError: the robot cannot do the task, or its commands are no set-points.
@@ -149,8 +150,9 @@ class Session:
         operators: Callable[[int], Operator] | None,
         show: Callable[[Shown], None] | None = None,
         alone: bool = False,
+        report: Callable[[int, int], None] = lambda _, __: None,
     ) -> None:
-        self._plan, self._show = plan, show
+        self._plan, self._show, self._report = plan, show, report
         if plan.task.control != "position":
             raise PipenavError("this policy commands torques, and a person gives set-points: choose one that does too.")
         n = 1 if alone else min(plan.total, AT_ONCE)
@@ -264,6 +266,7 @@ class Session:
                 largest_jump=episode.jump,
             )
         )
+        self._report(len(self.records), sum(record.passed for record in self.records))
         if episode.telemetry is not None:
             episode.telemetry.end(outcome, None, "")
             episode.telemetry.__exit__(None, None, None)
