@@ -46,7 +46,7 @@ def compare(
         "time s",
         "take-overs",
         "by hand %",
-        "peak force N",
+        "force N",
         "+",
         "-",
     ):
@@ -67,8 +67,9 @@ def compare(
         )
     show(table)
     say(
-        f"{rows[0].episodes} episodes that all of them drove. Time: of those that passed. In brackets: 95 % interval of "
-        "the mean. + and -: episodes that this driver passed and the first one did not, and the other way round."
+        f"{rows[0].episodes} episodes that all of them drove. Time: of those that passed. Force: the peak "
+        "of an episode. In brackets: 95 % interval of the mean. + and -: episodes that this driver passed and the first "
+        "one did not, and the other way round."
     )
 
 

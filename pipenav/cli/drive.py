@@ -17,10 +17,14 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from pipenav.driving.ask import Operator
+    from pipenav.driving.records import DriveRecords
     from pipenav.driving.sessions import DrivePlan, Session, Shown
     from pipenav.robots.robot import RobotSpec
 
 DEFAULT_PIPE = "d=90,angle=90"
+
+MOST_FAILURES = 20
+"""Most failed episodes that are listed."""
 
 
 @takes_option_groups
@@ -44,6 +48,7 @@ def drive(
     An arm made of software, over its bus: pipenav drive --emulate --d 130
     """
     from pipenav.driving.plans import free_drive_folder, make_plan
+    from pipenav.driving.records import write_records
     from pipenav.storage.atomic_files import used_folder
 
     _require_driver(driver)
@@ -55,11 +60,14 @@ def drive(
     folder = free_drive_folder(out)
     plan = make_plan(driver.policy, where.robot, where.pipes or [DEFAULT_PIPE], where.episodes, where.seed)
     plan = plan.on(how.backend, _options(how), where.disturb, folder if how.record else None)
-    with contextlib.ExitStack() as opened:
-        operators, mapping = _operators(opened, driver, plan)
-        opened.enter_context(used_folder(folder))
-        session, ended = _drive(opened, plan, driver, how, operators, mapping)
-    _conclude(plan, driver, how, session, folder, where.disturb)
+    with used_folder(folder):
+        with contextlib.ExitStack() as opened:
+            operators, mapping = _operators(opened, driver, plan)
+            session, ended = _drive(opened, plan, driver, how, operators, mapping)
+        written = _records(plan, driver, how, session, where.disturb)
+        write_records(folder, written)
+    _show(written)
+    say(f"drive folder {folder}: drive.json{', and a telemetry file of every episode' if how.record else ''}")
     if ended is not None:
         raise ended
 
@@ -152,15 +160,13 @@ def _drive(
     return session, ended
 
 
-def _conclude(
-    plan: DrivePlan, driver: DriverOptions, how: DriveOptions, session: Session, folder: Path, disturb: str | None
-) -> None:
-    """Write the records, and say how it went."""
-    from pipenav.driving.records import DriveRecords, write_records
-    from pipenav.evaluation.interval import wilson
+def _records(
+    plan: DrivePlan, driver: DriverOptions, how: DriveOptions, session: Session, disturb: str | None
+) -> DriveRecords:
+    from pipenav.driving.records import DriveRecords
 
-    records = sorted(session.records, key=lambda record: (plan.names.index(record.pipe), record.number))
-    written = DriveRecords(
+    order = {name: number for number, name in enumerate(plan.names)}
+    return DriveRecords(
         schema=1,
         robot=plan.robot.name,
         policy=driver.policy,
@@ -169,17 +175,27 @@ def _conclude(
         backend=how.backend,
         seed=plan.seed,
         disturb=disturb,
-        episodes=tuple(records),
+        episodes=tuple(sorted(session.records, key=lambda record: (order[record.pipe], record.number))),
     )
-    write_records(folder, written)
-    passed, n = sum(record.passed for record in records), len(records)
-    if n:
-        low, high = wilson(passed, n)
-        say(
-            f"{written.driver}: {passed} of {n} episodes passed, {passed / n:.1%} "
-            f"(95 % interval {low:.1%} to {high:.1%}), {sum(record.seconds for record in records) / n:.1f} s each, "
-            f"{sum(record.takeovers for record in records)} take-overs"
-        )
-        for record in [record for record in records if not record.passed][:20]:
-            say(f"  failed: {record.pipe}, episode {record.number}: {record.outcome} after {record.seconds:.1f} s")
-    say(f"drive folder {folder}: drive.json{', and a telemetry file of every episode' if plan.folder else ''}")
+
+
+def _show(records: DriveRecords) -> None:
+    """Say how the episodes went that came to their ends."""
+    from pipenav.evaluation.interval import wilson
+
+    episodes, n = records.episodes, len(records.episodes)
+    if not n:
+        say("no episode came to its end")
+        return
+    passed = sum(episode.passed for episode in episodes)
+    low, high = wilson(passed, n)
+    say(
+        f"{records.driver}: {passed} of {n} episodes passed, {passed / n:.1%} "
+        f"(95 % interval {low:.1%} to {high:.1%}), {sum(episode.seconds for episode in episodes) / n:.1f} s each, "
+        f"{sum(episode.takeovers for episode in episodes)} take-overs"
+    )
+    failed = [episode for episode in episodes if not episode.passed]
+    for episode in failed[:MOST_FAILURES]:
+        say(f"  failed: {episode.pipe}, episode {episode.number}: {episode.outcome} after {episode.seconds:.1f} s")
+    if len(failed) > MOST_FAILURES:
+        say(f"  and {len(failed) - MOST_FAILURES} more, see drive.json")

@@ -119,13 +119,11 @@ class Slew:
         most = step * np.asarray(speed)
         most = np.minimum(most, braking(np.abs(away), change)) if brakes else np.minimum(most, np.abs(away))
         wanted = np.clip(away, -most, most)
+        eased = np.clip(np.clip(wanted, self.pace - change, self.pace + change), -step, step)
         # In front of a stop everyone brakes as a person does, so that a person may take over there.
-        room = np.where(
-            wanted + self.pace > 0, limits.upper[: self._joints] - before, before - limits.lower[: self._joints]
-        )
-        stop = braking(np.maximum(room, 0.0), bound)
-        eased = np.clip(wanted, self.pace - change, self.pace + change)
-        return np.clip(np.clip(eased, -step, step), -np.maximum(stop, 0.0), np.maximum(stop, 0.0))
+        up = braking(np.maximum(limits.upper[: self._joints] - before, 0.0), bound)
+        down = braking(np.maximum(before - limits.lower[: self._joints], 0.0), bound)
+        return np.clip(eased, -down, up)
 
 
 def braking(distance: Floats, change: Floats) -> Floats:
