@@ -68,8 +68,8 @@ def compare(
     show(table)
     say(
         f"{rows[0].episodes} episodes that all of them drove. Time: of those that passed. Force: the peak "
-        "of an episode. In brackets: 95 % interval of the mean. + and -: episodes that this driver passed and the first "
-        "one did not, and the other way round."
+        "of an episode. In brackets: 95 % interval of the mean. + and -: episodes that this driver passed and the "
+        "first one did not, and the other way round."
     )
 
 

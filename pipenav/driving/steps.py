@@ -95,7 +95,7 @@ class StepDriver:
         self.refusal = ""
         if step == self.step:
             return
-        at, asked = order.find(self.step), order.find(step)
+        at, asked = (order.index(self.step) if self.step else -1), order.index(step)
         if asked > at + 1:
             self.refusal = f"({step}) comes after ({order[at + 1]})"
             return
