@@ -25,7 +25,7 @@ FLOORS: list[set[str]] = [
     {"policies", "motions", "envs"},
     {"certify"},
     {"evaluation", "deployment", "comparison"},
-    {"learning", "recording", "survey"},
+    {"driving", "learning", "recording", "survey"},
     {"experiments", "tuning"},
     {"cli"},
 ]
@@ -41,6 +41,8 @@ SIMULATORS = {"mujoco", "pybullet", "serial", "dynamixel_sdk"}
 HEAVY = {"torch", "stable_baselines3", "gymnasium", "matplotlib", "mujoco", "pybullet", "tensorboard", "trimesh"} | {
     "manifold3d",
     "optuna",
+    "mido",
+    "pygame",
     "shapely",
 }
 
