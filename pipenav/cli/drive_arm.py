@@ -37,11 +37,13 @@ def drive_arm(driver: DriverOptions, where: DrivePipeOptions, given: ArmDriveOpt
         PipenavError: the arm cannot be driven; nothing has moved.
     """
     from pipenav.driving.plans import free_drive_folder
+    from pipenav.locating.locator import require_arm
     from pipenav.robots.robot import load_robot
     from pipenav.storage.atomic_files import used_folder
 
     _refuse(driver, where, given)
     robot = load_robot(where.robot or DEFAULT_ROBOT)
+    require_arm(robot)
     pipe = _pipe(where, given.emulate)
     folder = free_drive_folder(out)
     console = Console()
