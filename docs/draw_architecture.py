@@ -27,6 +27,7 @@ LEFT = {
     "recording": 4.5,
     "certify": 5.3,
     "survey": 6.2,
+    "driving": 8.6,
     "evaluation": 2.5,
     "deployment": 8.6,
     "comparison": 10.2,

@@ -12,7 +12,11 @@ from pipenav.cli.terminal import say, show
 from pipenav.errors import PipenavError
 
 if TYPE_CHECKING:
-    from pipenav.driving.comparison import MeanInterval
+    from collections.abc import Sequence
+
+    from rich.table import Table
+
+    from pipenav.driving.comparison import DriverRow, MeanInterval
 
 
 def compare(
@@ -28,15 +32,24 @@ def compare(
 
     pipenav compare alone shared
     """
-    from rich import box
-    from rich.table import Table
-
     from pipenav.driving.comparison import compare as compared
     from pipenav.driving.records import read_records
 
     if len(folders) < 2:
         raise PipenavError("one folder alone has nothing to be compared with: name two or more.")
     rows = compared([read_records(folder) for folder in folders])
+    show(_table(rows))
+    say(
+        f"{rows[0].episodes} episodes that all of them drove. Time: of those that passed. Force: the peak "
+        "of an episode. In brackets: 95 % interval of the mean. + and -: episodes that this driver passed and the "
+        "first one did not, and the other way round."
+    )
+
+
+def _table(rows: Sequence[DriverRow]) -> Table:
+    from rich import box
+    from rich.table import Table
+
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for column in (
         "driver",
@@ -65,12 +78,7 @@ def compare(
             str(row.gained),
             str(row.lost),
         )
-    show(table)
-    say(
-        f"{rows[0].episodes} episodes that all of them drove. Time: of those that passed. Force: the peak "
-        "of an episode. In brackets: 95 % interval of the mean. + and -: episodes that this driver passed and the "
-        "first one did not, and the other way round."
-    )
+    return table
 
 
 def _mean(value: MeanInterval) -> str:

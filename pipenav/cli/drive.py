@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from pipenav.driving.ask import Operator
+    from pipenav.driving.plans import DrivePlan
     from pipenav.driving.records import DriveRecords
-    from pipenav.driving.sessions import DrivePlan, Session, Shown
-    from pipenav.robots.robot import RobotSpec
+    from pipenav.driving.sessions import Session, Shown
 
 DEFAULT_PIPE = "d=90,angle=90"
 
@@ -89,6 +89,7 @@ def _operators(
     opened: contextlib.ExitStack, driver: DriverOptions, plan: DrivePlan
 ) -> tuple[Callable[[int], Operator] | None, Mapping[str, str]]:
     """Operators of the robots by index, and the mapping that the screen shows."""
+    from pipenav.cli.drive_devices import person
     from pipenav.driving.scripted import script_for
 
     if driver.operator == "none":
@@ -98,27 +99,6 @@ def _operators(
         return (lambda _: script_for(plan.robot, plan.seed, shared)), {}
     operator, mapping = person(opened, driver, plan.robot)
     return (lambda _: operator), mapping
-
-
-def person(opened: contextlib.ExitStack, driver: DriverOptions, robot: RobotSpec) -> tuple[Operator, Mapping[str, str]]:
-    """A person's device, open until `opened` is closed, and its mapping.
-
-    Raises:
-        PipenavError: there is no such device, or the mapping does not fit.
-    """
-    import sys
-
-    from pipenav.driving.gamepad import Gamepad
-    from pipenav.driving.keyboard import Keyboard
-    from pipenav.driving.mapping import load_mapping
-    from pipenav.driving.midi import Faders, open_port
-
-    mapping = load_mapping(driver.mapping, robot, driver.input)
-    if driver.input == "keyboard":
-        return opened.enter_context(Keyboard(mapping, sys.stdin.fileno())), mapping
-    if driver.input == "gamepad":
-        return opened.enter_context(Gamepad(mapping, driver.device)), mapping
-    return opened.enter_context(Faders(mapping, robot, open_port(driver.device))), mapping
 
 
 def _drive(

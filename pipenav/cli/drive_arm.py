@@ -96,7 +96,7 @@ def _pipe(where: DrivePipeOptions, emulate: bool) -> PipeCorner | None:
 def _operator(
     opened: contextlib.ExitStack, driver: DriverOptions, robot: RobotSpec, seed: int
 ) -> tuple[Operator, dict[str, str]]:
-    from pipenav.cli.drive import person
+    from pipenav.cli.drive_devices import person
     from pipenav.driving.scripted import TipScript
 
     if driver.operator == "scripted":
@@ -108,7 +108,7 @@ def _operator(
 def _scene(
     robot: RobotSpec, pipe: PipeCorner | None, seed: int, given: ArmDriveOptions, folder: Path, ends: bool
 ) -> tuple[ArmScene, Emulation | None]:
-    """What is known around the arm, and the emulated arm as it will be started; None for the real one."""
+    """Surroundings of the arm, and the emulated arm as it will be started; None for the real one."""
     import numpy as np
 
     from pipenav.deployment.emulation import plan_emulation
@@ -207,8 +207,8 @@ def _reading(record: dict[str, Any]) -> Reading:
 
     from pipenav.backends.messages import Reading
 
-    rows = (np.array([record[key]], float) for key in ("q", "qd", "ranges"))
-    return Reading(*rows, np.array([record["time"]]))
+    q, qd, ranges = (np.array([record[key]], float) for key in ("q", "qd", "ranges"))
+    return Reading(q, qd, ranges, np.array([record["time"]]))
 
 
 def _conclude(console: Console, ending: Ending, folder: Path) -> None:

@@ -28,7 +28,7 @@ RETREATABLE = {"stall"}
 
 
 class Decider(Protocol):
-    """What the loop asks of a mission: a command for every reading.
+    """A mission as the loop sees it: it has a command for every reading.
 
     Attributes:
         outcome: how it ended; empty while it goes on.

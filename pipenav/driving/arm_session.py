@@ -33,7 +33,7 @@ LOST_TICKS = 2
 
 
 class ArmScene(NamedTuple):
-    """What is known of the arm's surroundings, and when the session ends by itself.
+    """Surroundings of the arm, as far as they are known, and when the session ends by itself.
 
     Attributes:
         scene: the pipe, if it is known, and the target.

@@ -1,4 +1,4 @@
-"""What a person asks for in a control step, and what an operator sees when asked.
+"""Wishes of a person for a control step, and what an operator sees when asked.
 
 A keyboard, a gamepad, faders and a script all answer `Operator.ask`. None of them sees where the robot is.
 """
@@ -17,7 +17,7 @@ PERSON, POLICY = "person", "policy"
 
 
 class Ask(NamedTuple):
-    """What a person asks for in one control step.
+    """Wishes of a person for one control step.
 
     Attributes:
         active: whether the person drives; where not, the policy does, and without one the robot stays where it is.
@@ -48,7 +48,7 @@ NOTHING = Ask()
 
 
 class Seen(NamedTuple):
-    """What an operator sees when asked: the robot's own sensors and what the screen says.
+    """The view of an operator: the robot's own sensors and what the screen says.
 
     Attributes:
         tick: control step, from 0.
@@ -75,7 +75,7 @@ class Operator(Protocol):
     """Someone who drives one robot."""
 
     def ask(self, seen: Seen) -> Ask:
-        """What is asked for in the control step that begins now.
+        """The wish for the control step that begins now.
 
         Raises:
             OperatorLost: the device is gone.

@@ -23,7 +23,7 @@ class MeanInterval(NamedTuple):
 
 
 class DriverRow(NamedTuple):
-    """One driver in a comparison.
+    """A driver in a comparison.
 
     Attributes:
         driver: words for who drove.

@@ -28,7 +28,7 @@ STEPS_ONLY = "steps are for a whole robot in a single corner"
 
 
 class Scene(NamedTuple):
-    """What is known when an episode begins: the pipe as it is drawn, and about where the robot lies.
+    """Knowledge at the start of an episode: the pipe as it is drawn, and about where the robot lies.
 
     Attributes:
         pipe: the pipe; None where it is no single corner.
@@ -42,7 +42,7 @@ class Scene(NamedTuple):
 
 
 class Door:
-    """One robot's door.
+    """The door of a robot.
 
     Args:
         robot: the robot.

@@ -27,7 +27,7 @@ class Hands:
         self._engaged = False
 
     def ask(self, held: Mapping[str, float], tapped: Iterable[str], positions: Mapping[str, float]) -> Ask:
-        """What is asked for.
+        """The wish that the hands express.
 
         Args:
             held: share of the fastest, in [-1, 1], of each action that goes on: a held key has 1.

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
+from pipenav.backends.simulators import DEFAULT_SIMULATOR, SimulatorSettings
+from pipenav.disturbances.disturbance import UNDISTURBED, Disturbance, load_disturbance
 from pipenav.driving.records import RECORDS
-from pipenav.driving.sessions import DrivePlan
 from pipenav.errors import PipenavError
 from pipenav.pipes.pipe import Pipe
 from pipenav.policies.controller import AnyController
@@ -22,6 +25,62 @@ DEFAULT_ROBOT = "pirate"
 
 STARTS = ("start_gap", "start_spread", "start_press", "start_bend", "target_depth", "target_lateral")
 """Settings of a task that say how an episode starts: the same for every driver, so that they can be compared."""
+
+
+SLOWER = 10
+"""Factor on the time limits of an episode: hands are slower than policies."""
+
+
+@dataclass(frozen=True)
+class DrivePlan:
+    """Plan of a session: the robot, the pipes, and who drives.
+
+    Attributes:
+        robot: the robot.
+        task: settings of the task; its time limits are lengthened by `SLOWER`.
+        pipes: the pipes.
+        names: names of the pipes, in words that `--pipes` takes.
+        episodes: number of episodes in each.
+        seed: seed of starts and targets.
+        controller: the policy or baseline that drives while the operator does not; None without one.
+        simulator: the simulator.
+        disturbance: disturbances.
+        folder: folder for the telemetry of every episode; None for no telemetry.
+    """
+
+    robot: RobotSpec
+    task: TaskConfig
+    pipes: Sequence[Pipe]
+    names: Sequence[str]
+    episodes: int
+    seed: int
+    controller: AnyController | None
+    simulator: SimulatorSettings = DEFAULT_SIMULATOR
+    disturbance: Disturbance = UNDISTURBED
+    folder: Path | None = None
+
+    def on(self, backend: str, options: Mapping[str, Any], disturb: str | None, folder: Path | None) -> DrivePlan:
+        """The same session on a simulator, under disturbances by their name or file, with telemetry in a folder.
+
+        Raises:
+            UnknownName, ConfigError, FileProblem: there are no such disturbances.
+        """
+        disturbance = UNDISTURBED if disturb is None else load_disturbance(disturb)
+        simulator = SimulatorSettings(backend, options)
+        return replace(self, simulator=simulator, disturbance=disturbance, folder=folder)
+
+    @property
+    def total(self) -> int:
+        """Number of episodes in all."""
+        return len(self.pipes) * self.episodes
+
+    @property
+    def lengthened(self) -> TaskConfig:
+        """The task with time for hands."""
+        longer = {"max_steps": min(self.task.max_steps * SLOWER, 100_000)}
+        if hasattr(self.task, "patience"):
+            longer["patience"] = min(self.task.patience * SLOWER, 100_000)
+        return self.task.model_copy(update=longer)
 
 
 def make_plan(policy: str | None, robot_name: str | None, given: Sequence[str], episodes: int, seed: int) -> DrivePlan:

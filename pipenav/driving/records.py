@@ -19,7 +19,7 @@ MAX_RECORDS = 64 << 20
 
 
 class EpisodeRecord(Table):
-    """One driven episode.
+    """A driven episode.
 
     Attributes:
         pipe: the pipe, in words that `--pipes` takes.

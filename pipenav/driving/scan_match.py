@@ -37,7 +37,7 @@ class ScanMatch:
         self._score = np.zeros(len(self._errors))
 
     def error(self, tip: Floats, heading: float, ranges: Floats) -> float:
-        """What must be added to the distance, and what has been: later scans count from there [m].
+        """Correction of the distance, which the caller makes: later scans count from there [m].
 
         Args:
             tip: where the laser is thought to be, in the pipe's frame, (2,) [m].

@@ -53,7 +53,7 @@ class Scripted(ABC):
         self._rng = np.random.default_rng(seed)
 
     def ask(self, seen: Seen) -> Ask:
-        """What the script asks for."""
+        """The script's wish for the control step that begins now."""
         if seen.tick == 0:
             first = np.concatenate([seen.reading.q[0], seen.reading.ranges[0]])
             self._rng = np.random.default_rng([self._seed, *first.view(np.uint32).tolist()])
@@ -66,7 +66,7 @@ class Scripted(ABC):
 
     @abstractmethod
     def answer(self, seen: Seen) -> Ask:
-        """What the script asks for in this control step."""
+        """The script's wish for this control step, after `begin`."""
 
 
 class StepScript(Scripted):
@@ -76,7 +76,7 @@ class StepScript(Scripted):
         self._wait = int(self._rng.integers(*REACTION))
         self._early = self._rng.random() < TOO_EARLY
         self._pause = int(self._rng.integers(15, 60)) if self._rng.random() < HESITATION else -1
-        self._paused = 0
+        self._paused, self._resumed = 0, ""
         self._in_b = 0
 
     def answer(self, seen: Seen) -> Ask:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from contextlib import closing
-from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,87 +11,30 @@ import numpy as np
 from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.messages import Reading
-from pipenav.backends.simulators import DEFAULT_SIMULATOR, SimulatorSettings
 from pipenav.deployment.telemetry import Telemetry
-from pipenav.disturbances.disturbance import UNDISTURBED, Disturbance, load_disturbance
 from pipenav.disturbances.disturbed_backend import disturbed
 from pipenav.driving.ask import PERSON, Operator, OperatorLost
 from pipenav.driving.door import Door
 from pipenav.driving.driven import DrivenSimulator
+from pipenav.driving.plans import DrivePlan
 from pipenav.driving.records import EpisodeRecord
 from pipenav.driving.slew import SlewLimits
 from pipenav.errors import PipenavError
 from pipenav.evaluation.episode_runner import EpisodeQueue, joined, random_start
 from pipenav.pipes.pipe import Pipe
-from pipenav.policies.controller import AnyController, actions_of
+from pipenav.policies.controller import actions_of
 from pipenav.robots import frames
-from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.batch import TaskBatch
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach.batch import ReachBatch
-from pipenav.tasks.registry import TaskConfig, task_of
+from pipenav.tasks.registry import task_of
 
 AT_ONCE = 32
 """Most robots that are driven at once, where nobody looks on."""
 
-SLOWER = 10
-"""Factor on the time limits of an episode: hands are slower than policies."""
-
 
 class EndedByPerson(Exception):  # no error: a person's wish
     """The person ended the session."""
-
-
-@dataclass(frozen=True)
-class DrivePlan:
-    """What is driven, and where.
-
-    Attributes:
-        robot: the robot.
-        task: settings of the task; its time limits are lengthened by `SLOWER`.
-        pipes: the pipes.
-        names: names of the pipes, in words that `--pipes` takes.
-        episodes: number of episodes in each.
-        seed: seed of starts and targets.
-        controller: the policy or baseline that drives while the operator does not; None without one.
-        simulator: the simulator.
-        disturbance: disturbances.
-        folder: folder for the telemetry of every episode; None for no telemetry.
-    """
-
-    robot: RobotSpec
-    task: TaskConfig
-    pipes: Sequence[Pipe]
-    names: Sequence[str]
-    episodes: int
-    seed: int
-    controller: AnyController | None
-    simulator: SimulatorSettings = DEFAULT_SIMULATOR
-    disturbance: Disturbance = UNDISTURBED
-    folder: Path | None = None
-
-    def on(self, backend: str, options: Mapping[str, Any], disturb: str | None, folder: Path | None) -> DrivePlan:
-        """The same session on a simulator, under disturbances by their name or file, with telemetry in a folder.
-
-        Raises:
-            UnknownName, ConfigError, FileProblem: there are no such disturbances.
-        """
-        disturbance = UNDISTURBED if disturb is None else load_disturbance(disturb)
-        simulator = SimulatorSettings(backend, options)
-        return replace(self, simulator=simulator, disturbance=disturbance, folder=folder)
-
-    @property
-    def total(self) -> int:
-        """Number of episodes in all."""
-        return len(self.pipes) * self.episodes
-
-    @property
-    def lengthened(self) -> TaskConfig:
-        """The task with time for hands."""
-        longer = {"max_steps": min(self.task.max_steps * SLOWER, 100_000)}
-        if hasattr(self.task, "patience"):
-            longer["patience"] = min(self.task.patience * SLOWER, 100_000)
-        return self.task.model_copy(update=longer)
 
 
 class Shown(NamedTuple):
@@ -121,7 +62,7 @@ class Shown(NamedTuple):
 
 
 class _Episode:
-    """What is remembered of a running episode."""
+    """Memory of a running episode."""
 
     def __init__(self, telemetry: Telemetry | None) -> None:
         self.telemetry = telemetry
@@ -198,7 +139,7 @@ class Session:
                         self._note(episode, self._doors[i], before.part(np.array([i])), result.truth, i)
                 self._look(batch, driven, queue, running[0])
                 ended = np.flatnonzero(result.outcome != Outcome.RUNNING)
-                for i in ended[queue.running[ended] >= 0]:
+                for i in ended[queue.running[ended] >= 0].tolist():
                     outcome = Outcome(result.outcome[i])
                     self._finish(running[i], int(queue.running[i]), self._doors[i], outcome.label)
                 if len(ended) and len(self.records) < plan.total:

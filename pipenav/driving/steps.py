@@ -42,7 +42,7 @@ PHASES = {
 
 
 class StepGoal(NamedTuple):
-    """What a step asks of the robot in a control step.
+    """Goal of a step for a control step.
 
     Attributes:
         set_points: set-points of the joints in the robot's own frame, (6,) [rad].
@@ -121,7 +121,7 @@ class StepDriver:
         return self._state is not None and bool(self.step) and self._turn.done(self._course, self._state)
 
     def goal(self) -> StepGoal:
-        """What the step asks of the robot now, after `see`."""
+        """The step's goal for this control step, after `see`."""
         assert self._state is not None, "the robot is seen before it is driven"
         state, course = self._state, self._course
         if self._moves_on_first and self.done:

@@ -54,7 +54,7 @@ class TipDriver:
 
     @property
     def tip(self) -> Floats:
-        """Where the tip is to be, in the robot's frame, (2,) [m]."""
+        """End of the way, where the tip is to be, in the robot's frame, (2,) [m]."""
         return np.asarray(self._way[-1])
 
     def move(self, along: float, left: float, heading: float) -> Floats:

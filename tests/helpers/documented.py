@@ -212,7 +212,7 @@ def _run_real(options: Options) -> Options:
 
 
 def _drive(options: Options) -> Options:
-    """One episode in one corner, by a script where a person would drive."""
+    """A single episode in one corner, by a script where a person would drive."""
     if options.has("--emulate"):
         given = (("--ticks", "5"), ("--patience", "10"), ("--operator", "scripted"), ("--allow-slow-bus", None))
         return options.plus(*given)

@@ -57,7 +57,7 @@ class Changes(NamedTuple):
 
 
 def changes(path: Path, robot: RobotSpec) -> Changes:
-    """What an episode's telemetry says about changes of driver."""
+    """Changes of driver in an episode's telemetry."""
     ticks = read_telemetry(path).ticks
     limits, joints = SlewLimits.of(robot), len(robot.joints)
     commands = np.array([tick["command"] for tick in ticks])
