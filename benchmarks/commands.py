@@ -33,10 +33,12 @@ COMMANDS = {
     "eval-one": Command("eval --policy arm --pipes d=100,angle=75 --episodes 20 --out evaluated", True),
     "view-one": Command("view --policy arm --pipes d=100,angle=75 --out seen.png", True),
     "eval": Command("eval --policy arm --pipes working-range --episodes 20 --out evaluated", True),
-    "eval-pirate": Command("eval --policy pirate --pipes working-range --episodes 5 --out evaluated", True),
+    "eval-pirate-strong": Command(
+        "eval --policy pirate-strong --pipes working-range --episodes 5 --out evaluated", True
+    ),
     "train": Command("train --backend mujoco --out trained", True),
     "thesis": Command("train --preset thesis-torque --out trained", False),
-    "pirate": Command("train --preset pirate --out trained", False),
+    "pirate-strong": Command("train --preset pirate-strong --out trained", False),
     "experiment": Command("experiment all --seeds 3 --out tried", False),
 }
 

@@ -4,7 +4,8 @@
 (b) the backend: sensors and truth as well
 (c) the traverse task in space: pilots, outcomes and resets as well
 
-64 robots move in the 24 routes of `runs-rolled`, driven by the shipped policy `pirate`, whose own time does not count.
+64 robots move in the 24 routes of `runs-rolled`, driven by the shipped policy `pirate-strong`, whose own time does not
+count.
 In every control step (a) steps the states from which (b) and (c) go on, so that all three share the machine alike.
 """
 
@@ -109,7 +110,7 @@ def main() -> None:
 
 def measure(steps: int) -> dict[str, float]:
     """Rates of (a) to (c) and their ratios, by their names in the output."""
-    controller, rng = open_controller("pirate"), np.random.default_rng(0)
+    controller, rng = open_controller("pirate-strong"), np.random.default_rng(0)
     robot, task, routes = controller.robot, controller.task, parse_routes(["runs-rolled"])
     drawn = iter(range(10**9))
 

@@ -13,7 +13,7 @@ import pytest
 from pipenav.learning.config import preset_names
 from pipenav.pipes.corner_sets import corner_set_names
 from pipenav.policies.policy import policy_names
-from pipenav.robots.robot import robot_names
+from pipenav.robots.variants import robot_names
 from pipenav.storage import shipped
 
 pytestmark = pytest.mark.slow
@@ -24,7 +24,8 @@ LIST_ALL = """
 from pipenav.storage import shipped
 from pipenav.pipes.corner_sets import parse_corners, corner_set_names
 from pipenav.policies.policy import load_policy, policy_names, resolve_policy
-from pipenav.robots.robot import load_robot, robot_names
+from pipenav.robots.robot import load_robot
+from pipenav.robots.variants import robot_names
 from pipenav.learning.config import load_config, preset_names
 for name in corner_set_names(): parse_corners([name])
 for name in robot_names(): load_robot(name)

@@ -26,7 +26,15 @@ from pipenav.backends.real_robot import (
     Sent,
     load_real_robot,
 )
-from pipenav.backends.refusals import CannotIncline, CannotVary, NoViewer, PlaneOnly, TooManyWalls, UnevenTimestep
+from pipenav.backends.refusals import (
+    CannotIncline,
+    CannotPull,
+    CannotVary,
+    NoViewer,
+    PlaneOnly,
+    TooManyWalls,
+    UnevenTimestep,
+)
 from pipenav.backends.registry import check_options, load_backend, open_backend
 from pipenav.backends.requirements import availability
 from pipenav.backends.safety import Bounds, Deadlines, Limited, Repeats, Stopped, TorqueUnconfirmed
@@ -51,6 +59,7 @@ __all__ = [
     "Bounds",
     "Calibrator",
     "CannotIncline",
+    "CannotPull",
     "CannotVary",
     "Command",
     "Control",

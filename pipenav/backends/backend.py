@@ -8,7 +8,7 @@ from typing import ClassVar, NamedTuple
 
 from pipenav.arrays import Floats, Ints, Table
 from pipenav.backends.messages import Command, Reading, Truth
-from pipenav.backends.refusals import CannotIncline, CannotVary, NoViewer, PlaneOnly, UnevenTimestep
+from pipenav.backends.refusals import CannotIncline, CannotPull, CannotVary, NoViewer, PlaneOnly, UnevenTimestep
 from pipenav.backends.spatial import SpaceBackend
 from pipenav.backends.viewer import Viewer
 from pipenav.pipes.pipe import Pipe
@@ -99,8 +99,8 @@ class Variation(NamedTuple):
 class Simulator(Backend):
     """A backend that computes the world, and so also knows what no sensor measures.
 
-    Some abilities are optional: `vary`, `incline`, `open_viewer` and `in_space`. A property tells whether a simulator
-    has each of them; the method of an ability that it lacks raises an error.
+    Some abilities are optional: `vary`, `incline`, `pull`, `open_viewer` and `in_space`. A property tells whether a
+    simulator has each of them; the method of an ability that it lacks raises an error.
     """
 
     moves_in_space: ClassVar[bool] = False
@@ -127,6 +127,11 @@ class Simulator(Backend):
     @property
     def can_incline(self) -> bool:
         """Whether gravity can act along the pipes, by `incline`."""
+        return False
+
+    @property
+    def can_pull(self) -> bool:
+        """Whether a force can act on the rear end of each robot, by `pull`."""
         return False
 
     @property
@@ -161,6 +166,17 @@ class Simulator(Backend):
             CannotIncline: the simulator cannot do it.
         """
         raise CannotIncline(self)
+
+    def pull(self, forces: Floats) -> None:  # noqa: ARG002  # the signature of the seam
+        """Let forces act on the rear ends of the robots' first links until other ones are given; at first none do.
+
+        Args:
+            forces: force on each robot, axes of the pipe's frame, (n, 2) [N].
+
+        Raises:
+            CannotPull: the simulator cannot do it.
+        """
+        raise CannotPull(self)
 
     def open_viewer(self) -> Viewer:
         """Open a window on the first robot.

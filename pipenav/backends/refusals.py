@@ -44,6 +44,16 @@ class CannotIncline(PipenavError):
         super().__init__(f"{type(simulator).__name__} cannot simulate gravity along the pipe: choose --backend mujoco.")
 
 
+class CannotPull(PipenavError):
+    """A simulator that knows no forces beside weights and contacts."""
+
+    def __init__(self, simulator: object) -> None:
+        super().__init__(
+            f"{type(simulator).__name__} cannot let a tether pull on robots: choose --backend mujoco or pybullet, or "
+            "leave out the tether."
+        )
+
+
 class NoViewer(PipenavError):
     """A simulator without a window of its own."""
 

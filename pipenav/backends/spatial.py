@@ -86,6 +86,14 @@ class SpaceBackend(ABC):
         """
 
     @abstractmethod
+    def pull(self, forces: Floats) -> None:
+        """Let forces act on the rear ends of the robots' first links until other ones are given or a robot is reset.
+
+        Args:
+            forces: force on each robot, axes of the route's frame, (n, 3) [N].
+        """
+
+    @abstractmethod
     def step(self, set_points: Floats, roll: Floats) -> None:
         """Advance every robot by one control period.
 

@@ -12,7 +12,7 @@ import typer
 
 from pipenav.cli.option_groups import OptionGroup, takes_option_groups
 from pipenav.cli.options import SIMULATOR, BackendOption, SettingsOption, checked_options
-from pipenav.cli.percentages import share_of
+from pipenav.cli.percentages import audited_share, share_of
 from pipenav.cli.place_options import ShardedPlaceOptions
 from pipenav.cli.signals import Interrupted
 from pipenav.cli.terminal import progress_console, refuse_ignored, say, show
@@ -40,6 +40,8 @@ PIPES_HELP = (
     "Shipped set, FILE.toml or d=90,angle=60[,turn=right]; for a whole robot also sets and files of routes; repeatable."
 )
 DISTURB_HELP = "Disturbances, by name or as FILE.toml; see `pipenav list disturbances`."
+AUDIT_HELP = "Replay this share of the successful episodes, 10% or 0.1, by geometry alone, without the simulator."
+CERTIFY_HELP = "Decide by geometry which episodes were possible at all, as `pipenav certify` does, in the plane."
 SUBJECT, EPISODES, RESULT = "What is measured", "Episodes", "Result"
 
 PolicyOption = Annotated[str | None, typer.Option(help=POLICY_HELP, rich_help_panel=SUBJECT)]
@@ -56,12 +58,10 @@ PipesOption = Annotated[list[str] | None, typer.Option(help=PIPES_HELP, rich_hel
 EpisodesOption = Annotated[int, typer.Option(min=1, max=100_000, help="Episodes per pipe.", rich_help_panel=EPISODES)]
 SeedOption = Annotated[int, typer.Option(min=0, help="Seed of starts and targets.", rich_help_panel=EPISODES)]
 DisturbOption = Annotated[str | None, typer.Option(help=DISTURB_HELP, rich_help_panel=SIMULATOR)]
-OutOption = Annotated[
-    Path | None, typer.Option(help="Evaluation folder; default beside the policy.", rich_help_panel=RESULT)
-]
-RequireOption = Annotated[
-    str | None, typer.Option(metavar="PERCENT", help="Exit code 1 below this success, for CI.", rich_help_panel=RESULT)
-]
+OutOption = Annotated[Path | None, typer.Option(help="Evaluation folder; default beside the policy.")]
+RequireOption = Annotated[str | None, typer.Option(metavar="PERCENT", help="Exit code 1 below this success, for CI.")]
+AuditOption = Annotated[str | None, typer.Option(metavar="SHARE", help=AUDIT_HELP)]
+CertifyOption = Annotated[bool, typer.Option("--certify", help=CERTIFY_HELP)]
 
 
 @dataclass(frozen=True)
@@ -73,9 +73,21 @@ class SimulatorOptions(OptionGroup):
     option: SettingsOption = None
 
 
+@dataclass(frozen=True)
+class ResultOptions(OptionGroup):
+    """Where the result goes, and what else geometry says of it."""
+
+    panel: ClassVar[str] = RESULT
+    out: OutOption = None
+    require: RequireOption = None
+    audit: AuditOption = None
+    certify: CertifyOption = False
+
+
 @takes_option_groups
 def evaluate(
     simulator: SimulatorOptions,
+    result: ResultOptions,
     where: ShardedPlaceOptions,
     policy: PolicyOption = None,
     stage: StageOption = None,
@@ -85,8 +97,6 @@ def evaluate(
     episodes: EpisodesOption = 20,
     seed: SeedOption = 0,
     disturb: DisturbOption = None,
-    out: OutOption = None,
-    require: RequireOption = None,
 ) -> None:
     """Measure in which pipes a policy passes: success with 95 % intervals, failures, ranges, contact, pictures.
 
@@ -104,10 +114,12 @@ def evaluate(
         pipenav eval --policy pirate --pipes runs-level --option timestep=0.001
         pipenav eval --policy arm --disturb real-world --require 90%
         pipenav eval --policy arm --episodes 100 --jobs 2
+        pipenav eval --policy arm --audit 10%
+        pipenav eval --policy pirate --pipes d=70,angle=55 --pipes d=60,angle=55 --certify
     """
     from pipenav.evaluation.config import EvaluationConfig, todays_stage
 
-    required = _required_share(require, where)
+    required = _required_share(result.require, where)
     if stage not in ("locate", "passage"):
         refuse_ignored({"--variant": variant}, "it says how --stage locate or passage locates a target")
     config = EvaluationConfig(
@@ -121,9 +133,12 @@ def evaluate(
         backend=simulator.backend,
         options=checked_options(simulator.backend, simulator.option or []),
         disturb=disturb,
+        audit=None if result.audit is None else audited_share(result.audit),
+        certify=result.certify,
     )
-    if (evaluation := _measured(config, out, where)) and required is not None and evaluation.success < required:
-        raise PipenavError(f"success {100 * evaluation.success:.6g}% is below the required {require}.")
+    evaluation = _measured(config, result.out, where)
+    if evaluation is not None and required is not None and evaluation.success < required:
+        raise PipenavError(f"success {100 * evaluation.success:.6g}% is below the required {result.require}.")
 
 
 def _measured(config: EvaluationConfig, out: Path | None, where: ShardedPlaceOptions) -> Evaluation | None:
@@ -144,7 +159,7 @@ def _measured(config: EvaluationConfig, out: Path | None, where: ShardedPlaceOpt
                 _run_shard(checked, store, place, shard)
                 return None
             _run(progress_console(), checked, store, place)
-            evaluation = checked.merged(store)
+            evaluation = _merged(progress_console(), checked, store, place)
         write_evaluation(folder, evaluation)
         store.remove()
     show(evaluation_table(evaluation))
@@ -152,6 +167,17 @@ def _measured(config: EvaluationConfig, out: Path | None, where: ShardedPlaceOpt
         say(f"parts were computed by {len(checked.cpus)} kinds of processors: their last digits may differ", "yellow")
     say(f"evaluation folder {folder}: {', '.join(FILES)}")
     return evaluation
+
+
+def _merged(console: Console, checked: CheckedEvaluation, store: JobStore, place: Place) -> Evaluation:
+    """Merge the parts, under a bar where geometry decides about the pipes."""
+    from pipenav.cli.progress_bars import percentage_bar
+
+    if not checked.config.certify:
+        return checked.merged(store)
+    with percentage_bar(console) as bar:
+        task = bar.add_task("deciding pipes by geometry", total=len(checked.parts.episodes.pipes))
+        return checked.merged(store, place, lambda total, done: bar.update(task, total=total, completed=done))
 
 
 @contextmanager

@@ -50,7 +50,8 @@ def robots_table() -> Table:
     from rich.table import Table
     from rich.text import Text
 
-    from pipenav.robots.robot import load_robot, robot_names
+    from pipenav.robots.robot import load_robot
+    from pipenav.robots.variants import robot_names
     from pipenav.units import m_to_mm
 
     table = Table("robot", "joints", box=None, pad_edge=False)

@@ -84,6 +84,13 @@ class DisturbedSimulator(Simulator):
         self._inner.incline(indices, gravity)
 
     @property
+    def can_pull(self) -> bool:
+        return self._inner.can_pull
+
+    def pull(self, forces: Floats) -> None:
+        self._inner.pull(forces)
+
+    @property
     def has_viewer(self) -> bool:
         return self._inner.has_viewer
 

@@ -76,14 +76,23 @@ def in_order(fittings: Iterable[Fitting]) -> list[Fitting]:
     return sorted(set(fittings), key=lambda one: (KINDS.index(one.kind), one[1:]))
 
 
-def by_fitting(pipes: Sequence[PipeRecord]) -> dict[Fitting, Cell]:
-    """Episodes of single corners by shape, in order, turns together."""
-    cells: dict[Fitting, Cell] = {}
+def records_by_fitting(pipes: Sequence[PipeRecord]) -> dict[Fitting, list[PipeRecord]]:
+    """Records of single corners by shape, in order, turns together."""
+    groups: dict[Fitting, list[PipeRecord]] = {}
     for record in pipes:
         if fitting := fitting_of(record):
-            before = cells.get(fitting, Cell(0, 0))
-            cells[fitting] = Cell(before.successes + record.successes, before.episodes + record.episodes)
-    return {fitting: cells[fitting] for fitting in in_order(cells)}
+            groups.setdefault(fitting, []).append(record)
+    return {fitting: groups[fitting] for fitting in in_order(groups)}
+
+
+def cell_of(records: Sequence[PipeRecord]) -> Cell:
+    """Episodes of some pipes together."""
+    return total(Cell(record.successes, record.episodes) for record in records)
+
+
+def by_fitting(pipes: Sequence[PipeRecord]) -> dict[Fitting, Cell]:
+    """Episodes of single corners by shape, in order, turns together."""
+    return {fitting: cell_of(records) for fitting, records in records_by_fitting(pipes).items()}
 
 
 def by_angle(pipes: Sequence[PipeRecord]) -> dict[str, dict[float, Cell]]:

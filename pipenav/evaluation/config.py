@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, JsonValue
@@ -25,6 +26,11 @@ MOST_EPISODES = 100_000
 """Most episodes in each pipe: days on any machine."""
 
 
+def not_given(value: Any) -> bool:
+    """Whether a key is left out of files, so that those of evaluations that do not have it stay as they were."""
+    return value is None
+
+
 class EvaluationConfig(Table):
     """Everything that decides what an evaluation computes."""
 
@@ -42,6 +48,12 @@ class EvaluationConfig(Table):
     backend: str = Field("mujoco", description="name of a simulator backend")
     options: dict[str, JsonValue] = Field(default_factory=dict, description="the simulator's own settings")
     disturb: str | None = Field(None, description="disturbances, by name or as FILE.toml")
+    audit: float | None = Field(
+        None, gt=0, le=1, exclude_if=not_given, description="share of the successful episodes to audit by geometry"
+    )
+    certify: bool = Field(
+        False, exclude_if=operator.not_, description="whether geometry decides which episodes were possible at all"
+    )
 
     @property
     def subject(self) -> str:

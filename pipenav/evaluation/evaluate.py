@@ -10,14 +10,21 @@ from pipenav.backends.registry import check_options
 from pipenav.backends.simulators import SimulatorSettings, load_simulator
 from pipenav.disturbances.disturbance import UNDISTURBED, load_disturbance
 from pipenav.errors import PipenavError
+from pipenav.evaluation.audit import AuditRows, check_audit
+from pipenav.evaluation.audit_record import AuditRecord
 from pipenav.evaluation.config import EvaluationConfig, StageName
 from pipenav.evaluation.part_jobs import PartJobs
 from pipenav.evaluation.part_plan import PartPlan, Shard
 from pipenav.evaluation.parts import PartResult, PartRows
+from pipenav.evaluation.passability import check_certified_stage
+from pipenav.evaluation.passability_jobs import ReportPipes, decide, report_no_pipes
+from pipenav.evaluation.passability_record import PipePassability
 from pipenav.evaluation.passage import EpisodePlan, ReportProgress, report_nothing
 from pipenav.evaluation.pipe_counts import pipe_records
+from pipenav.evaluation.pipe_results import PipeRecord
 from pipenav.evaluation.results import Evaluation
 from pipenav.evaluation.thesis import thesis_best
+from pipenav.evaluation.training_range import TrainingRange
 from pipenav.jobs import MemoryStore, Place, Store
 from pipenav.jobs.here import HerePlace
 from pipenav.policies.named import open_controller
@@ -66,6 +73,10 @@ class CheckedEvaluation:
         disturbance = UNDISTURBED if config.disturb is None else load_disturbance(config.disturb)
         if any(pipe.in_space for pipe in pipes):
             check_in_space(self._robot, config.backend, None if config.disturb is None else "--disturb")
+        if config.audit is not None:
+            check_audit(str(self.config.stage), pipes)
+        if config.certify:
+            check_certified_stage(str(self.config.stage))
         plan = EpisodePlan(self._robot, self._config, pipes, config.episodes, config.seed, simulator, disturbance)
         self.parts = PartPlan(self.config, plan, self._controller)
         self.cpus: set[str] = set()
@@ -96,7 +107,7 @@ class CheckedEvaluation:
         """
         store = MemoryStore() if store is None else store
         self.run_parts(store, report_progress, place)
-        return self.merged(store)
+        return self.merged(store, place)
 
     def run_parts(
         self,
@@ -112,11 +123,21 @@ class CheckedEvaluation:
         """Number of the parts that a store lacks."""
         return sum(not store.has(self.parts.key(index)) for index in range(self.parts.count))
 
-    def merged(self, store: Store) -> Evaluation:
-        """The evaluation from its parts in a store, all of which must be there; they are read one after another."""
+    def merged(
+        self, store: Store, place: Place | None = None, report_pipes: ReportPipes = report_no_pipes
+    ) -> Evaluation:
+        """The evaluation from its parts in a store, all of which must be there; they are read one after another.
+
+        Args:
+            store: has the parts, and keeps the verdicts of geometry where they are asked for.
+            place: where these verdicts are found, by default this process.
+            report_pipes: see `ReportPipes`.
+        """
         plan = self.parts.episodes
-        self._deepest = np.zeros(self.parts.total)
+        self._deepest, self._audits, self._failed = np.zeros(self.parts.total), list[AuditRows](), list[int]()
         records = list(pipe_records(self._read(store), plan.pipes, plan.episodes))
+        if self.config.certify:
+            records = self._certified(records, store, place or HerePlace(), report_pipes)
         trained = None if self._controller is None else self._controller.task.control
         return Evaluation.of(
             records,
@@ -124,16 +145,38 @@ class CheckedEvaluation:
             robot=self._robot.name,
             penetration_p99_m=float(np.percentile(self._deepest, 99)),
             thesis={} if trained is None else thesis_best(trained, self._robot.name),
+            audit=None if self.config.audit is None else AuditRecord.of(self._audits, self._config.max_penetration),
         )
 
+    def _certified(
+        self, records: list[PipeRecord], store: Store, place: Place, report_pipes: ReportPipes
+    ) -> list[PipeRecord]:
+        """The records with geometry's verdicts, and whether the policy was trained in pipes around."""
+        plan, trained = self.parts.episodes, TrainingRange.of(self._controller)
+        failed: list[list[int]] = [[] for _ in plan.pipes]
+        for number in self._failed:
+            failed[number // plan.episodes].append(number % plan.episodes)
+        answers = decide(self.parts, failed, store, place, report_pipes)
+        return [
+            record.model_copy(
+                update={
+                    "passability": PipePassability.on(answer, record.successes),
+                    "trained": None if trained is None else trained.has(pipe),
+                }
+            )
+            for record, answer, pipe in zip(records, answers, plan.pipes, strict=True)
+        ]
+
     def _read(self, store: Store) -> Iterator[tuple[int, PartRows]]:
-        """Every part, as `pipe_records` takes it; notes each episode's deepest overlap."""
+        """Every part, as `pipe_records` takes it; notes each episode's deepest overlap, audits and failures."""
         for index, end in enumerate(self.parts.bounds[1:]):
             content = store.read(self.parts.key(index))
             if content is None:
                 raise PipenavError(f"part {index + 1} of the evaluation is missing: give the command again to run it.")
-            rows, cpu = PartResult.from_bytes(content)
+            rows, cpu, audits = PartResult.from_bytes(content)
             self.cpus.add(cpu)
+            self._audits += [] if audits is None else [audits]
             for part in rows.values():
+                self._failed += part.jobs[~part.passed].tolist()
                 self._deepest[part.jobs] = np.maximum(self._deepest[part.jobs], part.penetration)
             yield end, rows

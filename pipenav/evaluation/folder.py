@@ -85,7 +85,7 @@ class _Compared(NamedTuple):
 
 def _compared(earlier: Evaluation, config: EvaluationConfig) -> list[_Compared]:
     """All keys of an earlier evaluation's configuration and of the present one."""
-    there, now = earlier.config.model_dump(), config.model_dump()
+    there, now = dict(earlier.config), dict(config)
     if there["robot"] is None or now["robot"] is None:
         there["robot"], now["robot"] = earlier.robot, config.robot or _default_robot(config, earlier.robot)
     return [_Compared(key, there[key], now[key]) for key in now]
@@ -139,6 +139,8 @@ def _parts(config: EvaluationConfig) -> list[str]:
         parts.append(f"seed{config.seed}")
     if config.backend != usual["backend"]:
         parts.append(config.backend)
+    parts += [f"audit{100 * config.audit:g}"] if config.audit is not None else []
+    parts += ["certified"] if config.certify else []
     return [*parts, *(f"{key}{value}" for key, value in sorted(config.options.items()))]
 
 

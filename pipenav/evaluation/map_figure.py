@@ -6,9 +6,10 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from pipenav.drawing.style import INK, heading
-from pipenav.evaluation.cells import Cell, NumberedRoute, by_fitting, in_order, numbered_routes
+from pipenav.evaluation.cells import NumberedRoute, cell_of, in_order, numbered_routes, records_by_fitting
 from pipenav.evaluation.coarse import coarse
-from pipenav.evaluation.pipe_results import by_diameter
+from pipenav.evaluation.passability_cells import BARE, CertifiedCell, legend
+from pipenav.evaluation.pipe_results import PipeRecord, by_diameter
 from pipenav.evaluation.results import Evaluation
 from pipenav.evaluation.success_figure import CORNER_AXIS
 from pipenav.evaluation.summary import circumstances, headline, percent
@@ -24,6 +25,12 @@ ROUTE_AXIS = "routes of this diameter in the order given; small: number among al
 MOST_COLUMNS = 24
 """Most routes of a diameter side by side; more go on in the next row."""
 
+CELL_IN = (0.56, 0.42)
+"""Width and height of a cell [in]."""
+
+CERTIFIED_CELL_IN = (0.78, 0.62)
+"""Width and height of a cell that says besides what geometry found [in]."""
+
 
 class _Panel(NamedTuple):
     """A panel of cells.
@@ -32,14 +39,14 @@ class _Panel(NamedTuple):
         name: what its pipes are, such as `left turn`.
         rows: labels of the rows.
         columns: labels of the columns.
-        cells: episodes by row and column.
+        records: records of the pipes by row and column.
         numbers: numbers of the routes by row and column; empty for corners.
     """
 
     name: str
     rows: list[str]
     columns: list[str]
-    cells: dict[tuple[int, int], Cell]
+    records: dict[tuple[int, int], list[PipeRecord]]
     numbers: dict[tuple[int, int], int]
 
 
@@ -50,8 +57,11 @@ def map_figure(evaluation: Evaluation) -> Figure:
     evaluation, rounded = coarse(evaluation)
     panels = _panels(evaluation)
     corners = any(not panel.numbers for panel in panels)
-    heights = [0.42 * len(panel.rows) + 0.9 for panel in panels]
-    width = max(0.56 * max(len(panel.columns) for panel in panels) + 2.2, 8.5)
+    every = (records for panel in panels for records in panel.records.values())
+    certified = [cell for cell in map(CertifiedCell.of, every) if cell]
+    cell_width, cell_height = CERTIFIED_CELL_IN if certified else CELL_IN
+    heights = [cell_height * len(panel.rows) + 0.9 for panel in panels]
+    width = max(cell_width * max(len(panel.columns) for panel in panels) + 2.2, 8.5)
     figure = Figure((width, sum(heights) + 1.4), facecolor="white", layout="constrained")
     grid = figure.subplots(len(panels), 1, squeeze=False, height_ratios=heights)[:, 0]
     for number, (panel, axes) in enumerate(zip(panels, grid, strict=True), 1):
@@ -64,8 +74,10 @@ def map_figure(evaluation: Evaluation) -> Figure:
     tees = any(record.fitting for record in evaluation.pipes)
     kinds = "angle of corner or branch" if tees else "corner angle"
     title = f"Success by diameter and {kinds}" if corners else "Success by diameter and route"
-    note = f"percent of the episodes; empty: not run{'; ' * bool(rounded)}{rounded}"
+    shown = f"percent of the episodes{', their 95 % interval, episodes that failed' * bool(certified)}"
+    note = f"{shown}; empty: not run{'; ' * bool(rounded)}{rounded}"
     heading(grid[0], title, f"{headline(evaluation)}\n{circumstances(evaluation)}\n{note}")
+    legend(figure, certified)
     return figure
 
 
@@ -79,7 +91,8 @@ def _panels(evaluation: Evaluation) -> list[_Panel]:
     """Panels of the turns and of the routes that were run."""
     turns = {
         turn: {
-            d: by_fitting(group) for d, group in by_diameter([r for r in evaluation.pipes if r.turn == turn]).items()
+            d: records_by_fitting(group)
+            for d, group in by_diameter([r for r in evaluation.pipes if r.turn == turn]).items()
         }
         for turn in ("left", "right")
     }
@@ -88,12 +101,13 @@ def _panels(evaluation: Evaluation) -> list[_Panel]:
     diameters = sorted({d for lines in turns.values() for d in lines}, reverse=True)
     panels = []
     for turn, lines in turns.items():
-        cells = {
-            (diameters.index(d), fittings.index(fitting)): cell
+        records = {
+            (diameters.index(d), fittings.index(fitting)): group
             for d, line in lines.items()
-            for fitting, cell in line.items()
+            for fitting, group in line.items()
         }
-        panels.append(_Panel(f"{turn} turn", [f"{d:g}" for d in diameters], [one.label for one in fittings], cells, {}))
+        labels = [one.label for one in fittings]
+        panels.append(_Panel(f"{turn} turn", [f"{d:g}" for d in diameters], labels, records, {}))
     groups = numbered_routes(evaluation)
     return [*panels, _routes_panel(groups)] if groups else panels
 
@@ -105,7 +119,7 @@ def _routes_panel(groups: dict[float, list[NumberedRoute]]) -> _Panel:
     for diameter, routes in groups.items():
         for start in range(0, len(routes), columns):
             for column, route in enumerate(routes[start : start + columns]):
-                panel.cells[len(panel.rows), column] = route.cell
+                panel.records[len(panel.rows), column] = [route.record]
                 panel.numbers[len(panel.rows), column] = route.number
             panel.rows.append("" if start else f"{diameter:g}")
     return panel
@@ -113,12 +127,20 @@ def _routes_panel(groups: dict[float, list[NumberedRoute]]) -> _Panel:
 
 def _draw_map(axes: Axes, panel: _Panel) -> AxesImage:
     """Draw one panel; returns its image."""
+    from matplotlib.colors import to_hex, to_rgb
+
     shares = [[math.nan] * len(panel.columns) for _ in panel.rows]
     colours = _map_colours()
-    for (row, column), cell in panel.cells.items():
-        shares[row][column] = 100 * cell.share
-        ink = "white" if _is_dark(colours(cell.share)) else INK
-        axes.text(column, row, percent(cell.share, 0), ha="center", va="center", fontsize=9, color=ink)
+    for (row, column), records in panel.records.items():
+        cell, certified = cell_of(records), CertifiedCell.of(records)
+        if certified is None or not certified.bare:
+            shares[row][column] = 100 * cell.share
+        face = to_hex(colours(cell.share)) if certified is None or not certified.bare else BARE
+        ink = "white" if _is_dark(to_rgb(face)) else INK
+        if certified is None:
+            axes.text(column, row, percent(cell.share, 0), ha="center", va="center", fontsize=9, color=ink)
+        else:
+            certified.draw(axes, (row, column), face, ink)
         if panel.numbers:
             corner = (column - 0.44, row - 0.4)
             axes.annotate(str(panel.numbers[row, column]), corner, fontsize=6, color=ink, va="top")
@@ -153,6 +175,6 @@ def _map_colours() -> Colormap:
     return LinearSegmentedColormap.from_list("success", stops, N=512)
 
 
-def _is_dark(rgba: tuple[float, float, float, float]) -> bool:
-    red, green, blue, _ = rgba
+def _is_dark(colour: tuple[float, float, float]) -> bool:
+    red, green, blue = colour
     return 0.299 * red + 0.587 * green + 0.114 * blue < 0.55

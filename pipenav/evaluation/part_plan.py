@@ -99,7 +99,8 @@ class PartPlan:
         if isinstance(controller, RandomController) and first:
             controller = controller.seeded([self.config.seed, first])
         assert self.config.stage is not None
-        return EvaluationPart(plan, begin, controller, self.config.stage, self.config.variant)
+        config = self.config
+        return EvaluationPart(plan, begin, controller, self.config.stage, config.variant, config.audit)
 
     def missing(self, kept: Sequence[bool], together: bool) -> Iterator[range]:
         """Numbers of the parts that are not kept: each alone, or several in a row as far as they may run together."""
@@ -122,6 +123,10 @@ class PartPlan:
         """Name that tells a part, by its number from 0, from those of every other evaluation."""
         return f"part-{index:06d}-{self._digest}"
 
+    def pipe_key(self, number: int) -> str:
+        """Name of geometry's verdict on a pipe, by its number from 0, as `key` for parts."""
+        return f"pipe-{number:06d}-{self._digest}"
+
     @cached_property
     def _digest(self) -> str:
         return _digest(json.dumps(self.request()).encode())
@@ -131,7 +136,7 @@ class PartPlan:
         robot, task = self.episodes.robot, self.episodes.task
         policy = self.config.policy
         weights = policy is not None and not policy.startswith(BASELINE)
-        by_content = {"pipes", "disturb", "robot", *(["policy"] if weights else [])}
+        by_content = {"pipes", "disturb", "robot", "certify", *(["policy"] if weights else [])}
         request: dict[str, JsonValue] = {
             **json.loads(self.config.model_dump_json(exclude=by_content)),
             "robot": _digest(robot.model_dump_json().encode()),

@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from pipenav.arrays import Flags, Floats, Ints
 from pipenav.errors import PipenavError
+from pipenav.evaluation.audit import Auditor, AuditRows
 from pipenav.evaluation.config import StageName
-from pipenav.evaluation.passage import EpisodePlan, Passages, ReportProgress, StageResult
+from pipenav.evaluation.passage import EpisodePlan, Passages, StageResult
 from pipenav.jobs import JobControl
 from pipenav.locating.locator import Variant
 from pipenav.policies.controller import AnyController
@@ -27,6 +28,9 @@ from pipenav.tasks.registry import task_of
 
 REAR_FOLLOWS = ("reach-rear", "passage")
 """Stages of an evaluation that end with the rear half's passage, which needs the motions of those before."""
+
+AUDIT = "audit"
+"""Name of the arrays of audits, in the file of a part."""
 
 CPU = "cpu"
 """Name of the array, in the file of a part, that says what kind of processor computed it."""
@@ -47,6 +51,7 @@ class EvaluationPart:
         controller: the controller; None for the stage locate.
         stage: stage to run, with those before it.
         variant: how a target is located.
+        audit: share of the successful episodes to audit; None for none.
         versions: versions of everything that decides results, where the driver runs.
     """
 
@@ -55,6 +60,7 @@ class EvaluationPart:
     controller: AnyController | None
     stage: StageName
     variant: Variant
+    audit: float | None = None
     versions: Mapping[str, str] = field(default_factory=_versions)
 
 
@@ -100,20 +106,24 @@ PartRows = dict[PassageStage, StageRows]
 
 
 class PartResult(NamedTuple):
-    """Results of a part, and the kind of processor that computed them."""
+    """Results of a part, the kind of processor that computed them, and audits where they were asked for."""
 
     rows: PartRows
     cpu: str
+    audits: AuditRows | None = None
 
     def between(self, first: int, end: int) -> PartResult:
         """Results of the episodes from `first` to the one before `end`."""
-        return PartResult({stage: rows.between(first, end) for stage, rows in self.rows.items()}, self.cpu)
+        rows = {stage: rows.between(first, end) for stage, rows in self.rows.items()}
+        return PartResult(rows, self.cpu, self.audits and self.audits.of_jobs(first, end))
 
     def to_bytes(self) -> bytes:
         """The results as an npz file."""
         arrays: dict[str, NDArray[Any]] = {CPU: np.array(self.cpu)}
         for stage, rows in self.rows.items():
             arrays |= {f"{stage}.{name}": column for name, column in rows._asdict().items()}
+        if self.audits is not None:
+            arrays |= {f"{AUDIT}.{name}": column for name, column in self.audits._asdict().items()}
         file = io.BytesIO()
         np.savez(file, allow_pickle=False, **arrays)
         return file.getvalue()
@@ -127,9 +137,13 @@ class PartResult(NamedTuple):
         """
         try:
             with np.load(io.BytesIO(content), allow_pickle=False) as file:
-                stages = dict.fromkeys(PassageStage(name.partition(".")[0]) for name in file.files if name != CPU)
+                tables = dict.fromkeys(name.partition(".")[0] for name in file.files if name != CPU)
+                stages = [PassageStage(table) for table in tables if table != AUDIT]
                 rows = {s: StageRows(*(file[f"{s}.{column}"] for column in StageRows._fields)) for s in stages}
-                return cls(rows, str(file[CPU]))
+                if AUDIT not in tables:
+                    return cls(rows, str(file[CPU]))
+                audits = AuditRows(*(file[f"{AUDIT}.{column}"] for column in AuditRows._fields))
+                return cls(rows, str(file[CPU]), audits)
         except (OSError, EOFError, ValueError, KeyError, AttributeError, TypeError, zipfile.BadZipFile) as error:
             raise PipenavError(f"a kept part of the evaluation is damaged ({error}): remove its folder.") from error
 
@@ -155,22 +169,21 @@ def run_part(part: EvaluationPart, control: JobControl) -> bytes:
         control.report((stage, total, done, successes))
 
     plan = part.plan.on(part.plan.simulator.on_cores(control.cores))
-    rows = {stage: _rows(result, part.begin) for stage, result in _stages(part, plan, report)}
-    return PartResult(rows, kind_of_cpu()).to_bytes()
+    auditor = None if part.audit is None else Auditor(plan.robot, plan.task, part.audit, part.begin)
+    passages = Passages(plan, report, part.stage in REAR_FOLLOWS, auditor)
+    rows = {stage: _rows(result, part.begin) for stage, result in _stages(part, passages)}
+    return PartResult(rows, kind_of_cpu(), auditor and auditor.rows).to_bytes()
 
 
-def _stages(
-    part: EvaluationPart, plan: EpisodePlan, report: ReportProgress
-) -> Iterator[tuple[PassageStage, StageResult]]:
+def _stages(part: EvaluationPart, passages: Passages) -> Iterator[tuple[PassageStage, StageResult]]:
     """Run the stages one after the other."""
-    passages = Passages(plan, report, keep_motions=part.stage in REAR_FOLLOWS)
     located = reached = None
     if part.stage in ("locate", "passage"):
         located = passages.locate(part.variant)
         yield PassageStage.LOCATE, located
     if part.controller is not None:
         reached = passages.task(part.controller, located)
-        yield task_of(plan.task).stage, reached
+        yield task_of(part.plan.task).stage, reached
     if part.stage in REAR_FOLLOWS:
         assert reached is not None
         yield PassageStage.REAR, passages.rear(reached, located)

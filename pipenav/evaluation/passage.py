@@ -18,6 +18,7 @@ from pipenav.backends.backend import Simulator
 from pipenav.backends.simulators import DEFAULT_SIMULATOR, SimulatorSettings
 from pipenav.disturbances.disturbance import UNDISTURBED, Disturbance
 from pipenav.disturbances.disturbed_backend import disturbed
+from pipenav.evaluation.audit import Auditor
 from pipenav.evaluation.episode_runner import (
     EpisodeQueue,
     EpisodeResults,
@@ -125,11 +126,17 @@ class Passages:
         plan: the episodes.
         report_progress: see `ReportProgress`.
         keep_motions: whether results have the motions, which the rear half needs, and which take most of the memory.
+        auditor: audits successful episodes of the task as they end; None for no audit.
     """
 
     def __init__(
-        self, plan: EpisodePlan, report_progress: ReportProgress = report_nothing, keep_motions: bool = True
+        self,
+        plan: EpisodePlan,
+        report_progress: ReportProgress = report_nothing,
+        keep_motions: bool = True,
+        auditor: Auditor | None = None,
     ) -> None:
+        self._auditor = auditor
         self._plan, self._report_progress, self._keep_motions = plan, report_progress, keep_motions
         self._task = task_of(plan.task)
         self._pipes = [plan.pipes[number // plan.episodes] for number in plan.numbers]
@@ -252,14 +259,21 @@ class Passages:
         recorded: list[RecordedStage] = []
         pipes = [self._pipes[job] for job in jobs]
         most_steps = self._plan.task.max_steps * max(len(pipe.interior_angles) for pipe in pipes)
-        rows = most_steps + 1 if self._keep_motions else 0
+        auditor, motions = self._auditor if name == self._task.stage else None, dict[int, Floats]()
+        hears = self._keep_motions or auditor is not None
 
         def begin(i: int) -> Any:
             return start(int(jobs[i]))
 
+        def hear(i: int, reached: bool, motion: Floats) -> None:
+            if self._keep_motions:
+                motions[i] = motion.copy()
+            if auditor is not None and i >= 0 and reached and auditor.wants(job := int(jobs[i])):
+                auditor.audit(job, begin(i), motion)
+
         def make_recorded(simulator: Simulator, queue: EpisodeQueue[Any]) -> Stage:
             stage = make(self._disturbed(simulator, len(queue.running)), queue)
-            recorded.append(RecordedStage(stage, queue, begin, rows))
+            recorded.append(RecordedStage(stage, queue, begin, most_steps + 1, hear if hears else None))
             return recorded[0]
 
         def report(done: int, successes: int) -> None:
@@ -268,8 +282,8 @@ class Passages:
         results = run_stage(make_recorded, robot, begin, pipes, self._plan.simulator, report)
         (kept,) = recorded
         targets = [kept.targets.get(i, np.full(2, np.nan)) for i in range(len(jobs))]
-        motions = [kept.motions[i] for i in range(len(jobs))] if self._keep_motions else []
-        return StageResult(jobs, results, motions, np.reshape(targets, (-1, 2)))
+        kept_motions = [motions[i] for i in range(len(jobs))] if self._keep_motions else []
+        return StageResult(jobs, results, kept_motions, np.reshape(targets, (-1, 2)))
 
 
 def _nothing(robot: RobotSpec) -> StageResult:

@@ -3,38 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, computed_field, model_validator
+from pydantic import Field, computed_field, model_validator
 
-from pipenav.evaluation.earlier_schema import todays_keys
+from pipenav.evaluation.config import not_given
 from pipenav.evaluation.interval import Interval, wilson
+from pipenav.evaluation.passability_record import PipePassability
+from pipenav.evaluation.record import Amount, Count, Positive, Record, Share, Typed
 from pipenav.evaluation.thesis import is_thesis_set
-
-Typed = Annotated[float, AfterValidator(lambda value: round(value, 6))]
-"""A number that people type, without the last digits that a conversion to radians and back leaves."""
 
 FITTING = r"^(tee|cross) \d+(\.\d+)?(e-?\d+)? (straight|into|out)$"
 """Text of a record's fitting, such as `tee 90 into`."""
-
-Share = Annotated[float, Field(ge=0, le=1)]
-Amount = Annotated[float, Field(ge=0)]
-Count = Annotated[int, Field(ge=0)]
-Positive = Annotated[int, Field(ge=1)]
-
-
-class Record(BaseModel):
-    """A part of eval.json.
-
-    Unknown keys are skipped, so that a file of a later version that only adds keys can still be read.
-    """
-
-    model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False, populate_by_name=True)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _todays_keys(cls, given: Any) -> Any:
-        return todays_keys(given)
 
 
 class PipeRecord(Record):
@@ -61,6 +41,8 @@ class PipeRecord(Record):
         max_penetration_m: deepest overlap of robot and wall of all episodes [m].
         peak_force_n: largest contact force of all episodes [N].
         contact_time_share: share of the time in contact with the wall, mean over episodes.
+        passability: verdict of geometry on the pipe and its episodes; None where nobody asked for it, as the next.
+        trained: whether the policy was trained in pipes around this one; None also where that is not known.
     """
 
     diameter_mm: Typed
@@ -83,6 +65,8 @@ class PipeRecord(Record):
     max_penetration_m: float | None = None
     peak_force_n: Amount | None = None
     contact_time_share: Share | None = None
+    passability: PipePassability | None = Field(None, exclude_if=not_given)
+    trained: bool | None = Field(None, exclude_if=not_given)
 
     @model_validator(mode="after")
     def _counts_fit(self) -> Self:

@@ -17,10 +17,13 @@ from pipenav.evaluation.coarse import coarse
 from pipenav.evaluation.folder import RECORD
 from pipenav.evaluation.interval import wilson
 from pipenav.evaluation.map_figure import map_figure
+from pipenav.evaluation.passability_record import PipePassability
+from pipenav.evaluation.passability_report import passability_tables, passability_words
 from pipenav.evaluation.pipe_results import DiameterRecord, PipeRecord, by_diameter
+from pipenav.evaluation.report_tables import MISSING, corner_cells, empty_table, interval_text, percent_text
 from pipenav.evaluation.results import Evaluation
 from pipenav.evaluation.success_figure import success_figure
-from pipenav.evaluation.summary import circumstances, headline, percent, route_corners
+from pipenav.evaluation.summary import circumstances, headline
 from pipenav.storage.atomic_files import atomic_write_all, prepare_folder
 from pipenav.storage.atomic_folder import write_folder
 from pipenav.units import m_to_mm
@@ -46,8 +49,6 @@ CONTACT_NOTE = (
     "touches. Overlap: how deep a part sinks into the simulated wall."
 )
 """Text below the table of motion and contact."""
-
-MISSING = "-"
 
 NOT_AS_A_WHOLE = (errno.EBUSY, errno.EXDEV, errno.EACCES, errno.EPERM, errno.EROFS)
 """Errors of a folder that cannot be replaced itself: the root of a file system, or in a folder that is read-only."""
@@ -92,12 +93,16 @@ def _replaced(folder: Path, files: dict[str, bytes]) -> bool:
 def pipes_csv(pipes: Sequence[PipeRecord]) -> str:
     """Text of eval.csv: a row for each pipe with the keys of eval.json, failures as `limit=3 timeout=1`."""
     text = io.StringIO()
-    columns = [*PipeRecord.model_fields, *PipeRecord.model_computed_fields]
+    kept = [name for name in PipeRecord.model_fields if name not in ("passability", "trained")]
+    columns = [*kept, *PipeRecord.model_computed_fields]
+    if any(record.passability is not None for record in pipes):
+        columns += [*PipePassability.model_fields, "trained"]
     writer = csv.DictWriter(text, columns, lineterminator="\n")
     writer.writeheader()
     for record in pipes:
         failures = " ".join(f"{reason}={count}" for reason, count in record.failures.items())
-        writer.writerow(record.model_dump() | {"failures": failures})
+        row = record.model_dump() | {"failures": failures}
+        writer.writerow(row | row.pop("passability", {}))
     return text.getvalue()
 
 
@@ -115,8 +120,13 @@ def evaluation_table(evaluation: Evaluation) -> RenderableType:
     p99 = evaluation.penetration_p99_m
     if p99 is not None:
         where.append(f"\noverlap with the wall at most {m_to_mm(p99):.2f} mm in 99 % of the episodes")
+    if evaluation.audit is not None:
+        where.append(f"\n{evaluation.audit.words}")
+    if evaluation.passability is not None:
+        where.append(f"\n{passability_words(evaluation.passability)}")
     note = Text(CONTACT_NOTE, style="dim")
-    parts = (where, _successes(shown), Group(_contacts(shown), note), _worst(evaluation.pipes))
+    certified = passability_tables(evaluation)
+    parts = (where, _successes(shown), Group(_contacts(shown), note), _worst(evaluation.pipes), *certified)
     return Group(title, *(Padding(part, (0, 0, 1, 0), expand=False) for part in parts))
 
 
@@ -135,20 +145,20 @@ def _columns(pipes: Sequence[PipeRecord]) -> list[_Column]:
     traversed = any(record.traverse_attempts is not None for record in pipes)
     columns = [_Column("episodes\n", lambda row: f"{row.episodes:,}")]
     if located:
-        columns.append(_Column("located\n%", lambda row: _percent(row.located_share)))
+        columns.append(_Column("located\n%", lambda row: percent_text(row.located_share)))
     if reached:
         heading = "reach\n%" if located or rear else "success\n%"
         columns += [
-            _Column(heading, lambda row: _percent(row.reach_success)),
-            _Column("95 %\ninterval", lambda row: _interval(row.reach_success_low, row.reach_success_high)),
+            _Column(heading, lambda row: percent_text(row.reach_success)),
+            _Column("95 %\ninterval", lambda row: interval_text(row.reach_success_low, row.reach_success_high)),
             _Column("thesis\n%", lambda row: _number(row.thesis_percent, 0)),
         ]
     if rear:
-        columns.append(_Column("rear\n%", lambda row: _percent(row.rear_success)))
+        columns.append(_Column("rear\n%", lambda row: percent_text(row.rear_success)))
     if traversed:
         columns += [
-            _Column("success\n%", lambda row: _percent(row.traverse_success)),
-            _Column("95 %\ninterval", lambda row: _interval(row.traverse_success_low, row.traverse_success_high)),
+            _Column("success\n%", lambda row: percent_text(row.traverse_success)),
+            _Column("95 %\ninterval", lambda row: interval_text(row.traverse_success_low, row.traverse_success_high)),
         ]
     return columns
 
@@ -158,7 +168,7 @@ def _successes(evaluation: Evaluation) -> Table:
     pipes = evaluation.pipes
     columns = _columns(pipes)
     headings = ["diameter\nmm", *(column.heading for column in columns)]
-    table = _table("Success by diameter", headings, ["failed episodes\n"])
+    table = empty_table("Success by diameter", headings, ["failed episodes\n"])
 
     def cells(row: DiameterRecord) -> list[str]:
         return [column.cell(row) for column in columns]
@@ -175,7 +185,7 @@ def _contacts(evaluation: Evaluation) -> Table:
     """Steps and contact of the episodes of each diameter, and the pipe in which most of them failed."""
     headings = ["diameter\nmm", "mean\nsteps", "mean\ntime s", "least\nrange mm", "peak\nforce N"]
     headings += ["contact\n% of time", "deepest\noverlap mm"]
-    table = _table("Motion and contact by diameter", headings, ["worst pipe and\nits success"])
+    table = empty_table("Motion and contact by diameter", headings, ["worst pipe and\nits success"])
     for diameter, records in by_diameter(evaluation.pipes).items():
         steps = [(r.mean_steps, r.successes) for r in records if r.mean_steps is not None]
         contact = [(r.contact_time_share, r.episodes) for r in records if r.contact_time_share is not None]
@@ -184,7 +194,7 @@ def _contacts(evaluation: Evaluation) -> Table:
             *_steps_and_seconds(_weighted_mean(steps)),
             _number(_extreme(min, [r.min_range_m for r in records]), 1, 1000),
             _number(_extreme(max, [r.peak_force_n for r in records]), 1),
-            _percent(_weighted_mean(contact)),
+            percent_text(_weighted_mean(contact)),
             _number(_extreme(max, [r.max_penetration_m for r in records]), 2, 1000),
             _worst_pipe(records),
         )
@@ -202,13 +212,13 @@ def _worst(pipes: Sequence[PipeRecord]) -> RenderableType:
     title = f"The {len(shown)} worst of {len(failing)} pipes" if len(failing) > len(shown) else "Pipes"
     headings = ["diameter\nmm", "angle\ndeg", "turn\n", "success\n%", "95 %\ninterval", "mean\ntime s"]
     headings += ["least\nrange mm", "force\nN"]
-    table = _table(f"{title} with failures", headings, ["failed episodes\n"])
+    table = empty_table(f"{title} with failures", headings, ["failed episodes\n"])
     for record in shown:
         table.add_row(
             f"{record.diameter_mm:g}",
-            *_corner_cells(record),
-            _percent(record.success),
-            _interval(*wilson(record.successes, record.episodes)),
+            *corner_cells(record),
+            percent_text(record.success),
+            interval_text(*wilson(record.successes, record.episodes)),
             _number(record.mean_steps, 1, CONTROL_PERIOD),
             _number(record.min_range_m, 1, 1000),
             _number(record.peak_force_n, 1),
@@ -217,48 +227,11 @@ def _worst(pipes: Sequence[PipeRecord]) -> RenderableType:
     return table
 
 
-def _table(title: str, numbers: Sequence[str], words: Sequence[str]) -> Table:
-    """An empty table with right-aligned columns of numbers, then left-aligned ones of words."""
-    from rich import box
-    from rich.table import Table
-
-    table = Table(
-        title=title,
-        title_justify="left",
-        title_style="bold",
-        box=box.SIMPLE_HEAD,
-        show_edge=False,
-        pad_edge=False,
-        padding=(0, 1, 0, 0),
-    )
-    for heading in numbers:
-        table.add_column(heading, justify="right", no_wrap=True)
-    for heading in words:
-        table.add_column(heading, min_width=max(map(len, heading.splitlines())))
-    return table
-
-
 def _worst_pipe(records: Sequence[PipeRecord]) -> str:
     worst = min(records, key=lambda record: record.success)
-    angle, turn = _corner_cells(worst)
+    angle, turn = corner_cells(worst)
     where = turn.replace("-", " ") if worst.route else f"{angle}° {turn}"  # spaces, so that the line can break
-    return f"{where}: {_percent(worst.success)} %" if worst.success < 1 else MISSING
-
-
-class _CornerCells(NamedTuple):
-    angle: str
-    turn: str
-
-
-def _corner_cells(record: PipeRecord) -> _CornerCells:
-    """Angle and turn of a corner, of a tee the way too; for a route its first corners, as its name has them."""
-    if record.route is not None:
-        return _CornerCells("route", route_corners(record))
-    if record.fitting is not None:
-        name, angle, way = record.fitting.split()
-        return _CornerCells(f"{name} {angle}", f"{way} {record.turn}")
-    bend = f", R {record.bend_radius_mm:g}" if record.bend_radius_mm else ""
-    return _CornerCells(f"{record.angle_deg:g}", f"{record.turn}{bend}")
+    return f"{where}: {percent_text(worst.success)} %" if worst.success < 1 else MISSING
 
 
 def _steps_and_seconds(steps: float | None) -> list[str]:
@@ -270,14 +243,6 @@ def _weighted_mean(values: Sequence[tuple[float, int]]) -> float | None:
     """Mean of values with weights; None without any weight."""
     total = sum(weight for _, weight in values)
     return sum(value * weight for value, weight in values) / total if total else None
-
-
-def _percent(share: float | None) -> str:
-    return MISSING if share is None else percent(share)
-
-
-def _interval(low: float | None, high: float | None) -> str:
-    return MISSING if low is None or high is None else f"{_percent(low)}-{_percent(high)}"
 
 
 def _number(value: float | None, decimals: int, factor: float = 1.0) -> str:

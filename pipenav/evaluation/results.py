@@ -9,10 +9,13 @@ from typing import Any, Literal, Self
 from pydantic import Field, JsonValue, ValidationError, computed_field, model_validator
 
 from pipenav.errors import ConfigError
-from pipenav.evaluation.config import EvaluationConfig
+from pipenav.evaluation.audit_record import AuditRecord
+from pipenav.evaluation.config import EvaluationConfig, not_given
 from pipenav.evaluation.earlier_schema import todays_evaluation
 from pipenav.evaluation.interval import wilson
-from pipenav.evaluation.pipe_results import DiameterRecord, PipeRecord, Record, Share, by_diameter
+from pipenav.evaluation.passability_record import Passability
+from pipenav.evaluation.pipe_results import DiameterRecord, PipeRecord, by_diameter
+from pipenav.evaluation.record import Record, Share
 from pipenav.storage.text_files import checked_json, read_text
 
 MAX_EVALUATION = 256 << 20
@@ -31,6 +34,8 @@ class Evaluation(Record):
         penetration_p99_m: 99th percentile over the episodes of the deepest overlap [m].
         pipes: one record for each pipe, in the order in which they were given.
         diameters: one record for each diameter, widest first.
+        audit: the audit of successful episodes; None and left out of the file where nobody asked for one.
+        passability: chances that geometry gave the episodes; None and left out of the file likewise.
     """
 
     schema_version: Literal[1, 2] = Field(2, alias="schema")
@@ -42,6 +47,8 @@ class Evaluation(Record):
     penetration_p99_m: float | None = None
     pipes: tuple[PipeRecord, ...] = Field(min_length=1)
     diameters: tuple[DiameterRecord, ...] = Field(min_length=1)
+    audit: AuditRecord | None = Field(None, exclude_if=not_given)
+    passability: Passability | None = Field(None, exclude_if=not_given)
 
     @model_validator(mode="before")
     @classmethod
@@ -57,11 +64,13 @@ class Evaluation(Record):
         robot: str,
         penetration_p99_m: float | None = None,
         thesis: Mapping[float, float] | None = None,
+        audit: AuditRecord | None = None,
     ) -> Self:
         """An evaluation of at least one pipe; `thesis` holds figures [percent] to compare with, by diameter [mm]."""
         successes, episodes = sum(r.successes for r in pipes), sum(r.episodes for r in pipes)
         diameters = [DiameterRecord.of(group, (thesis or {}).get(d)) for d, group in by_diameter(pipes).items()]
         low, high = wilson(successes, episodes)
+        certified = [record.passability for record in pipes if record.passability is not None]
         return cls(
             config=config,
             robot=robot,
@@ -71,6 +80,8 @@ class Evaluation(Record):
             penetration_p99_m=penetration_p99_m,
             pipes=tuple(pipes),
             diameters=tuple(diameters),
+            audit=audit,
+            passability=Passability.of(certified) if certified else None,
         )
 
     @computed_field  # type: ignore[prop-decorator]  # mypy knows no decorated properties

@@ -26,10 +26,9 @@ from pipenav.learning.stage_tables import (
     STAGES,
     StageConfig,
     laid_over,
-    merged,
 )
 from pipenav.storage import shipped
-from pipenav.storage.text_files import MAX_DEPTH, parse_toml, read_toml
+from pipenav.storage.text_files import MAX_DEPTH, merged, parse_toml, read_toml
 from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.registry import TaskConfig
 

@@ -13,6 +13,7 @@ from pydantic import Field
 
 from pipenav.arrays import Table
 from pipenav.errors import ConfigError, UnknownName
+from pipenav.storage.text_files import merged
 
 DEFAULT_BACKEND = "mujoco"
 
@@ -45,15 +46,6 @@ class StageConfig(Table):
     def settings(self) -> dict[str, Any]:
         """Settings in which the stage differs, keys as in the training's own table."""
         return self.model_dump(exclude={"name", "steps"}, exclude_none=True)
-
-
-def merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
-    """Two tables as one, key by key; `above` counts where both have a value."""
-    both = dict(below)
-    for key, value in above.items():
-        nested = isinstance(value, Mapping) and isinstance(both.get(key), Mapping)
-        both[key] = merged(both[key], value) if nested else value
-    return both
 
 
 def laid_over(below: Mapping[str, Any], layer: Mapping[str, Any], where: str) -> dict[str, Any]:

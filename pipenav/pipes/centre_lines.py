@@ -103,6 +103,13 @@ class CentreLines(NamedTuple):
         around = np.pad(self.turn_sign, [(0, 0), (1, 0)])  # the last leg's 0 stands behind the last corner
         return np.asarray(np.take_along_axis(around, corner[:, None] + np.array([1, 0, 2]), axis=1))
 
+    @property
+    def turned(self) -> Floats:
+        """Sum of the turns before each leg, all counted as positive, (n, legs) [rad]; of no use in rows left over."""
+        direction = self.axes[..., 0]
+        turns = np.arccos(np.clip((direction[:, 1:] * direction[:, :-1]).sum(axis=-1), -1.0, 1.0))
+        return np.pad(np.cumsum(turns, axis=1), [(0, 0), (1, 0)])
+
     def locate(self, points: Floats) -> LegCoordinates:
         """Legs of points (n, m, dimensions) [m], and the points' coordinates in them.
 

@@ -3,7 +3,8 @@
 from pipenav.robots import frames, kinematics, laser, space_kinematics
 from pipenav.robots.kinematics import ChainPose
 from pipenav.robots.parts import Actuator, BoxPart, DiscPart, Joint, Laser, Link, Roll, Wheel
-from pipenav.robots.robot import BASE, RobotSpec, load_robot, robot_names
+from pipenav.robots.robot import BASE, RobotSpec, load_robot
+from pipenav.robots.variants import robot_names
 
 __all__ = [
     "BASE",

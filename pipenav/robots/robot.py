@@ -14,6 +14,7 @@ from pipenav.arrays import Flags, Floats, Table
 from pipenav.errors import ConfigError, UnknownName, first_problem
 from pipenav.robots.joint_types import resolve_types
 from pipenav.robots.parts import Actuator, Joint, Laser, Link, Name, Roll, Wheel, constant
+from pipenav.robots.variants import completed, robot_names
 from pipenav.storage import shipped
 from pipenav.storage.text_files import read_toml
 
@@ -121,6 +122,12 @@ class RobotSpec(Table):
         return max([link.width for link in self.links] + [wheel.diameter for wheel in self.wheels])
 
     @cached_property
+    def wheel_joints(self) -> list[int]:
+        """Index of the joint that each wheel sits on, (wheels,)."""
+        jointed = [link for link in self.links if link.joint is not None]
+        return [i for i, link in enumerate(jointed) if link.wheel is not None]
+
+    @cached_property
     def hinges(self) -> Flags:
         """Flags of the joints that are hinges, (joints,)."""
         return np.array([joint.type == "hinge" for joint in self.joints])
@@ -174,11 +181,6 @@ class RobotSpec(Table):
         return constant([*self.mirror_signs, *[-1.0] * len(self.wheels)])
 
 
-def robot_names() -> list[str]:
-    """Names of the shipped robots."""
-    return sorted(path.parent.name for path in shipped.robots_dir().glob("*/robot.toml"))
-
-
 def load_robot(name: str) -> RobotSpec:
     """A shipped robot by name, or any robot by the path of its `robot.toml`; format: docs/formats/robot-file.md.
 
@@ -191,7 +193,7 @@ def load_robot(name: str) -> RobotSpec:
     if not name.endswith(".toml") and name not in robot_names():
         raise UnknownName("robot", name, robot_names())
     try:
-        return RobotSpec.model_validate(resolve_types(read_toml(path), str(path)))
+        return RobotSpec.model_validate(resolve_types(completed(read_toml(path), str(path)), str(path)))
     except ValidationError as error:
         raise ConfigError.from_validation(str(path), error, _known_beside(error)) from error
 

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pipenav.arrays import Floats, Ints
+from pipenav.robots.cable import capstan, drag_per_metre
 from pipenav.survey.passage import Tether, Ways
 
 MOST_LABELS = 6
@@ -115,7 +116,7 @@ def search_from(
             continue
         work += 1
         labels.setdefault(directed, []).append(label)
-        length, gain = ways.length[segment], _pull_per_metre(ways.climb[segment], directed & 1, tether)
+        length, gain = ways.length[segment], _growth(ways.climb[segment], directed & 1, tether)
         room = min(tether.cable - label.distance, (tether.pull - label.tension) / gain if gain > 0 else math.inf)
         far[directed] = max(far.get(directed, 0.0), min(length, max(room, 0.0)))
         if room < length:
@@ -123,7 +124,7 @@ def search_from(
             continue
         distance, tension = label.distance + length, label.tension + gain * length
         for onward, movement in ways.onward[directed]:
-            dragged = tension * math.exp(tether.friction * ways.turn[movement])
+            dragged = tension * float(capstan(tether.friction, ways.turn[movement]))
             cost = label.cost + ways.cost[movement]
             new = Label(distance, dragged, cost, onward, label)
             if cost > budget:
@@ -136,11 +137,9 @@ def search_from(
     return Reach(far, labels, stops, by_tether, work)
 
 
-def _pull_per_metre(climb: float, backwards: int, tether: Tether) -> float:
-    """Growth of a cable's tension along a pipe [N/m]; a cable that slides down by itself pulls nobody back."""
-    up = -climb if backwards else climb
-    level = math.sqrt(max(1 - up * up, 0.0))
-    return max(tether.weight * (tether.friction * level + up), 0.0)
+def _growth(climb: float, backwards: int, tether: Tether) -> float:
+    """Growth of the cable's tension along a segment [N/m]."""
+    return drag_per_metre(tether.weight, tether.friction, -climb if backwards else climb)
 
 
 def _beaten(label: Label, labels: dict[int, list[Label]], base: Reach | None) -> bool:

@@ -13,6 +13,7 @@ backend lacks hold trivially. A simulator that moves robots in space keeps `SPAC
 
 from pipenav.testing.bench import Bench, Start, starts
 from pipenav.testing.contract import ALL_LAWS, CONTRACT
+from pipenav.testing.haulage import Haulage
 from pipenav.testing.kinematic import KinematicBackend, KinematicOptions
 from pipenav.testing.kinematic_space import KinematicSpace
 from pipenav.testing.laws import Law
@@ -26,6 +27,7 @@ __all__ = [
     "SPACE_LAWS",
     "VARIATION_LAWS",
     "Bench",
+    "Haulage",
     "KinematicBackend",
     "KinematicOptions",
     "KinematicSpace",

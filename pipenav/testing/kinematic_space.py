@@ -28,6 +28,9 @@ class KinematicSpace(SpaceBackend):
     def incline(self, indices: Ints, gravity: Floats) -> None:
         self._gravity[indices] = gravity
 
+    def pull(self, forces: Floats) -> None:
+        """Nothing moves by forces here."""
+
     def reset(
         self,
         indices: Ints,

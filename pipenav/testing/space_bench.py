@@ -58,7 +58,7 @@ class SpaceBench:
     """
 
     backend: str | Callable[[RobotSpec, int], SpaceBackend]
-    robot: RobotSpec = field(default_factory=lambda: load_robot("pirate"))
+    robot: RobotSpec = field(default_factory=lambda: load_robot("pirate-strong"))
     n: int = 3
     options: Mapping[str, Any] = field(default_factory=dict)
 

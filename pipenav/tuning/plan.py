@@ -11,9 +11,9 @@ from pydantic import JsonValue
 from pipenav.errors import ConfigError, PipenavError
 from pipenav.learning.config import EXTENDS, TrainConfig, load_config, nested, validate_config
 from pipenav.learning.rehearsal import rehearse
-from pipenav.learning.stage_tables import laid_over, merged
+from pipenav.learning.stage_tables import laid_over
 from pipenav.learning.stages import require_one_interface, training_stages
-from pipenav.storage.text_files import read_toml
+from pipenav.storage.text_files import merged, read_toml
 from pipenav.tuning.objective import Objective
 from pipenav.tuning.space import STAGE_STEPS, SearchSpace, value_text
 

@@ -61,7 +61,7 @@ class MujocoBackend(Simulator):
 
     Options = MujocoOptions
     moves_in_space = steps_in_threads = robots_are_independent = True
-    can_vary = can_incline = has_viewer = True
+    can_vary = can_incline = can_pull = has_viewer = True
 
     def __init__(self, robot: RobotSpec, n: int, options: BackendOptions, wall_segments: int = 4) -> None:
         assert isinstance(options, MujocoOptions)
@@ -98,6 +98,8 @@ class MujocoBackend(Simulator):
         self._wheels = np.array([model.joint(wheel.name).qposadr[0] for wheel in robot.wheels], int)
         self._asked, self._loads = batch.bind("actuator_force"), np.zeros((n, len(robot.driven_actuators)))
         self._ctrl, self._warm = batch.bind("ctrl"), batch.bind("qacc_warmstart")
+        self._applied = batch.bind("xfrc_applied")  # (n, bodies, 6): forces at the centres of mass, then torques
+        self._pulled = np.zeros((n, 2))
         self._wall_position, self._wall_quaternion = batch.bind("mocap_pos"), batch.bind("mocap_quat")
         first = model.geom("wall0").id
         self._longest_walls = model.geom_size[first : first + self._slots].copy()
@@ -164,11 +166,19 @@ class MujocoBackend(Simulator):
         self._bias[indices, :joints, 1], self._bias[indices, joints:, 2] = feedback[:, :joints], feedback[:, joints:]
 
     def incline(self, indices: Ints, gravity: Floats) -> None:
-        pull = self._batch.bind("xfrc_applied")  # (n, bodies, 6): forces at the centres of mass, then torques
         moving = np.flatnonzero(self._model.body_mocapid < 0)
-        pull[np.ix_(indices, moving, np.arange(2))] = (
-            self._masses[np.ix_(indices, moving)][..., None] * gravity[:, None]
-        )
+        self._applied[indices] = 0.0
+        weights = self._masses[np.ix_(indices, moving)][..., None] * gravity[:, None]
+        self._applied[np.ix_(indices, moving, np.arange(2))] = weights
+        self._pulled[indices] = 0.0
+
+    def pull(self, forces: Floats) -> None:
+        first = self._model.body(self._robot.links[0].name).id
+        heading = self._own_pose().headings[:, 0]
+        arm = -self._model.body_ipos[first, 0] * np.stack([np.cos(heading), np.sin(heading)], axis=1)  # to the rear end
+        self._applied[:, first, :2] += forces - self._pulled
+        self._applied[:, first, 5] = arm[:, 0] * forces[:, 1] - arm[:, 1] * forces[:, 0]
+        self._pulled[:] = forces
 
     def vary(self, indices: Ints, variation: Variation) -> None:
         """Vary some robots. The fields that it changes become separate for each robot at the first call."""

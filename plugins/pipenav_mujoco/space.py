@@ -50,11 +50,23 @@ class MujocoSpace(SpaceBackend):
         views.qpos[np.ix_(indices, views.joints)] = q[:, len(BASE) :]
         if self._settings.gravity is not None:
             self._gravity[indices] = 0.0, 0.0, -self._settings.gravity
-        weights = self._batch.masses[:, None] * self._gravity[indices][:, None]  # (k, bodies, 3)
-        views.pull[np.ix_(indices, views.moving, np.arange(3))] = weights
+        views.pull[indices] = 0.0
+        views.pull[np.ix_(indices, views.moving, np.arange(3))] = self._weights(indices)
         self._pose = None
         self._scan(indices)
         return self._reading(indices)
+
+    def _weights(self, indices: Ints) -> Floats:
+        """Weights of the moving bodies of some robots, (k, bodies, 3) [N]."""
+        return np.asarray(self._batch.masses[:, None] * self._gravity[indices][:, None])
+
+    def pull(self, forces: Floats) -> None:
+        views, every = self._batch.views, np.arange(self._n)
+        first, weight = views.moving[0], self._weights(every)[:, 0]
+        rear, front = self._own_pose().points[:, :2].swapaxes(0, 1)
+        arm = (rear - front) * self._batch.rear_share
+        views.pull[:, first, :3] = weight + forces
+        views.pull[:, first, 3:] = np.cross(arm, forces)
 
     def step(self, set_points: Floats, roll: Floats) -> None:
         views = self._batch.views

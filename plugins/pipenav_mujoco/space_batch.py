@@ -124,6 +124,12 @@ class SpaceBatch:
         """Masses of the bodies that move, (bodies,) [kg]."""
         return np.asarray(self.views.batch.model.body_mass[self.views.moving])
 
+    @property
+    def rear_share(self) -> float:
+        """Share of the first link that lies behind its centre of mass."""
+        first = self.views.moving[0]
+        return float(self.views.batch.model.body_ipos[first, 0] / self._robot.links[0].length)
+
     def put(self, indices: Ints, routes: Sequence[PipeRoute]) -> None:
         """Give some robots the models of their routes, with all of their state zero."""
         if not routes:

@@ -51,7 +51,7 @@ class PybulletBackend(Simulator):
     """Simulator of n robots in the plane, see `pipenav.backends.Simulator`."""
 
     Options = PybulletOptions
-    can_vary = True
+    can_vary = can_pull = True
 
     def __init__(self, robot: RobotSpec, n: int, options: BackendOptions, wall_segments: int = 4) -> None:
         assert isinstance(options, PybulletOptions)
@@ -90,6 +90,9 @@ class PybulletBackend(Simulator):
             for first, rows in zip(bounds, shares(indices, bounds), strict=False)
         ]
         self._crew.ask("vary", orders)
+
+    def pull(self, forces: Floats) -> None:
+        self._crew.ask("pull", [(forces[first:last],) for first, last in pairwise(self._crew.bounds)])
 
     def step(self, command: Command) -> None:
         orders = [(command.control, command.values[first:last]) for first, last in pairwise(self._crew.bounds)]

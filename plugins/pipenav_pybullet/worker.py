@@ -41,6 +41,11 @@ class Share:
         for world, first, rows in zip(self._worlds, self._bounds, shares(indices, self._bounds), strict=False):
             world.vary((indices[rows] - first).tolist(), variation.part(rows))
 
+    def pull(self, forces: Floats) -> None:
+        """Let forces act on all robots as `World.pull` does."""
+        for world, (first, last) in zip(self._worlds, pairwise(self._bounds), strict=True):
+            world.pull(forces[first:last])
+
     def step(self, control: Control, values: Floats) -> Motion:
         """Advance all robots as `World.step` does."""
         parts = zip(self._worlds, pairwise(self._bounds), strict=True)

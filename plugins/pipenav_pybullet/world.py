@@ -95,6 +95,7 @@ class World:
         efforts = [(a.effort_limit, a.controller_gain) for a in robot.driven_actuators]
         self._motors = np.array(efforts).T[:, None]  # (2, 1, actuators)
         self._effort, self._stiffness = np.repeat(self._motors, k, axis=1)
+        self._pulled = np.zeros((k, 2))
         self._damping = np.array([a.damping for a in robot.driven_actuators])
         self._configuration, self._speeds = np.zeros((k, robot.coordinates)), np.zeros((k, len(robot.driven_actuators)))
 
@@ -188,6 +189,23 @@ class World:
             self._configuration[i], self._speeds[i] = q[row], 0.0
         return self._distances(list(arms))
 
+    def pull(self, forces: Floats) -> None:
+        """Let forces (k, 2) [N] act on the robots' rear ends until other ones are given."""
+        self._pulled = forces
+
+    def _apply_pull(self) -> None:
+        """Let the forces act in the next physics step: Bullet forgets them after each."""
+        for i in np.flatnonzero(self._pulled.any(axis=1)):
+            rear = [*self._configuration[i, :2], i * STOREY]
+            pybullet.applyExternalForce(
+                self._arms[i],
+                self._bodies[0],
+                [*self._pulled[i], 0.0],
+                rear,
+                pybullet.WORLD_FRAME,
+                physicsClientId=self._client,
+            )
+
     def step(self, control: Control, values: Floats) -> Motion:
         """Advance all robots by one control period under duties or set-points, see `pipenav.backends.Command`."""
         forces = np.zeros((self._k, self._substeps, len(self._robot.links), 2))
@@ -201,6 +219,7 @@ class World:
                 pybullet.setJointMotorControlArray(
                     arm, self._driven, pybullet.TORQUE_CONTROL, forces=effort, physicsClientId=self._client
                 )
+            self._apply_pull()
             pybullet.stepSimulation(physicsClientId=self._client)
             self._read_joints()
             self._collect_contacts(forces[:, substep], depth, touching[:, substep])

@@ -36,14 +36,14 @@ def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a short training."""
     folder = tmp_path_factory.mktemp("whole") / "run"
     settings = [part for key, value in TINY.items() for part in ("--set", f"{key}={value}")]
-    args = ("train", "--preset", "pirate", "--steps", "128", "--pipes", "d=90,angle=90", "--out", str(folder))
+    args = ("train", "--preset", "pirate-strong", "--steps", "128", "--pipes", "d=90,angle=90", "--out", str(folder))
     assert run(*args, *settings) == 0
     return folder
 
 
 def test_training_writes_a_policy_that_says_what_it_is_for(trained: Path) -> None:
     header = load_policy(trained / "best.zip").header
-    assert header.robot == load_robot("pirate")
+    assert header.robot == load_robot("pirate-strong")
     assert header.task.kind == "traverse"
     assert [part.name for part in header.observation][-1] == "turns_beside"
     assert [part.joint for part in header.action] == [one.name for one in header.robot.commanded_parts]
@@ -60,7 +60,7 @@ def test_an_evaluation_counts_traverses(trained: Path, tmp_path: Path) -> None:
     args = ("--pipes", "d=90,angle=90", "--pipes", "d=70,angle=60,turn=right", "--episodes", "2")
     assert run("eval", "--policy", str(trained / "best.zip"), *args, "--out", str(tmp_path)) == 0
     found = read_evaluation(tmp_path)
-    assert (found.stage, found.robot) == ("traverse", "pirate")
+    assert (found.stage, found.robot) == ("traverse", "pirate-strong")
     for record in found.pipes:
         assert (record.traverse_attempts, record.traverse_successes) == (2, 0)
         assert record.reach_attempts is record.rear_attempts is record.located is None
@@ -133,7 +133,7 @@ def test_runs_can_be_trained_in(tmp_path: Path) -> None:
         (["train", "--preset", "pirate", "--set", "task.alfa=1"], "did you mean 'task.alpha'"),
         (["eval", "--policy", "arm", "--stage", "traverse"], "reaches a target around the corner"),
         (
-            ["train", "--preset", "pirate-gravity", "--pipes", "runs-rolled", "--backend", "pybullet"],
+            ["train", "--preset", "pirate-strong-gravity", "--pipes", "runs-rolled", "--backend", "pybullet"],
             "backend 'pybullet' moves robots only in a plane: choose --backend mujoco",
         ),
         (
@@ -164,7 +164,7 @@ def test_a_random_baseline_traverses_where_the_robot_does(tmp_path: Path) -> Non
     ("args", "said"),
     [
         (["--policy", "baseline:sequence", "--pipes", "runs-rolled:1"], "turns corners in one plane"),
-        (["--policy", "pirate-gravity", "--backend", "pybullet"], "cannot simulate gravity along the pipe"),
+        (["--policy", "pirate-strong-gravity", "--backend", "pybullet"], "cannot simulate gravity along the pipe"),
     ],
 )
 def test_an_evaluation_that_is_refused_once_it_runs_leaves_no_folder(

@@ -13,7 +13,8 @@ from pipenav.backends.requirements import availability
 from pipenav.backends.simulators import SimulatorSettings
 from pipenav.cli import main
 from pipenav.comparison.agreement import Agreement, Check, SimulatorPair, checks, compare
-from pipenav.robots.robot import load_robot, robot_names
+from pipenav.robots.robot import load_robot
+from pipenav.robots.variants import robot_names
 
 pytestmark = pytest.mark.slow
 

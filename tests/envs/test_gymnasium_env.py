@@ -109,7 +109,9 @@ def test_the_action_of_a_robot_that_starts_anew_is_ignored_even_where_it_is_no_n
     np.testing.assert_array_equal(ignored, other.step(np.zeros((2, 4), np.float32))[0])
 
 
-@pytest.mark.parametrize(("name", "preset"), [(IDS[0], "high-fidelity"), (IDS[0], "arm"), (IDS[1], "pirate-gravity")])
+@pytest.mark.parametrize(
+    ("name", "preset"), [(IDS[0], "high-fidelity"), (IDS[0], "arm"), (IDS[1], "pirate-strong-gravity")]
+)
 def test_a_preset_gives_every_argument_that_is_not_given(name: str, preset: str) -> None:
     config = training_stages(load_config(preset))[-1].config
     options = dict(config.options)

@@ -108,7 +108,7 @@ def test_the_shipped_policy_passes_the_working_range() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["pirate", "pirate-gravity"])
+@pytest.mark.parametrize("name", ["pirate-strong", "pirate-strong-gravity"])
 def test_the_whole_robots_shipped_policies_pass_corners_and_routes(name: str) -> None:
     sample = [*parse_corners(["working-range"])[::16], *parse_routes(["runs-level:3", "runs-level:14"])]
     found = run_task(open_controller(name), sample, 2, seed=11)
@@ -120,5 +120,5 @@ def test_the_whole_robot_passes_elbows_s_bends_and_reducers() -> None:
     sample = parse_pipes(
         ["d=100,angle=90,bend_radius=1.5D", "d=70,angle=135,bend_radius=1D", "s-bends:40", "reducers:5"]
     )
-    found = run_task(open_controller("pirate"), sample, 2, seed=11)
+    found = run_task(open_controller("pirate-strong"), sample, 2, seed=11)
     assert (found.outcome == Outcome.REACHED).all()

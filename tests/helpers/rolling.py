@@ -1,4 +1,4 @@
-"""The robot `pirate` clamped in a straight."""
+"""The robot `pirate-strong` clamped in a straight."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.rolling.clamp import ZIGZAG, steepness
 
-ROBOT = load_robot("pirate")
+ROBOT = load_robot("pirate-strong")
 
 
 def clamped(radius: float, third: float) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Traverses of the robot `pirate`."""
+"""Traverses of the robot `pirate-strong`."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pipenav.tasks.traverse.batch import TraverseBatch
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import TraverseEpisodes, sample
 
-ROBOT = load_robot("pirate")
+ROBOT = load_robot("pirate-strong")
 
 
 CONFIG = TraverseConfig(kind="traverse")

@@ -14,7 +14,7 @@ import pytest
 from helpers.doc_pages import PAGES, ROOT, blocks
 from helpers.documented import Options, pipenav, tiny
 
-FIRST_TRAININGS = {"runs/arm": "arm", "runs/pirate-gravity": "pirate-gravity"}
+FIRST_TRAININGS = {"runs/arm": "arm", "runs/pirate-strong-gravity": "pirate-strong-gravity"}
 """Training folders that a command goes on with, and the preset of each."""
 
 POLICIES = {

@@ -148,7 +148,10 @@ def test_a_preset_says_only_what_differs_from_the_one_it_extends(
     ("text", "message"),
     [
         ('extends = "pirat"', "preset mine: extends: unknown preset 'pirat': did you mean 'pirate'"),
-        ('extends = "pirate-gravity"', "preset 'pirate-gravity' extends 'pirate' itself: extend that one."),
+        (
+            'extends = "pirate-strong-gravity"',
+            "preset 'pirate-strong-gravity' extends 'pirate' itself: extend that one.",
+        ),
         ("extends = 3", "preset mine: extends: input should be the name of a preset, given 3."),
     ],
 )
@@ -164,10 +167,10 @@ def test_a_preset_that_extends_wrongly_is_one_sentence(
 
 def test_a_file_that_extends_a_preset_is_laid_over_it(tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
-    file.write_text('extends = "pirate-gravity"\nseed = 4\n', encoding="utf-8")
-    below = load_config("pirate-gravity")
-    assert load_config(file=file) == load_config("pirate-gravity", file) == below.model_copy(update={"seed": 4})
-    with pytest.raises(PipenavError, match=r"mine\.toml extends preset 'pirate-gravity', given 'arm'"):
+    file.write_text('extends = "pirate-strong-gravity"\nseed = 4\n', encoding="utf-8")
+    below = load_config("pirate-strong-gravity")
+    assert load_config(file=file) == load_config("pirate-strong-gravity", file) == below.model_copy(update={"seed": 4})
+    with pytest.raises(PipenavError, match=r"mine\.toml extends preset 'pirate-strong-gravity', given 'arm'"):
         load_config("arm", file)
     file.write_text('extends = "amr"', encoding="utf-8")
     with pytest.raises(PipenavError, match=r"mine\.toml: extends: unknown preset 'amr': did you mean 'arm'"):

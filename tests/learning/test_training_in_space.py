@@ -22,7 +22,7 @@ MIXED = ["runs-rolled-train:1", "runs-train:1", "d=90,angle=90"]
 def config(**more: Any) -> TrainConfig:
     """Settings of a training of 256 steps in space, or others; nothing can be passed in its time."""
     short = {"pipes": MIXED, "steps": 256, "check.episodes": 3, "task.max_steps": 4}
-    return load_config("pirate-gravity", options={**TINY, **short, **more})
+    return load_config("pirate-strong-gravity", options={**TINY, **short, **more})
 
 
 def trained(path: Path, **more: Any) -> TrainingFolder:

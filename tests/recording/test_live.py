@@ -254,7 +254,7 @@ def test_an_arrow_in_the_window_points_down(direction: float) -> None:
 
 
 def test_a_route_in_space_is_shown_in_a_window_too(handles: list[Handle]) -> None:
-    robot, route = load_robot("pirate"), parse_routes(["runs-rolled:3"])[0]
+    robot, route = load_robot("pirate-strong"), parse_routes(["runs-rolled:3"])[0]
     task = TraverseConfig(kind="traverse")
     one = random_start(robot, task, [route], 1, 0)(0)
     long = one.pipes[0]

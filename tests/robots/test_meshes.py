@@ -11,7 +11,8 @@ import trimesh
 from pipenav.cli import main
 from pipenav.robots.meshes import link_mesh
 from pipenav.robots.parts import BoxPart
-from pipenav.robots.robot import load_robot, robot_names
+from pipenav.robots.robot import load_robot
+from pipenav.robots.variants import robot_names
 
 
 @pytest.mark.parametrize("name", robot_names())

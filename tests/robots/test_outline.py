@@ -11,7 +11,8 @@ from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.wall_distance import wall_distance
 from pipenav.robots.kinematics import forward
 from pipenav.robots.outline import foremost, link_outlines
-from pipenav.robots.robot import load_robot, robot_names
+from pipenav.robots.robot import load_robot
+from pipenav.robots.variants import robot_names
 
 BASIC = load_robot("basic")
 ARMS = [name for name in robot_names() if not load_robot(name).free]

@@ -9,7 +9,8 @@ import pytest
 from pydantic import ValidationError
 
 from pipenav.errors import ConfigError, FileProblem, UnknownName
-from pipenav.robots.robot import RobotSpec, load_robot, robot_names
+from pipenav.robots.robot import RobotSpec, load_robot
+from pipenav.robots.variants import robot_names
 from pipenav.storage.shipped import robots_dir
 
 TEXT = (robots_dir() / "basic" / "robot.toml").read_text(encoding="utf-8")
@@ -126,7 +127,7 @@ def test_the_whole_robot_stands_free_on_six_wheels_with_six_bends() -> None:
     assert [one.name for one in robot.commanded_parts] == [f"bend{i}" for i in range(1, 7)] + [
         f"wheel{i}" for i in range(1, 7)
     ]
-    assert robot.effort_limits.tolist() == [1.0] * 6 + [0.15] * 6
+    assert robot.effort_limits.tolist() == [1.0] * 6 + [0.0373] * 6
     assert robot.roll is not None
     assert robot.roll.link == "middle"
     assert not load_robot("basic").free

@@ -29,7 +29,7 @@ def test_a_class_is_simulated_once_and_kept(monkeypatch: pytest.MonkeyPatch, tmp
 
 
 @pytest.mark.parametrize(
-    "change", [{"episodes": 40}, {"seed": 1}, {"options": {"timestep": 0.001}}, {"policy": "pirate-gravity"}]
+    "change", [{"episodes": 40}, {"seed": 1}, {"options": {"timestep": 0.001}}, {"policy": "pirate-strong-gravity"}]
 )
 def test_what_decides_a_trial_is_in_its_key(
     change: dict[str, Any], monkeypatch: pytest.MonkeyPatch, tmp_path: Path

@@ -6,7 +6,8 @@ import pytest
 from pydantic import TypeAdapter, ValidationError
 
 from pipenav.errors import PipenavError
-from pipenav.robots.robot import load_robot, robot_names
+from pipenav.robots.robot import load_robot
+from pipenav.robots.variants import robot_names
 from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.reach.task import ReachTask
 from pipenav.tasks.registry import TaskConfig, default_config, require_reach, task_of

@@ -48,7 +48,7 @@ def test_contract(backend: str | type[Backend], check: Callable[[Bench], None]) 
 @pytest.mark.parametrize("check", ALL_LAWS, ids=lambda check: check.__name__[len("check_") :])
 @pytest.mark.parametrize("backend", _subjects()[1:])
 def test_contract_holds_for_a_robot_on_wheels(backend: str, check: Callable[[Bench], None]) -> None:
-    check(Bench(backend, load_robot("pirate")))
+    check(Bench(backend, load_robot("pirate-strong")))
 
 
 @pytest.mark.parametrize("check", CONTRACT, ids=lambda check: check.__name__.removeprefix("check_"))

@@ -49,11 +49,11 @@ def test_a_recipe_is_the_trial(
 
 @pytest.mark.parametrize("steps", [256, 400])
 def test_settings_of_a_presets_stages_are_written_by_their_names(tmp_path: Path, steps: int) -> None:
-    """The preset `pirate-gravity` has the stages."""
+    """The preset `pirate-strong-gravity` has the stages."""
     key = "stages.corners.steps"
     ranges = {key: {"low": 100, "high": 500}, "stages.routes.learner.clip": {"low": 0.1, "high": 0.3}}
     plan = tiny_plan(tmp_path, objective=Objective())
-    gravity = space(**ranges).model_copy(update={"preset": "pirate-gravity"})
+    gravity = space(**ranges).model_copy(update={"preset": "pirate-strong-gravity"})
     staged = plan.base._replace(space=gravity, settings=["stages.routes.steps=1000"], steps=None)
     found = {key: steps, "stages.routes.learner.clip": 0.25}
     require_same(plan._replace(base=staged), found, tmp_path / "best.toml")

@@ -29,6 +29,8 @@ from pipenav.tasks.traverse.branches import Branches
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import TraverseEpisodes
 from pipenav.tasks.traverse.outcome import OutcomeTracker, Whereabouts, reward
+from pipenav.tasks.traverse.pace import slowness
+from pipenav.tasks.traverse.tether import Tethers
 
 LIMIT_FACTOR = 2
 """Factor on the time limit of the plane: straights are longer, and rolling takes 10 to 20 s."""
@@ -76,7 +78,8 @@ class RollingBatch(TrainingBatch):
         self.steps, self._ages = np.zeros(n, int), np.zeros(n, int)
         self._driven = np.ones(n, bool)
         self._tracker = OutcomeTracker(robot, config, n)
-        self._action, self._end, self._limit = np.zeros((n, len(robot.driven_actuators))), np.zeros(n), np.zeros(n, int)
+        self._action, self._end, self._limit = np.zeros((n, len(robot.driven_actuators))), np.zeros(n), np.zeros(n)
+        self._tethers = None if config.tether is None else Tethers(config.tether, n)
 
     @property
     def pipes(self) -> list[PipeRoute | None]:
@@ -117,7 +120,12 @@ class RollingBatch(TrainingBatch):
             self._limit[i] = LIMIT_FACTOR * self.config.max_steps * len(route.corners)
         self.steps[indices], self._ages[indices] = self._ages[indices], 0
         self._action[indices] = 0.0
-        self._tracker.start(indices, self._distances(self._backend.truth())[indices])
+        distances = self._distances(self._backend.truth())[indices]
+        slower = slowness(self.robot, self.config, episodes)
+        self._limit[indices] *= slower
+        self._tracker.start(indices, distances, slower)
+        if self._tethers is not None:
+            self._tethers.start(indices, episodes.cable, distances[:, 0])
         return self._observe(self._backend.read())
 
     def stagger(self, rng: np.random.Generator) -> None:
@@ -128,6 +136,8 @@ class RollingBatch(TrainingBatch):
         joints, turn_sign = reading.body.q, pilot.turn_sign
         wanted = observation.to_command(self.robot, self.config, action, joints, pilot.set_points, turn_sign)
         self._driven = pilot.policy_drives
+        if self._tethers is not None:
+            self._backend.pull(self._tethers.forces(self._lines, self._backend.truth().points[:, 0]))
         self._action = np.where(self._driven[:, None], np.clip(action, -1.0, 1.0), 0.0)
         return partial(self._backend.step, *pilot.command(reading, wanted.values))
 

@@ -10,7 +10,7 @@ import numpy as np
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Simulator
 from pipenav.backends.messages import Reading, Truth
-from pipenav.backends.refusals import CannotIncline
+from pipenav.backends.refusals import CannotIncline, CannotPull
 from pipenav.pipes.centre_lines import CentreLines
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.pipe import Pipe
@@ -24,6 +24,8 @@ from pipenav.tasks.traverse.branches import Branches
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import GRAVITY, TraverseEpisodes, check_robot
 from pipenav.tasks.traverse.outcome import OutcomeTracker, Whereabouts, reward
+from pipenav.tasks.traverse.pace import slowness
+from pipenav.tasks.traverse.tether import Tethers
 
 ANYWHERE = PipeCorner.of(100, 90)
 """Pipe of a robot before its first reset, only to give the arrays their shapes."""
@@ -33,7 +35,8 @@ class TraverseBatch(TrainingBatch):
     """n episodes of the traverse task.
 
     Raises:
-        PipenavError: the robot hangs on a mount, or pipes are not level and the simulator cannot incline them.
+        PipenavError: the robot hangs on a mount, pipes are not level and the simulator cannot incline them, or a tether
+            pulls and the simulator cannot let it.
     """
 
     def __init__(
@@ -47,6 +50,8 @@ class TraverseBatch(TrainingBatch):
         check_robot(robot)
         if config.inclination_deg is not None and not simulator.can_incline:
             raise CannotIncline(simulator)
+        if config.tether is not None and not simulator.can_pull:
+            raise CannotPull(simulator)
         self.robot, self.config, self.n = robot, config, n
         self._simulator, self._source = simulator, source
         self._scale = np.concatenate([part.scale for part in observation.layout(robot, config)])
@@ -59,6 +64,8 @@ class TraverseBatch(TrainingBatch):
         self._tracker = OutcomeTracker(robot, config, n)
         self._action, self._q = np.zeros((n, len(robot.driven_actuators))), np.zeros((n, robot.coordinates))
         self._set_points = np.zeros((n, len(robot.joints)))
+        self._limit = np.zeros(n)
+        self._tethers = None if config.tether is None else Tethers(config.tether, n)
         self._observation = np.zeros((n, len(self._scale)))
         self._ranges = np.zeros((n, robot.laser.beams))
 
@@ -101,7 +108,11 @@ class TraverseBatch(TrainingBatch):
         self._lines, self._corner[indices] = self._lines.put(indices, CentreLines.of(episodes.pipes)), 0
         self._branches = self._branches.put(indices, Branches.of(episodes.pipes))
         self._turn_signs[indices] = self._lines.turn_signs(self._corner)[indices]
-        self._tracker.start(indices, self.distances[indices])
+        distances, slower = self.distances[indices], slowness(self.robot, self.config, episodes)
+        self._limit[indices] = self.config.max_steps * slower * self._lines.corners[indices]
+        self._tracker.start(indices, distances, slower)
+        if self._tethers is not None:
+            self._tethers.start(indices, episodes.cable, distances[:, 0])
         self._observation = self._observation.copy()
         self._observation[indices] = self._observe(reading, indices)
         return self._observation
@@ -116,6 +127,8 @@ class TraverseBatch(TrainingBatch):
         )
         self._set_points = command.values[:, : joints.shape[1]].copy()
         self._action = np.clip(action, -1.0, 1.0)
+        if self._tethers is not None:
+            self._simulator.pull(self._tethers.forces(self._lines, self.points[:, 0]))
         return partial(self._simulator.step, command)
 
     def end(self) -> StepResult:
@@ -123,9 +136,9 @@ class TraverseBatch(TrainingBatch):
         reading, truth = self._simulator.read(), self._simulator.truth()
         self._q, self._ranges = self._configuration(reading, truth), reading.ranges.copy()
         points, every, last = self.points, np.arange(self.n), self._lines.corners - 1
-        limit, end = self.config.max_steps * (last + 1), self._lines.end[every, last]
+        end = self._lines.end[every, last]
         places = Whereabouts(self._lines.distance(points), self._branches.contain(points, self._lines))
-        facts, outcome = self._tracker.step(self.steps, limit, places, end, reading, truth)
+        facts, outcome = self._tracker.step(self.steps, self._limit, places, end, reading, truth)
         self._enter_corners(places.distances.mean(axis=1))
         self._observation = self._observe(reading, every)
         gained = reward(self.config.reward, facts)

@@ -33,6 +33,7 @@ class TraverseEpisodes(NamedTuple):
         base: x of the robot's frame in the pipe's frame, (k,) [m].
         gravity: gravity's part in the pipe's plane, where robots move in it, axes of the pipe's frame, (k, 2) [m/s^2].
         gravity_in_space: gravity where robots move in space, axes of the route's frame, (k, 3) [m/s^2].
+        cable: length of the cable behind each robot, 0 without a tether, (k,) [m].
     """
 
     pipes: tuple[Pipe, ...]
@@ -40,6 +41,7 @@ class TraverseEpisodes(NamedTuple):
     base: Floats
     gravity: Floats
     gravity_in_space: Floats
+    cable: Floats
 
     def part(self, rows: slice) -> TraverseEpisodes:
         """Episodes of some rows."""
@@ -88,7 +90,8 @@ def sample(
         direction = low + (high - low) * inclination
         gravity = GRAVITY * np.stack([np.cos(direction), np.sin(direction)], axis=1)
         in_space = GRAVITY * np.array([pipe.down for pipe in pipes]).reshape(k, 3)
-    return TraverseEpisodes(roomy, q, base, gravity, in_space)
+    cable = np.zeros(k) if config.tether is None else rng.uniform(*config.tether.length, k)
+    return TraverseEpisodes(roomy, q, base, gravity, in_space, cable)
 
 
 def check_robot(robot: RobotSpec) -> None:

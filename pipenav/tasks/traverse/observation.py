@@ -123,12 +123,6 @@ def to_command(
     bends += q if config.set_points == "measured" else set_points
     bends = np.clip(np.clip(bends, q - config.alpha, q + config.alpha), robot.lower, robot.upper)
     # A bend to the right presses its wheel on the left wall, where turning to the left rolls forwards.
-    forwards = -np.clip(q[:, wheel_joints(robot)] / STRAIGHT, -1.0, 1.0)
+    forwards = -np.clip(q[:, robot.wheel_joints] / STRAIGHT, -1.0, 1.0)
     rolls = asked[:, joints:] * forwards
     return Command("position", np.concatenate([bends, rolls], axis=1))
-
-
-def wheel_joints(robot: RobotSpec) -> list[int]:
-    """Index of the joint that each wheel sits on, (wheels,)."""
-    jointed = [link for link in robot.links if link.joint is not None]
-    return [i for i, link in enumerate(jointed) if link.wheel is not None]

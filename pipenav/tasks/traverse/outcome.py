@@ -70,14 +70,17 @@ class OutcomeTracker:
         self._radii = np.array([wheel.radius for wheel in robot.wheels])
         self._middle, self._furthest = np.zeros(n), np.zeros(n)
         self._waited, self._rolled = np.zeros(n, int), np.zeros(n)
+        self._patience = np.zeros(n)
 
-    def start(self, indices: Ints, distances: Floats) -> None:
+    def start(self, indices: Ints, distances: Floats, slowness: Floats) -> None:
         """Begin anew with some robots.
 
         Args:
             indices: which robots, (k,).
             distances: distances of their points along the pipe, (k, points) [m].
+            slowness: factor on the patience with each, (k,).
         """
+        self._patience[indices] = self._config.patience * slowness
         self._middle[indices] = self._furthest[indices] = distances.mean(axis=1)
         self._waited[indices], self._rolled[indices] = 0, 0.0
 
@@ -92,7 +95,7 @@ class OutcomeTracker:
     def step(
         self,
         steps: Ints,
-        limit: Ints,
+        limit: Floats,
         places: Whereabouts,
         end: Floats,
         reading: Reading,
@@ -120,7 +123,7 @@ class OutcomeTracker:
         sank = truth.penetration > config.max_penetration
         back = middle < self._furthest - config.slide_back * self._robot.length
         passed = (distances[:, 0] >= end + config.through) & ~sank
-        stuck = (self._waited >= config.patience) & ~passed
+        stuck = (self._waited >= self._patience) & ~passed
         holds = {Outcome.TIMEOUT: steps >= limit, Outcome.REACHED: passed}
         holds |= {reason: stuck & seen for reason, seen in self._why_stuck(distances, reading).items()}
         astray = places.in_branch[:, distances.shape[1] // 2] | (stuck & places.in_branch[:, -1])

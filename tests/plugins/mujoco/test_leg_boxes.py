@@ -14,7 +14,7 @@ from pipenav.backends.simulators import open_space
 from pipenav.pipes.route import PipeRoute
 from pipenav.robots.robot import load_robot
 
-ROBOT = load_robot("pirate")
+ROBOT = load_robot("pirate-strong")
 ROUTES = [
     PipeRoute.of(90, [(90, "left", 0), (75, "right", 90), (120, "left", 90, 150)], [2500, 700, 700, 800]),
     PipeRoute.of(110, [(60, "right", 30)], [2500, 900]),

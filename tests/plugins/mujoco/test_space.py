@@ -21,7 +21,7 @@ from pipenav.tasks.rolling.clamp import ZIGZAG, RollForward, steepness
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import GRAVITY, sample
 
-ROBOT = load_robot("pirate")
+ROBOT = load_robot("pirate-strong")
 RUN = PipeRoute.of(90, [(90, "left", 0), (75, "right", 90)], [1200, 900, 800])
 ONE = np.arange(1)
 

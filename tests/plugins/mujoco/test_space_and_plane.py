@@ -16,7 +16,7 @@ from pipenav.robots.robot import load_robot
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import sample
 
-ROBOT = load_robot("pirate")
+ROBOT = load_robot("pirate-strong")
 ONE = np.arange(1)
 
 PRESS = 0.3 * np.array([0.0, 1.0, 0.0, 0.0, 1.0, 0.0])

@@ -14,7 +14,7 @@ from pipenav.testing import SpaceBench, space_starts
 from pipenav.testing.laws import require_same
 from pipenav.testing.space_laws import space_state
 
-ROBOT = load_robot("pirate")
+ROBOT = load_robot("pirate-strong")
 SMALL = PipeRoute.of(90, [(120, "left", 0)], [1500, 900])
 LARGE = [
     PipeRoute.of(110, [(55, "left", 30), (60, "right", 90), (90, "left", 90, 150)], [1500, 900, 900, 800]),

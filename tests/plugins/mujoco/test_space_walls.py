@@ -19,7 +19,7 @@ from pipenav.pipes.route_sets import parse_routes
 from pipenav.pipes.solid_walls import SECTION
 from pipenav.robots.robot import load_robot
 
-ROBOT = load_robot("pirate")
+ROBOT = load_robot("pirate-strong")
 CONTACT = Contact(0.005, (0.95, 0.99, 0.001))
 BALL, DIAMETER, FRICTION, G = 0.012, 100.0, 0.6, 9.81
 SLIPPERY = ROBOT.model_copy(update={"friction": 0.0})

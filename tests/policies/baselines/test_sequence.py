@@ -26,7 +26,7 @@ from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.traverse.batch import TraverseBatch
 from pipenav.tasks.traverse.episode import GRAVITY, TraverseEpisodes, sample
 
-ROBOT = load_robot("pirate")
+ROBOT = load_robot("pirate-strong")
 NAMES = ["baseline:sequence", "baseline:sequence-line"]
 diameters, angles = st.floats(70.0, 120.0), st.floats(55.0, 125.0)
 

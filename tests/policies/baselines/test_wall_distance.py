@@ -9,7 +9,8 @@ from pipenav_mujoco.model import Contact, static_spec
 
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.wall_distance import wall_distance
-from pipenav.robots.robot import load_robot, robot_names
+from pipenav.robots.robot import load_robot
+from pipenav.robots.variants import robot_names
 
 ROBOT = load_robot("basic")
 

@@ -33,7 +33,7 @@ from pipenav.tasks.traverse.batch import TraverseBatch
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import sample, with_room
 
-ROBOT = load_robot("pirate")
+ROBOT = load_robot("pirate-strong")
 CONFIG = TraverseConfig(kind="traverse", set_points="held", start_press=0.1)
 LEVEL = parse_pipes(["runs-level"])
 CORNERS = [PipeCorner.of(90, 75, "right", leg_mm=1600), PipeCorner.of(110, 110, leg_mm=1600)]

@@ -19,7 +19,7 @@ class Course:
         self.config = CONFIG.model_copy(update={"patience": 3, **config})
         self._tracker, self._steps = OutcomeTracker(ROBOT, self.config, 1), np.zeros(1, int)
         self._start = np.linspace(-1.0, -0.4, 8)[None]
-        self._tracker.start(np.arange(1), self._start)
+        self._tracker.start(np.arange(1), self._start, np.ones(1))
 
     def step(self, moved: float, depth: float = 0.0, spin: float = 0.0, q: float = 0.0, **where: bool) -> Outcome:
         along = self._start + moved

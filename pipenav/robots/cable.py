@@ -1,0 +1,35 @@
+"""Drag of a cable that a robot pulls through pipes: by weight and friction along them, by the capstan around turns.
+
+The capstan equation is Euler's (Remarques sur l'effet du frottement dans l'equilibre, 1769) and Eytelwein's (1808): a
+cable that slides around a turn of angle a with friction mu needs exp(mu a) times the tension behind it.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from pipenav.arrays import Floats
+
+
+def drag_per_metre(weight: float, friction: float, rise: float = 0.0) -> float:
+    """Growth of a cable's tension along a straight pipe [N/m]; a cable that slides down by itself pulls nobody back.
+
+    Args:
+        weight: weight of the cable [N/m].
+        friction: coefficient of friction of the cable in the pipe.
+        rise: sine of the pipe's slope, positive where the robot goes up.
+    """
+    level = math.sqrt(max(1 - rise * rise, 0.0))
+    return max(weight * (friction * level + rise), 0.0)
+
+
+def capstan(friction: float, turned: Floats | float) -> Floats:
+    """Factor on the tension of a cable that slides around turns, in the shape of `turned`.
+
+    Args:
+        friction: coefficient of friction of the cable in the pipe.
+        turned: sum of the turns' angles, all counted as positive [rad].
+    """
+    return np.exp(friction * np.asarray(turned))
