@@ -14,7 +14,7 @@ ROUNDING = 1e-6
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("policy", ["arm", "pirate"])
+@pytest.mark.parametrize("policy", ["arm", "pirate-strong"])
 def test_neither_a_take_over_nor_a_hand_back_jumps_in_position_or_speed(policy: str, tmp_path: Path) -> None:
     plan = make_plan(policy, None, ["d=100,angle=90", "d=90,angle=75,turn=right"], 6, 0)
     plan = plan.on("mujoco", {}, None, tmp_path)
@@ -32,8 +32,9 @@ def test_pipes_are_numbered_by_the_seed_alone() -> None:
     from pipenav.evaluation.episode_runner import random_start
 
     starts = []
-    for policy in (None, "pirate", "baseline:sequence"):
-        plan = make_plan(policy, None, ["d=90,angle=75"], 3, 5)
+    for policy in (None, "pirate-strong", "baseline:sequence"):
+        robot = None if policy == "pirate-strong" else "pirate-strong"
+        plan = make_plan(policy, robot, ["d=90,angle=75"], 3, 5)
         start = random_start(plan.robot, plan.lengthened, plan.pipes, plan.episodes, plan.seed)
         starts.append([start(i) for i in range(3)])
     for others in starts[1:]:
