@@ -15,11 +15,20 @@ from pipenav.certify.push import pushed
 from pipenav.robots import kinematics
 from pipenav.tasks.traverse.config import TraverseConfig
 
-STEP = math.radians(0.5)
-"""Largest change of a heading between two waypoints [rad]."""
+STEP, COARSE = math.radians(0.5), math.radians(2.0)
+"""Largest change of a heading between two waypoints near a wall, and where there is room [rad]."""
 
-OVERLAPS = (1.0, 0.95, 0.89, 0.88, 0.86, 0.84, 0.8, 0.75, 0.7, 0.6, 0.5)
-"""Headings at which a link is when the next one begins to turn, as shares of the turn; 1: one after the other."""
+STOPS = (0.7, 0.78, 0.74, 0.65, 0.6)
+"""Headings at which a link waits for the one behind it to begin, as shares of the turn."""
+
+OVERLAP = 0.3
+"""Share of a link's turn in which the one before it, which waits, goes on to its end."""
+
+MARGINS = (8e-3, 4e-3, 2e-3, 1e-3, 5e-4)
+"""Distances to the walls that are kept where there is room, before the least one [m]: tests take few samples then."""
+
+STEADY = 1e-3
+"""Margin above which waypoints may be far from each other [m]."""
 
 LINES = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.97)
 """Lines that joints follow in a bend: distance from the axis to the outside, as a share of the wheels' room."""
@@ -59,24 +68,20 @@ def whole_motion(model: Model, margin: float, config: TraverseConfig) -> Floats 
 def _waves(model: Model, margin: float) -> Iterator[tuple[Floats, Floats]]:
     """Headings, (rows, links), and places of the rear end, (rows, 2), of links that turn one after another.
 
-    Those that keep the margin, the one with most room first.
+    A link turns on its own through the middle of its turn, where it needs most room. Its first and its last part take
+    place while its neighbours do theirs, so that no joint ever bends by more than the share at which links wait.
+    Those that keep the largest margin come first.
     """
-    shapes = model.shapes(proof=False, margin=margin)
-    links, found = len(shapes.lengths), []
-    for middle in OVERLAPS:
-        for knots in {(0.0, middle, 1.0), (0.0, 1.0 - middle, 1.0)}:
-            rows = math.ceil((links + 1) * model.turn / STEP)
+    for distance in (*MARGINS, margin):
+        shapes, step = model.shapes(proof=False, margin=distance), COARSE if distance > STEADY else STEP
+        for stop in STOPS:
+            rows, links = math.ceil((len(shapes.lengths) + 1) * model.turn / step), len(shapes.lengths)
             phase = np.linspace(0.0, links + 1.0, rows)[:, None] - np.arange(links)[::-1]
-            headings = model.turn * np.interp(phase, (0.0, 1.0, 2.0), knots)
-            bends = np.diff(headings, axis=1)
-            lower, upper = model.limits
-            if (bends < lower + SPARE).any() or (bends > upper - SPARE).any():
-                continue
+            knots = (0.0, 1.0 - stop, stop, 1.0)
+            headings = model.turn * np.interp(phase, (0.0, OVERLAP, 1.0, 1.0 + OVERLAP), knots)
             at = pushed(model, shapes, headings)
-            if (least := float(at.gap.min())) >= 0:
-                found.append((least, headings, at.origin))
-    for _, headings, origin in sorted(found, key=lambda wave: -wave[0]):
-        yield headings, origin
+            if at.gap.min() >= 0:
+                yield headings, at.origin
 
 
 def _followed(model: Model, _margin: float) -> Iterator[tuple[Floats, Floats]]:
