@@ -48,7 +48,7 @@ Attempt = Callable[[Cells, Sequence[int]], Floats | None]
 """Makes a motion through the middles of some cells and tests it: configurations, or None where the test fails."""
 
 
-def search(evaluate: Evaluate, axes: int, resolution: float, attempt: Attempt) -> Searched:
+def search(evaluate: Evaluate, axes: int, resolution: float, attempt: Attempt, most_work: int = MOST_WORK) -> Searched:
     """Refine cells until a motion is found, or start and goal are apart.
 
     Args:
@@ -56,15 +56,16 @@ def search(evaluate: Evaluate, axes: int, resolution: float, attempt: Attempt) -
         axes: number of headings.
         resolution: width of the smallest cells [rad].
         attempt: makes a motion of a path through cells.
+        most_work: most cells that it looks at, those of every round counted.
     """
     deepest = max(0, math.ceil(math.log2(float(width_of(0)) / resolution) - 1e-9))
     cells, work, finest = coarsest(evaluate, axes), 0, float(width_of(0))
     tried: set[tuple[int, ...]] = set()
     while True:
-        cells = _between(cells)
+        cells, pairs = _between(cells)
         if not len(cells.level):
             return Searched("none", None, finest)
-        ways = _Ways.of(cells, deepest)
+        ways = _Ways.of(cells, pairs, deepest)
         path = ways.shortest()
         doubtful = _doubtful(cells, path)
         keys = tuple(cells.place[path].ravel().tolist())
@@ -74,7 +75,7 @@ def search(evaluate: Evaluate, axes: int, resolution: float, attempt: Attempt) -
                 return Searched("path", motion, finest)
         refine = _to_refine(cells, ways, doubtful, deepest)
         work += len(cells.level)
-        if not refine.any() or work > MOST_WORK:
+        if not refine.any() or work > most_work:
             return Searched("undecided", None, finest)
         cells = split(evaluate, cells, refine)
         finest = min(finest, float(cells.width.min(initial=finest)))
@@ -113,16 +114,18 @@ def _doubtful(cells: Cells, path: Sequence[int]) -> Flags:
     return doubtful
 
 
-def _between(cells: Cells) -> Cells:
-    """Cells in components that hold both a start and a goal."""
+def _between(cells: Cells) -> tuple[Cells, Ints]:
+    """Cells in components that hold both a start and a goal, and the pairs of them that are joined, (pairs, 2)."""
     from scipy.sparse.csgraph import connected_components
 
+    none = np.zeros((0, 2), np.intp)
     if not (cells.outer.start.any() and cells.outer.goal.any()):
-        return cells.rows(np.zeros(len(cells.level), bool))
-    pairs = overlapping(cells.outer, neighbours(cells), ROUNDING)
+        return cells.rows(np.zeros(len(cells.level), bool)), none
+    pairs = neighbours(cells)
+    pairs = pairs[overlapping(cells.outer, pairs, ROUNDING)]
     parts = connected_components(_graph(len(cells.level), pairs, np.ones(len(pairs))), directed=False)[1]
-    both = np.intersect1d(parts[cells.outer.start], parts[cells.outer.goal])
-    return cells.rows(np.isin(parts, both))
+    kept = np.isin(parts, np.intersect1d(parts[cells.outer.start], parts[cells.outer.goal]))
+    return cells.rows(kept), (np.cumsum(kept) - 1)[pairs[kept[pairs[:, 0]]]]
 
 
 def _graph(n: int, pairs: Ints, weights: Floats) -> object:
@@ -147,18 +150,14 @@ class _Ways(NamedTuple):
     goal: Flags
 
     @classmethod
-    def of(cls, cells: Cells, deepest: int) -> _Ways:
-        """The ways through cells, of which those at the deepest level are not refined any more."""
+    def of(cls, cells: Cells, pairs: Ints, deepest: int) -> _Ways:
+        """The ways through joined cells, of which those at the deepest level are not refined any more."""
         from scipy.sparse.csgraph import dijkstra
 
         n = len(cells.level)
-        pairs = neighbours(cells)
-        sure = overlapping(cells.inner, pairs, 0.0)
-        pairs = overlapping(cells.outer, pairs, ROUNDING)
+        joined = overlapping(cells.inner, pairs, 0.0)
         hopeful = np.where(cells.middle.low <= cells.middle.high, 0.5, np.where(cells.level < deepest, 1.0, STUCK))
         cost = np.where(_known(cells), LEAST, hopeful) * cells.width
-        keys = pairs[:, 0] * n + pairs[:, 1]
-        joined = np.isin(keys, sure[:, 0] * n + sure[:, 1])
         both_free = cells.inner.free[pairs].all(axis=1)
         # Two free cells whose free values do not overlap are joined only if something between them opens.
         weights = cost[pairs].mean(axis=1) + np.where(both_free & ~joined, cells.width[pairs].mean(axis=1), 0.0)

@@ -192,7 +192,8 @@ class _Table(NamedTuple):
         return here, self.rows[at[here]]
 
 
-def overlapping(span: Span, pairs: Ints, slack: float) -> Ints:
-    """The pairs whose intervals overlap, both free, (pairs, 2)."""
-    low, high = span.low[pairs].max(axis=1), span.high[pairs].min(axis=1)
-    return np.asarray(pairs[low <= high + slack])
+def overlapping(span: Span, pairs: Ints, slack: float) -> Flags:
+    """Which pairs have intervals that overlap, both free, (pairs,)."""
+    one, other = pairs.T
+    low = np.maximum(span.low[one], span.low[other])
+    return np.asarray(low <= np.minimum(span.high[one], span.high[other]) + slack)

@@ -20,7 +20,7 @@ from pipenav.robots import kinematics
 FINEST = 2e-5
 """Least distance that parts move between two samples [m]: where they are nearer to a wall, the motion is refused."""
 
-FIRST = 4e-3
+FIRST = 1.6e-2
 """Distance that parts move at most between the first samples of the test by distances [m]."""
 
 GROWN = (3.2e-3, 8e-4, 2e-4, 1e-4)
@@ -291,11 +291,26 @@ def _to_segments(points: Floats, segments: Floats) -> Floats:
 def _box_to_segments(segments: Floats, half: Floats) -> Floats:
     """Smallest distance of a box about the origin to segments, (n, s, 2, 2): (n,) [m]; 0 where one enters it.
 
+    Segments that are further from the box's middle than the nearest one by more than half its diagonal do not count.
+    """
+    start, along = segments[..., 0, :], segments[..., 1, :] - segments[..., 0, :]
+    share = np.clip(-(start * along).sum(-1) / (along**2).sum(-1), 0.0, 1.0)
+    away = start + share[..., None] * along
+    middle = np.hypot(away[..., 0], away[..., 1])
+    near = middle <= middle.min(axis=1, keepdims=True) + math.hypot(*half)
+    least = np.full(near.shape, np.inf)
+    least[near] = _box_to_each(segments[near], half)
+    return np.asarray(least.min(axis=1))
+
+
+def _box_to_each(segments: Floats, half: Floats) -> Floats:
+    """Distance of a box about the origin to segments, (n, 2, 2): (n,) [m]; 0 where it enters.
+
     The two are nearest at an end of the segment or at a corner of the box, unless they meet.
     """
     ends = np.maximum(np.abs(segments) - half, 0.0)
-    least = np.hypot(ends[..., 0], ends[..., 1]).min(axis=2)  # (n, s)
-    start, along = segments[..., 0, :], segments[..., 1, :] - segments[..., 0, :]
+    least = np.hypot(ends[..., 0], ends[..., 1]).min(axis=1)
+    start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
     for corner in SQUARE * half:
         away = corner - start
         share = np.clip((away * along).sum(-1) / (along**2).sum(-1), 0.0, 1.0)
@@ -309,4 +324,4 @@ def _box_to_segments(segments: Floats, half: Floats) -> Floats:
     enter = np.where(parallel, np.where(within, -np.inf, np.inf), bounds[0]).max(axis=-1)
     leave = np.where(parallel, np.where(within, np.inf, -np.inf), bounds[1]).min(axis=-1)
     meets = np.maximum(enter, 0.0) <= np.minimum(leave, 1.0)
-    return np.asarray(np.where(meets, 0.0, least).min(axis=1))
+    return np.asarray(np.where(meets, 0.0, least))
