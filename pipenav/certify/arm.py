@@ -178,6 +178,10 @@ class ArmSpans:
             np.maximum(free.low, base + self._lower[0] + spare), np.minimum(free.high, base + self._upper[0] - spare)
         )
 
+    def within_limits(self, headings: Floats) -> Flags:
+        """Whether joints are off their limits by the spare that motions keep, (n,)."""
+        return self._within_limits(headings, -TURNED)
+
     def target_slides(self, headings: Floats) -> Interval:
         """Slides at which the tip is on a target, in a square inside of the tolerance, (n,) each."""
         return self._tip_slides(headings, WITHIN * self.ends.tolerance, self.ends.aim_along, self.ends.aim_left)
