@@ -10,8 +10,8 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.certify.arm import ArmSpans, Ends, can_be_certified
-from pipenav.certify.arm_motion import ArmAttempt
-from pipenav.certify.cell_search import Searched, search
+from pipenav.certify.arm_path import arm_path
+from pipenav.certify.cell_search import search
 from pipenav.certify.model import Model
 from pipenav.certify.whole_motion import whole_motion
 from pipenav.certify.whole_proof import LinkProof, prove, prove_by_link
@@ -115,31 +115,26 @@ def _named(model: Model, proof: LinkProof) -> Proof:
 
 
 def _arm(model: Model, ends: Ends, resolution: float) -> Verdict:
-    found = _searched(model, ends, resolution)
-    if found.verdict == "path":
-        return Verdict("passable", "a motion brings the tip to a target", None, found.motion, ends.base, found.finest)
-    if found.verdict == "undecided":
+    spans = ArmSpans(model, ends, MARGIN)
+    if (motion := arm_path(spans)) is not None:
+        return Verdict("passable", "a motion brings the tip to a target", motion=motion, base=ends.base)
+    found = search(spans, spans.axes, resolution)
+    if not found.proven:
         width = rad_to_deg(found.finest)
         return Verdict("undecided", f"neither a motion nor a proof with cells of {width:.2g} deg", finest=found.finest)
     proof = Proof(tuple(link.name for link in model.robot.links), (), found.finest)
-    return Verdict("impossible", _arm_reason(model, ends, resolution), proof, finest=found.finest)
+    return Verdict("impossible", _arm_reason(model, ends), proof, finest=found.finest)
 
 
-def _searched(model: Model, ends: Ends, resolution: float) -> Searched:
-    spans = ArmSpans(model, ends, MARGIN)
-    return search(spans, spans.axes, resolution, ArmAttempt(spans))
-
-
-def _arm_reason(model: Model, ends: Ends, resolution: float) -> str:
-    """Limit without which there would be no proof: the slide's, a hinge's, or none, so that the pipe is too narrow."""
-    robot = model.robot
-    far = (-robot.length - ends.slide[1] + 2 * ends.slide[0], robot.length + 2 * ends.slide[1] - ends.slide[0])
-    if _searched(model, ends._replace(slide=(min(far), max(far))), resolution).verdict != "none":
-        return f"reach: the slide {robot.joints[0].name} is too short, with more travel there is no proof"
-    for number, joint in enumerate(robot.joints[1:], 1):
-        if _searched(model._replace(freed=number), ends, resolution).verdict != "none":
-            return f"joint limit: {joint.name} does not turn far enough, without its limits there is no proof"
-    return f"width: the links of {robot.name} have no room to turn, whatever the joints' limits"
+def _arm_reason(model: Model, ends: Ends) -> str:
+    """Limit without which there would be a motion: the slide's, a hinge's, or none, so that the pipe is too narrow."""
+    for number, joint in enumerate(model.robot.joints):
+        if arm_path(ArmSpans(model._replace(freed=number), ends, MARGIN)) is None:
+            continue
+        if not number:
+            return f"reach: the slide {joint.name} is too short, with more travel there is a motion"
+        return f"joint limit: {joint.name} does not turn far enough, without its limits there is a motion"
+    return f"width: the links of {model.robot.name} have no room to turn, also with other joints' limits"
 
 
 def tightest(model: Model, motion: Floats, base: float) -> int:

@@ -12,13 +12,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipenav.arrays import Floats
+from pipenav.arrays import Flags, Floats
 from pipenav.certify.cell_search import search
 from pipenav.certify.cells import ROUNDING, Span
 from pipenav.certify.model import Model
 from pipenav.certify.push import pushed
 from pipenav.certify.shapes import Shapes
-from pipenav.certify.slide_interval import Height, Interval, slide_interval
+from pipenav.certify.slide_interval import Height, slide_interval
 
 HEADINGS = 721
 """Headings at which a link is tried, over a whole turn: every half degree."""
@@ -88,8 +88,8 @@ def prove(model: Model, resolution: float) -> LinkProof | None:
             continue
         seen.add(key)
         spans = PairSpans(model, pair, first)
-        result = search(spans, 2, resolution, lambda _cells, _path: None, MOST_WORK)
-        if result.verdict == "none":
+        result = search(spans, 2, resolution, MOST_WORK)
+        if result.proven:
             return LinkProof(first, first + 1, (), result.finest, 0.0)
     return None
 
@@ -218,7 +218,7 @@ class PairSpans:
         self._furthest = float(max(corner.max(initial=0.0), middle.max(initial=0.0)))
         self._alone = [_most_room(model, shapes.stretch(link, link)) for link in range(2)]
 
-    def __call__(self, centres: Floats, half: float) -> tuple[Span, Span, Interval]:
+    def __call__(self, centres: Floats, half: float) -> tuple[Span, Span]:
         """Spans of cells, see `pipenav.certify.cells.Evaluate`."""
         at = pushed(self._model, self._shapes, centres)
         bends = np.remainder(centres[:, 1] - centres[:, 0] + math.pi, 2 * math.pi) - math.pi
@@ -230,11 +230,10 @@ class PairSpans:
             free &= _largest(most, heading, half) >= -ROUNDING
         start = free & (np.abs(centres) <= half + 1e-9).all(axis=1)
         goal = free & (at.leg_gap >= -moved)
-        low, high = np.where(free, 0.0, np.inf), np.where(free, 0.0, -np.inf)
-        nowhere = np.zeros(len(centres), bool)
-        empty = Span(np.full(len(centres), np.inf), np.full(len(centres), -np.inf), nowhere, nowhere)
-        sure = within & (at.gap >= moved)
-        inner = Span(
-            np.where(sure, 0.0, np.inf), np.where(sure, 0.0, -np.inf), start & sure, sure & (at.leg_gap >= moved)
-        )
-        return Span(low, high, start, goal), inner, Interval(empty.low, empty.high)
+        sure = within & (at.gap >= 0)
+        return _span(free, start, goal), _span(sure, start & sure, sure & (at.leg_gap >= 0))
+
+
+def _span(free: Flags, start: Flags, goal: Flags) -> Span:
+    """Spans of cells that need no further coordinate."""
+    return Span(np.where(free, 0.0, np.inf), np.where(free, 0.0, -np.inf), start, goal)

@@ -8,14 +8,12 @@ import numpy as np
 import pytest
 
 from pipenav.arrays import Flags, Floats
-from pipenav.certify.arm import ArmSpans, Ends
 from pipenav.certify.model import Model
 from pipenav.certify.motion_check import clearances
 from pipenav.certify.push import pushed
 from pipenav.certify.slide_interval import slide_interval
 from pipenav.pipes import PipeCorner
 from pipenav.robots import load_robot
-from pipenav.tasks.reach.config import ReachConfig
 
 WIDTH = math.radians(2.0)
 """Half width of the cells that are tried [rad]."""
@@ -139,19 +137,3 @@ def test_the_push_lemma_holds_against_distances() -> None:
         # Pushed chains touch the outer walls, so their parts are taken a little smaller.
         near = clearances(model._replace(overlap=2e-5), q, 0.0)
         assert ((at.gap > 0) == (near > 0))[clear].all()
-
-
-@pytest.mark.parametrize("name", ARMS)
-def test_inner_spans_hold_no_pose_that_touches_a_wall(name: str) -> None:
-    model = Model(load_robot(name), PipeCorner.of(80, 75))
-    ends = Ends.of_task(model, ReachConfig())
-    rng = np.random.default_rng(7)
-    centres = np.stack([rng.uniform(-0.4, 0.6, 3000), rng.uniform(0.0, 1.2, 3000), rng.uniform(0.3, 1.9, 3000)], axis=1)
-    spans = ArmSpans(model, ends, 1e-4)(centres, WIDTH)
-    inner = spans[1]
-    sure = inner.free
-    assert sure.sum() > 20
-    headings = centres[sure] + rng.uniform(-WIDTH, WIDTH, (int(sure.sum()), 3))
-    slides = rng.uniform(inner.low[sure], inner.high[sure])
-    bends = np.concatenate([headings[:, :1], np.diff(headings, axis=1)], axis=1)
-    assert (clearances(model, np.concatenate([slides[:, None], bends], axis=1), 0.0) > 0).all()
