@@ -69,7 +69,8 @@ def told(rows: list[Row]) -> str:
     for name, these in (("near the frontier", seconds[near]), ("elsewhere", seconds[~near])):
         if len(these):
             median, most = np.percentile(these, [50, 95])
-            text += f"\n  {name}: {len(these)} pipes, median {median:.2f} s, 95 % within {most:.2f} s, max {max(these):.2f} s"
+            text += f"\n  {name}: {len(these)} pipes, "
+            text += f"median {median:.2f} s, 95 % within {most:.2f} s, max {max(these):.2f} s"
     return text
 
 

@@ -47,6 +47,9 @@ BendsOption = Annotated[str, typer.Option(metavar="BENDS", help=BENDS_HELP, rich
 OutOption = Annotated[Path | None, typer.Option(metavar="FOLDER", help=OUT_HELP, rich_help_panel=OUTPUT)]
 CheckOption = Annotated[Path | None, typer.Option(metavar="FILE", help=CHECK_HELP, rich_help_panel=OUTPUT)]
 
+ROUTES = "a route has several corners, which are no single wedge: certify each corner alone"
+"""Reason why nothing is said about a route, S-bends among them."""
+
 TASK_OVERLAP = 0.002
 """Overlap that the tasks allow [m], for the second verdict on a pipe that is impossible without any."""
 
@@ -136,10 +139,12 @@ def _certify(wanted: _Wanted, pipes: list[str], needed: bool, out: Path | None) 
 
     from rich.progress import track
 
-    from pipenav.pipes.corner_sets import parse_corners
+    from pipenav.pipes.corner import PipeCorner
+    from pipenav.pipes.route_sets import parse_pipes
     from pipenav.storage.lock import one_writer
 
-    corners, console, table = parse_corners(pipes), progress_console(), _table(wanted)
+    every_pipe, console, table = parse_pipes(pipes), progress_console(), _table(wanted)
+    corners = [pipe for pipe in every_pipe if isinstance(pipe, PipeCorner)]
     total = len(corners) * (wanted.episodes or 1)
     with nullcontext() if out is None else one_writer(out):
         every = track(wanted.certified(corners), "certifying", total, console=console, disable=not console.is_terminal)
@@ -148,9 +153,12 @@ def _certify(wanted: _Wanted, pipes: list[str], needed: bool, out: Path | None) 
                 _write(out, name, one)
             style = {"passable": "green", "impossible": "red"}.get(one.verdict.kind)
             table.add_row(*wanted.cells(one, needed), style=style)
+    for pipe in every_pipe:
+        if not isinstance(pipe, PipeCorner):
+            table.add_row(pipe.label, "undecided", "", ROUTES)
     show(table)
-    if out is not None:
-        say(f"written: {out}, a certificate of each")
+    if out is not None and corners:
+        say(f"written: {out}, a certificate of each corner")
 
 
 class _Wanted:
