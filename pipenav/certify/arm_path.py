@@ -22,7 +22,7 @@ COARSE = math.radians(12.0)
 """Step of the lattice over all headings [rad]."""
 
 HALVED = 2
-"""How often the step of the lattice over all headings is halved where it has no way."""
+"""Number of times that the step of the lattice over all headings is halved where it has no way."""
 
 FINEST = math.radians(0.1)
 """Step below which no finer lattice is laid around a way [rad]."""

@@ -15,6 +15,7 @@ from pipenav.arrays import Floats, Ints
 from pipenav.certify.corner_walls import width_seen
 from pipenav.certify.model import Model
 from pipenav.certify.shapes import Shapes, shapes_of
+from pipenav.certify.wall_distance import SQUARE, box_to_segments, placed, to_segments
 from pipenav.robots import kinematics
 
 FINEST = 2e-5
@@ -25,9 +26,6 @@ FIRST = 1.6e-2
 
 GROWN = (3.2e-3, 8e-4, 2e-4, 1e-4)
 """Distances by which parts are grown in the test by shapely, so that samples stand for what is around them [m]."""
-
-SQUARE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-"""Corners of a box of half size 1 in order around it."""
 
 AROUND = 3.0
 """Length of the legs beyond the motion's reach in the test by shapely, in robot lengths."""
@@ -165,7 +163,7 @@ def _not_held(shapes: Shapes, regions: dict[float, _Region], at: tuple[Floats, F
     held = np.arange(len(points))
     for link, centre, radius, height in zip(*shapes.discs, strict=True):
         region = regions[float(height)]
-        middle = shapely.points(_placed(points[held, link], headings[held, link], centre))
+        middle = shapely.points(placed(points[held, link], headings[held, link], centre))
         inside = shapely.contains(region.polygon, middle) & ~shapely.dwithin(region.boundary, middle, radius)
         held = held[inside]
     for link, centre, half, height in zip(*shapes.boxes, strict=True):
@@ -245,7 +243,7 @@ def _inside(model: Model, shapes: Shapes, walls: dict[float, _Walls], q: Floats,
     parts = [*zip(shapes.boxes.link, shapes.boxes.centre, shapes.boxes.height, strict=True)]
     parts += [*zip(shapes.discs.link, shapes.discs.centre, shapes.discs.height, strict=True)]
     regions = {height: shapely.Polygon(seen.outline) for height, seen in walls.items()}
-    middles = [(regions[float(height)], _placed(points[:, link], headings[:, link], at)) for link, at, height in parts]
+    middles = [(regions[float(height)], placed(points[:, link], headings[:, link], at)) for link, at, height in parts]
     return all(bool(shapely.contains_xy(region, *middle[0])) for region, middle in middles)
 
 
@@ -262,66 +260,13 @@ def _clearance(model: Model, shapes: Shapes, walls: dict[float, _Walls], q: Floa
     least = np.full(len(q), np.inf)
     boxes, discs = shapes.boxes, shapes.discs
     for link, centre, radius, height in zip(*discs, strict=True):
-        middle = _placed(points[:, link], headings[:, link], centre)
-        least = np.minimum(least, _to_segments(middle, walls[float(height)].segments) - radius)
+        middle = placed(points[:, link], headings[:, link], centre)
+        least = np.minimum(least, to_segments(middle, walls[float(height)].segments) - radius)
     for link, centre, half, height in zip(*boxes, strict=True):
         cos, sin = np.cos(headings[:, link]), np.sin(headings[:, link])
-        middle = _placed(points[:, link], headings[:, link], centre)
+        middle = placed(points[:, link], headings[:, link], centre)
         ends = walls[float(height)].segments - middle[:, None, None]  # (n, s, 2, 2), then in the box's own frame
         x = ends[..., 0] * cos[:, None, None] + ends[..., 1] * sin[:, None, None]
         y = ends[..., 1] * cos[:, None, None] - ends[..., 0] * sin[:, None, None]
-        least = np.minimum(least, _box_to_segments(np.stack([x, y], axis=-1), half))
+        least = np.minimum(least, box_to_segments(np.stack([x, y], axis=-1), half))
     return least
-
-
-def _placed(points: Floats, headings: Floats, centre: Floats) -> Floats:
-    cos, sin = np.cos(headings), np.sin(headings)
-    x, y = centre
-    return np.asarray(points + np.stack([x * cos - y * sin, x * sin + y * cos], axis=-1))
-
-
-def _to_segments(points: Floats, segments: Floats) -> Floats:
-    """Smallest distance of points, (n, 2), to segments, (s, 2, 2): (n,) [m]."""
-    start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
-    away = points[:, None] - start
-    share = np.clip((away * along).sum(-1) / (along**2).sum(-1), 0.0, 1.0)
-    return np.asarray(np.hypot(*np.moveaxis(away - share[..., None] * along, -1, 0)).min(axis=1))
-
-
-def _box_to_segments(segments: Floats, half: Floats) -> Floats:
-    """Smallest distance of a box about the origin to segments, (n, s, 2, 2): (n,) [m]; 0 where one enters it.
-
-    Segments that are further from the box's middle than the nearest one by more than half its diagonal do not count.
-    """
-    start, along = segments[..., 0, :], segments[..., 1, :] - segments[..., 0, :]
-    share = np.clip(-(start * along).sum(-1) / (along**2).sum(-1), 0.0, 1.0)
-    away = start + share[..., None] * along
-    middle = np.hypot(away[..., 0], away[..., 1])
-    near = middle <= middle.min(axis=1, keepdims=True) + math.hypot(*half)
-    least = np.full(near.shape, np.inf)
-    least[near] = _box_to_each(segments[near], half)
-    return np.asarray(least.min(axis=1))
-
-
-def _box_to_each(segments: Floats, half: Floats) -> Floats:
-    """Distance of a box about the origin to segments, (n, 2, 2): (n,) [m]; 0 where it enters.
-
-    The two are nearest at an end of the segment or at a corner of the box, unless they meet.
-    """
-    ends = np.maximum(np.abs(segments) - half, 0.0)
-    least = np.hypot(ends[..., 0], ends[..., 1]).min(axis=1)
-    start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
-    for corner in SQUARE * half:
-        away = corner - start
-        share = np.clip((away * along).sum(-1) / (along**2).sum(-1), 0.0, 1.0)
-        gap = away - share[..., None] * along
-        least = np.minimum(least, np.hypot(gap[..., 0], gap[..., 1]))
-    # A segment meets the box where its stretches inside of the two pairs of sides have something in common.
-    with np.errstate(divide="ignore", invalid="ignore"):
-        bounds = np.sort(np.stack([(-half - start) / along, (half - start) / along]), axis=0)
-    parallel = np.abs(along) < 1e-15
-    within = np.abs(start) <= half
-    enter = np.where(parallel, np.where(within, -np.inf, np.inf), bounds[0]).max(axis=-1)
-    leave = np.where(parallel, np.where(within, np.inf, -np.inf), bounds[1]).min(axis=-1)
-    meets = np.maximum(enter, 0.0) <= np.minimum(leave, 1.0)
-    return np.asarray(np.where(meets, 0.0, least))
