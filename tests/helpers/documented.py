@@ -151,7 +151,7 @@ def expected(argv: Words) -> Expected:
     if argv[0] == "run-real" and "--emulate" in argv:
         return Expected(0, "5 ticks")
     if argv[0] == "drive" and "--arm" in argv:
-        return Expected(1, "arm.toml")
+        return Expected(1, "stdin is none")
     if argv[0] == "drive" and "--emulate" in argv:
         return Expected(0, "ended: 5 ticks")
     if "lag" in argv and argv[0] == "compare-backends":
