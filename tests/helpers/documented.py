@@ -222,9 +222,7 @@ def _drive(options: Options) -> Options:
     kept = tuple(pair for pair in options.given if pair[0] not in names)
     alone = options.value("--operator") == "none"
     small = (("--operator", "none" if alone else "scripted"), ("--pipes", "d=100,angle=90"))
-    return options._replace(
-        given=(*kept, *small, *((("--out", str(options.value("--out"))),) if options.has("--out") else ()))
-    )
+    return options._replace(given=(*kept, *small))
 
 
 def _survey(options: Options) -> Options:
