@@ -40,7 +40,7 @@ POLICIES = ("arm", "real-setup", "high-fidelity", "pirate")
 ANGLES_DEG = (45, 60, 90, 120, 135)
 BELOW_MM = (0.0, 0.5, 1.0, 2.0, 4.0)
 """Distances of the bores below the largest one that is proven impossible."""
-WIDEST_MM, STEP_MM = 80.0, 0.5
+WIDEST_MM, STEP_MM = 80.0, 1.0
 RESOLUTION = math.radians(0.5)
 LEAST_OVERLAP = 1e-6
 """Slack of the overlap of a success, in which a proof with that overlap is asked for [m]."""
@@ -71,10 +71,12 @@ def main() -> None:
     )
     for name in given.policies:
         controller = open_controller(name)
-        for overlap in (0.0, controller.task.max_penetration):
-            for angle in given.angles:
+        for angle in given.angles:
+            largest = WIDEST_MM
+            for overlap in (0.0, controller.task.max_penetration):
                 began = time.monotonic()
-                pipes = list(impossible_pipes(controller, overlap, angle))
+                largest = largest_impossible(controller, overlap, angle, largest)
+                pipes = list(impossible_pipes(controller, overlap, angle, largest))
                 if not pipes:
                     continue
                 each = math.ceil(share / len(pipes))
@@ -103,16 +105,20 @@ def impossible(controller: AnyController, pipe: PipeCorner, overlap: float) -> b
     return certify(model, ends, RESOLUTION).kind == "impossible"
 
 
-def impossible_pipes(controller: AnyController, overlap: float, angle: float) -> Iterator[PipeCorner]:
-    """Pipes of an angle [deg] below the frontier, widest first, turns in alternation, each proven impossible."""
-    low, high = 0, round((WIDEST_MM - narrowest_mm(controller)) / STEP_MM)
-    while high - low > 1:
-        middle = (low + high) // 2
-        if impossible(controller, PipeCorner.of(narrowest_mm(controller) + middle * STEP_MM, angle), overlap):
+def largest_impossible(controller: AnyController, overlap: float, angle: float, high: float) -> float:
+    """Largest bore of an angle [deg] that is proven impossible, up to the step, below one that is not [mm]."""
+    low = narrowest_mm(controller)
+    while high - low > STEP_MM:
+        middle = low + STEP_MM * round((high - low) / (2 * STEP_MM))
+        if impossible(controller, PipeCorner.of(middle, angle), overlap):
             low = middle
         else:
             high = middle
-    largest = narrowest_mm(controller) + low * STEP_MM
+    return low
+
+
+def impossible_pipes(controller: AnyController, overlap: float, angle: float, largest: float) -> Iterator[PipeCorner]:
+    """Pipes of an angle [deg] below the frontier, widest first, turns in alternation, each proven impossible."""
     for number, below in enumerate(BELOW_MM):
         if largest - below >= narrowest_mm(controller):
             pipe = PipeCorner.of(largest - below, angle, "right" if number % 2 else "left")

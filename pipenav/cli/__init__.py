@@ -57,6 +57,10 @@ COMMANDS = {
         "pipenav.cli.certify:certify",
         "Decide by geometry alone whether a robot can pass a pipe: a proof, a motion that shows it, or undecided.",
     ),
+    "export": (
+        "pipenav.cli.export:export",
+        "Write a policy as an ONNX or TorchScript model for other programs, and compare it with the policy.",
+    ),
     "experiment": (
         "pipenav.cli.experiment:experiment",
         "Train and evaluate the thesis's experiments (a)-(f), and report them beside its tables.",

@@ -39,6 +39,9 @@ ROBOT_HELP = "Robot of --stage locate (basic) or of a baseline; a policy brings 
 PIPES_HELP = (
     "Shipped set, FILE.toml or d=90,angle=60[,turn=right]; for a whole robot also sets and files of routes; repeatable."
 )
+TETHER_HELP = "Length of cable behind a whole robot at the start, in straight, level pipe [m]: 0-100000."
+CABLE_HELP = "Friction of that cable in the pipe: 0.3 for PVC, 0.6 for corroded steel."
+FORCE_HELP = "Largest contact force on any one link [N]: an episode with more has failed."
 DISTURB_HELP = "Disturbances, by name or as FILE.toml; see `pipenav list disturbances`."
 AUDIT_HELP = "Replay this share of the successful episodes, 10% or 0.1, by geometry alone, without the simulator."
 CERTIFY_HELP = "Decide by geometry which episodes were possible at all, as `pipenav certify` does, in the plane."
@@ -58,6 +61,11 @@ PipesOption = Annotated[list[str] | None, typer.Option(help=PIPES_HELP, rich_hel
 EpisodesOption = Annotated[int, typer.Option(min=1, max=100_000, help="Episodes per pipe.", rich_help_panel=EPISODES)]
 SeedOption = Annotated[int, typer.Option(min=0, help="Seed of starts and targets.", rich_help_panel=EPISODES)]
 DisturbOption = Annotated[str | None, typer.Option(help=DISTURB_HELP, rich_help_panel=SIMULATOR)]
+TetherOption = Annotated[float | None, typer.Option(help=TETHER_HELP, min=0, max=100_000, rich_help_panel=EPISODES)]
+CableOption = Annotated[
+    float | None, typer.Option(help=CABLE_HELP, min=0, max=3, show_default="0.3", rich_help_panel=EPISODES)
+]
+ForceOption = Annotated[float | None, typer.Option(help=FORCE_HELP, min=0.001, max=1e6, rich_help_panel=EPISODES)]
 OutOption = Annotated[Path | None, typer.Option(help="Evaluation folder; default beside the policy.")]
 RequireOption = Annotated[str | None, typer.Option(metavar="PERCENT", help="Exit code 1 below this success, for CI.")]
 AuditOption = Annotated[str | None, typer.Option(metavar="SHARE", help=AUDIT_HELP)]
@@ -74,8 +82,19 @@ class SimulatorOptions(OptionGroup):
 
 
 @dataclass(frozen=True)
+class LoadOptions(OptionGroup):
+    """Loads that make episodes harder."""
+
+    panel: ClassVar[str] = EPISODES
+    disturb: DisturbOption = None
+    tether: TetherOption = None
+    cable_friction: CableOption = None
+    max_force: ForceOption = None
+
+
+@dataclass(frozen=True)
 class ResultOptions(OptionGroup):
-    """Where the result goes, and what else geometry says of it."""
+    """Result of an evaluation: its folder, what it must reach, and what geometry says of it."""
 
     panel: ClassVar[str] = RESULT
     out: OutOption = None
@@ -87,6 +106,7 @@ class ResultOptions(OptionGroup):
 @takes_option_groups
 def evaluate(
     simulator: SimulatorOptions,
+    loads: LoadOptions,
     result: ResultOptions,
     where: ShardedPlaceOptions,
     policy: PolicyOption = None,
@@ -96,26 +116,22 @@ def evaluate(
     pipes: PipesOption = None,
     episodes: EpisodesOption = 20,
     seed: SeedOption = 0,
-    disturb: DisturbOption = None,
 ) -> None:
     """Measure in which pipes a policy passes: success with 95 % intervals, failures, ranges, contact, pictures.
 
-    Every stage begins where the one before ended. Success of `rear` is a share of the episodes whose front half
-    reached its target. The result is the same wherever it runs. Finished parts are kept: after Ctrl-C the same command
-    goes on from there.
+    Every stage begins where the one before ended. Success of `rear` is a share of the episodes whose front half reached
+    its target. The result is the same wherever it runs. After Ctrl-C the same command goes on from what is finished.
 
     Examples:
 
         pipenav eval --policy runs/arm/best.zip
-        pipenav eval --policy arm --pipes thesis --episodes 100
+        pipenav eval --policy arm --pipes thesis --episodes 100 --jobs 2
         pipenav eval --policy arm --stage passage --episodes 50
         pipenav eval --stage locate --robot high-fidelity --pipes thesis
-        pipenav eval --policy baseline:centreline --pipes d=90,angle=60 --pipes d=90,angle=60,turn=right
         pipenav eval --policy pirate --pipes runs-level --option timestep=0.001
         pipenav eval --policy arm --disturb real-world --require 90%
-        pipenav eval --policy arm --episodes 100 --jobs 2
-        pipenav eval --policy arm --audit 10%
-        pipenav eval --policy pirate --pipes d=70,angle=55 --pipes d=60,angle=55 --certify
+        pipenav eval --policy pirate --pipes d=100,angle=90 --tether 100 --max-force 100
+        pipenav eval --policy pirate --pipes d=60,angle=55 --certify --audit 10%
     """
     from pipenav.evaluation.config import EvaluationConfig, todays_stage
 
@@ -132,12 +148,11 @@ def evaluate(
         variant=variant or "map",
         backend=simulator.backend,
         options=checked_options(simulator.backend, simulator.option or []),
-        disturb=disturb,
+        **vars(loads),
         audit=None if result.audit is None else audited_share(result.audit),
         certify=result.certify,
     )
-    evaluation = _measured(config, result.out, where)
-    if evaluation is not None and required is not None and evaluation.success < required:
+    if (evaluation := _measured(config, result.out, where)) and evaluation.success < required:
         raise PipenavError(f"success {100 * evaluation.success:.6g}% is below the required {result.require}.")
 
 
@@ -145,7 +160,7 @@ def _measured(config: EvaluationConfig, out: Path | None, where: ShardedPlaceOpt
     """Run an evaluation, write its folder and show it; None after a share of it."""
     from pipenav.evaluation.evaluate import CheckedEvaluation
     from pipenav.evaluation.folder import UNFINISHED, check_folder, default_folder
-    from pipenav.evaluation.report import FILES, evaluation_table, write_evaluation
+    from pipenav.evaluation.report import FILES, MORE_FILES, evaluation_table, write_evaluation
     from pipenav.jobs import JobStore
     from pipenav.storage.lock import one_writer
 
@@ -160,12 +175,13 @@ def _measured(config: EvaluationConfig, out: Path | None, where: ShardedPlaceOpt
                 return None
             _run(progress_console(), checked, store, place)
             evaluation = _merged(progress_console(), checked, store, place)
-        write_evaluation(folder, evaluation)
+            more = _atlas(progress_console(), checked, evaluation, store)
+        write_evaluation(folder, evaluation, more)
         store.remove()
     show(evaluation_table(evaluation))
     if len(checked.cpus) > 1:
         say(f"parts were computed by {len(checked.cpus)} kinds of processors: their last digits may differ", "yellow")
-    say(f"evaluation folder {folder}: {', '.join(FILES)}")
+    say(f"evaluation folder {folder}: {', '.join([*FILES, *MORE_FILES])}")
     return evaluation
 
 
@@ -178,6 +194,22 @@ def _merged(console: Console, checked: CheckedEvaluation, store: JobStore, place
     with percentage_bar(console) as bar:
         task = bar.add_task("deciding pipes by geometry", total=len(checked.parts.episodes.pipes))
         return checked.merged(store, place, lambda total, done: bar.update(task, total=total, completed=done))
+
+
+def _atlas(console: Console, checked: CheckedEvaluation, evaluation: Evaluation, store: JobStore) -> dict[str, bytes]:
+    """Files for which some episodes are run again, under a bar."""
+    from pipenav.cli.progress_bars import episode_bar
+    from pipenav.evaluation.atlas import atlas_files
+
+    with episode_bar(console) as bar:
+        task = bar.add_task("report: some run again", total=None)
+        return atlas_files(
+            checked,
+            evaluation,
+            store,
+            store.folder.parent,
+            lambda done, total: bar.update(task, completed=done, total=total),
+        )
 
 
 @contextmanager
@@ -208,10 +240,10 @@ def _run_shard(checked: CheckedEvaluation, store: JobStore, place: Place, number
     say(f"share {shard} is done in {store.folder}: {left}; the same command without --shard writes the evaluation")
 
 
-def _required_share(text: str | None, where: ShardedPlaceOptions) -> float | None:
-    """The share of successes that is required, from a percentage as it was typed."""
+def _required_share(text: str | None, where: ShardedPlaceOptions) -> float:
+    """The share of successes that is required, from a percentage as it was typed; 0 where none is."""
     if text is None:
-        return None
+        return 0.0
     if where.shard is not None:
         refuse_ignored({"--require": text}, "a share of an evaluation has no success yet")
     return share_of(text, "--require")

@@ -48,6 +48,19 @@ class EvaluationConfig(Table):
     backend: str = Field("mujoco", description="name of a simulator backend")
     options: dict[str, JsonValue] = Field(default_factory=dict, description="the simulator's own settings")
     disturb: str | None = Field(None, description="disturbances, by name or as FILE.toml")
+    tether: float | None = Field(
+        None, ge=0, le=100_000, exclude_if=not_given, description="length of cable behind a whole robot [m]; none: none"
+    )
+    cable_friction: float | None = Field(
+        None, ge=0, le=3, exclude_if=not_given, description="friction of that cable in the pipe; none: as in PVC"
+    )
+    max_force: float | None = Field(
+        None,
+        gt=0,
+        le=1e6,
+        exclude_if=not_given,
+        description="contact force on any one link beyond which an episode fails [N]; none: no limit",
+    )
     audit: float | None = Field(
         None, gt=0, le=1, exclude_if=not_given, description="share of the successful episodes to audit by geometry"
     )

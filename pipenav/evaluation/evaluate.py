@@ -22,7 +22,7 @@ from pipenav.evaluation.passability_record import PipePassability
 from pipenav.evaluation.passage import EpisodePlan, ReportProgress, report_nothing
 from pipenav.evaluation.pipe_counts import pipe_records
 from pipenav.evaluation.pipe_results import PipeRecord
-from pipenav.evaluation.results import Evaluation
+from pipenav.evaluation.results import Evaluation, Extremes
 from pipenav.evaluation.thesis import thesis_best
 from pipenav.evaluation.training_range import TrainingRange
 from pipenav.jobs import MemoryStore, Place, Store
@@ -34,6 +34,8 @@ from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.reach.episode import check_fits
 from pipenav.tasks.registry import TaskConfig, task_of
 from pipenav.tasks.rolling.batch import check_in_space
+from pipenav.tasks.traverse.config import TraverseConfig
+from pipenav.tasks.traverse.tether import TetherConfig
 
 
 class CheckedEvaluation:
@@ -64,6 +66,7 @@ class CheckedEvaluation:
         self._controller = None if config.policy is None else open_controller(config.policy, config.robot, config.seed)
         self._robot = load_robot(config.robot or "basic") if self._controller is None else self._controller.robot
         self._config: TaskConfig = ReachConfig() if self._controller is None else self._controller.task
+        self._config = _tethered(self._config, config)
         self._task = task_of(self._config)
         self.config = config.model_copy(update={"stage": self._stage_of(config)})
         pipes = self._task.parse_pipes(config.pipes)
@@ -77,7 +80,16 @@ class CheckedEvaluation:
             check_audit(str(self.config.stage), pipes)
         if config.certify:
             check_certified_stage(str(self.config.stage))
-        plan = EpisodePlan(self._robot, self._config, pipes, config.episodes, config.seed, simulator, disturbance)
+        plan = EpisodePlan(
+            self._robot,
+            self._config,
+            pipes,
+            config.episodes,
+            config.seed,
+            simulator,
+            disturbance,
+            config.max_force,
+        )
         self.parts = PartPlan(self.config, plan, self._controller)
         self.cpus: set[str] = set()
 
@@ -134,7 +146,8 @@ class CheckedEvaluation:
             report_pipes: see `ReportPipes`.
         """
         plan = self.parts.episodes
-        self._deepest, self._audits, self._failed = np.zeros(self.parts.total), list[AuditRows](), list[int]()
+        self._deepest, self._hardest = np.zeros((2, self.parts.total))
+        self._audits, self._failed = list[AuditRows](), list[int]()
         records = list(pipe_records(self._read(store), plan.pipes, plan.episodes))
         if self.config.certify:
             records = self._certified(records, store, place or HerePlace(), report_pipes)
@@ -143,7 +156,7 @@ class CheckedEvaluation:
             records,
             config=self.config,
             robot=self._robot.name,
-            penetration_p99_m=float(np.percentile(self._deepest, 99)),
+            extremes=Extremes(float(np.percentile(self._deepest, 99)), float(np.percentile(self._hardest, 99))),
             thesis={} if trained is None else thesis_best(trained, self._robot.name),
             audit=None if self.config.audit is None else AuditRecord.of(self._audits, self._config.max_penetration),
         )
@@ -168,7 +181,7 @@ class CheckedEvaluation:
         ]
 
     def _read(self, store: Store) -> Iterator[tuple[int, PartRows]]:
-        """Every part, as `pipe_records` takes it; notes each episode's deepest overlap, audits and failures."""
+        """Every part, as `pipe_records` takes it; notes each episode's extremes, audits and failures."""
         for index, end in enumerate(self.parts.bounds[1:]):
             content = store.read(self.parts.key(index))
             if content is None:
@@ -179,4 +192,22 @@ class CheckedEvaluation:
             for part in rows.values():
                 self._failed += part.jobs[~part.passed].tolist()
                 self._deepest[part.jobs] = np.maximum(self._deepest[part.jobs], part.penetration)
+                self._hardest[part.jobs] = np.maximum(self._hardest[part.jobs], part.force)
             yield end, rows
+
+
+def _tethered(task: TaskConfig, config: EvaluationConfig) -> TaskConfig:
+    """The task with the cable that an evaluation asks for.
+
+    Raises:
+        PipenavError: the task is none of a whole robot, or a cable's friction without a cable.
+    """
+    if config.tether is None:
+        if config.cable_friction is not None:
+            raise PipenavError("--cable-friction is of the cable of --tether: give that too, or leave it out.")
+        return task
+    if not isinstance(task, TraverseConfig):
+        raise PipenavError("a cable is pulled by a whole robot: give a policy such as pirate, or leave out --tether.")
+    friction = {} if config.cable_friction is None else {"friction": config.cable_friction}
+    tether = TetherConfig(length=(config.tether, config.tether), **friction)
+    return task.model_copy(update={"tether": tether})

@@ -89,6 +89,9 @@ class LocateStage(Stage):
         outcome = strongest_outcome(self.n, holds)
         return StageStep(outcome, self.reading.ranges.min(axis=1), truth, self.reading.q)
 
+    def target_of(self, index: int) -> Floats:
+        return np.asarray(self.target[index])
+
     def close(self) -> None:
         self._simulator.close()
 

@@ -172,7 +172,7 @@ def run_part(part: EvaluationPart, control: JobControl) -> bytes:
     auditor = None if part.audit is None else Auditor(plan.robot, plan.task, part.audit, part.begin)
     passages = Passages(plan, report, part.stage in REAR_FOLLOWS, auditor)
     rows = {stage: _rows(result, part.begin) for stage, result in _stages(part, passages)}
-    return PartResult(rows, kind_of_cpu(), auditor and auditor.rows).to_bytes()
+    return PartResult(rows, kind_of_cpu(), None if auditor is None else auditor.rows).to_bytes()
 
 
 def _stages(part: EvaluationPart, passages: Passages) -> Iterator[tuple[PassageStage, StageResult]]:

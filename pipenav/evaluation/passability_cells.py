@@ -67,7 +67,7 @@ class CertifiedCell(NamedTuple):
 
     @property
     def words(self) -> str:
-        """What the episodes were that failed; empty where none did."""
+        """Kinds of the episodes that failed, with their counts; empty where none did."""
         chances = self.chances
         kinds = {
             "gap": chances.gaps,

@@ -32,7 +32,7 @@ from pipenav.evaluation.locate_stage import LocateStage
 from pipenav.evaluation.rear_stage import RearStage
 from pipenav.evaluation.recorded_stage import RecordedStage
 from pipenav.evaluation.rolling_stage import rolling_stage
-from pipenav.evaluation.stage import Stage, TaskStage
+from pipenav.evaluation.stage import Stage, TaskStage, gentle
 from pipenav.locating.locator import LocateConfig, Variant, robot_for
 from pipenav.locating.variants import LOCATORS
 from pipenav.motions.mirror import join, rear_motion
@@ -68,8 +68,10 @@ class EpisodePlan:
         seed: seed of starts and, where none is located, of targets.
         simulator: the simulator.
         disturbance: disturbances, drawn anew in every stage.
+        max_force: contact force on any one link beyond which an episode fails [N]; None for no limit.
         first: number of the first episode, where the first pipe begins with a later one than 0.
         count: number of episodes in all; None for as many as the pipes have.
+        chosen: numbers of the episodes where only some are run, in order; None for all of them.
     """
 
     robot: RobotSpec
@@ -79,12 +81,16 @@ class EpisodePlan:
     seed: int
     simulator: SimulatorSettings = DEFAULT_SIMULATOR
     disturbance: Disturbance = UNDISTURBED
+    max_force: float | None = None
     first: int = 0
     count: int | None = None
+    chosen: Sequence[int] | None = None
 
     @property
-    def numbers(self) -> range:
+    def numbers(self) -> Sequence[int]:
         """Numbers of the episodes, of which the first pipe has those from 0, the next one those after."""
+        if self.chosen is not None:
+            return self.chosen
         return range(self.first, len(self.pipes) * self.episodes if self.count is None else self.first + self.count)
 
     def on(self, simulator: SimulatorSettings) -> EpisodePlan:
@@ -145,7 +151,7 @@ class Passages:
 
     def _given(self, job: int) -> Any:
         """The start and the target of an episode."""
-        return self._numbered(self._plan.first + job)
+        return self._numbered(self._plan.numbers[job])
 
     def locate(self, variant: Variant = "map") -> StageResult:
         """Locate a target in every episode (approach I)."""
@@ -189,7 +195,9 @@ class Passages:
             results.put(np.searchsorted(jobs, flat), found)
             in_plane = int((found.outcome == Outcome.REACHED).sum())
         in_space = run_queue(
-            lambda queue: rolling_stage(controller, self._plan.simulator, queue),
+            lambda queue: gentle(
+                rolling_stage(controller, self._plan.task, self._plan.simulator, queue), self._plan.max_force
+            ),
             lambda i: self._given(int(rolled[i])),
             len(rolled),
             max(robots_for(len(rolled)), min(len(rolled), usable_cores())),
@@ -218,7 +226,8 @@ class Passages:
 
         def make(simulator: Simulator, queue: EpisodeQueue[Motion]) -> Stage:
             n = len(queue.running)
-            return RearStage(robot, self._disturbed(simulator, n), n, queue.take, task)
+            stage = RearStage(robot, self._disturbed(simulator, n), n, queue.take, task)
+            return gentle(stage, self._plan.max_force)
 
         results = run_stage(
             make,
@@ -258,7 +267,7 @@ class Passages:
             return _nothing(robot)
         recorded: list[RecordedStage] = []
         pipes = [self._pipes[job] for job in jobs]
-        most_steps = self._plan.task.max_steps * max(len(pipe.interior_angles) for pipe in pipes)
+        most_steps = self._task.most_steps(self._plan.robot, pipes)
         auditor, motions = self._auditor if name == self._task.stage else None, dict[int, Floats]()
         hears = self._keep_motions or auditor is not None
 
@@ -272,7 +281,7 @@ class Passages:
                 auditor.audit(job, begin(i), motion)
 
         def make_recorded(simulator: Simulator, queue: EpisodeQueue[Any]) -> Stage:
-            stage = make(self._disturbed(simulator, len(queue.running)), queue)
+            stage = gentle(make(self._disturbed(simulator, len(queue.running)), queue), self._plan.max_force)
             recorded.append(RecordedStage(stage, queue, begin, most_steps + 1, hear if hears else None))
             return recorded[0]
 

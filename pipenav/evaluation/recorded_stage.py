@@ -9,7 +9,6 @@ import numpy as np
 
 from pipenav.arrays import Floats, Ints
 from pipenav.evaluation.episode_runner import EpisodeQueue
-from pipenav.evaluation.locate_stage import LocateStage
 from pipenav.evaluation.stage import Stage, StageStep
 from pipenav.tasks.outcome import Outcome
 
@@ -63,8 +62,8 @@ class RecordedStage(Stage):
             self._record(step, self._hear)
         for index in np.flatnonzero(step.outcome != Outcome.RUNNING):
             job = int(self._queue.running[index])
-            if isinstance(self._stage, LocateStage):
-                self.targets.setdefault(job, self._stage.target[index].copy())
+            if (target := self._stage.target_of(int(index))) is not None:
+                self.targets.setdefault(job, target.copy())
         return step
 
     def _record(self, step: StageStep, hear: HearMotion) -> None:

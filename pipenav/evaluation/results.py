@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Any, Literal, NamedTuple, Self
 
 from pydantic import Field, JsonValue, ValidationError, computed_field, model_validator
 
@@ -22,6 +22,18 @@ MAX_EVALUATION = 256 << 20
 """Largest eval.json that is read [bytes]; that of 100,000 pipes has 71 MB."""
 
 
+class Extremes(NamedTuple):
+    """99th percentiles over the episodes of an evaluation.
+
+    Attributes:
+        penetration: of the deepest overlap [m].
+        force: of the peak contact force [N].
+    """
+
+    penetration: float
+    force: float
+
+
 class Evaluation(Record):
     """Results of an evaluation; `Evaluation.of` counts them from the pipes' records.
 
@@ -32,6 +44,7 @@ class Evaluation(Record):
         success: share of all episodes that passed every stage that was run.
         success_low, success_high: ends of the 95 % interval of that share.
         penetration_p99_m: 99th percentile over the episodes of the deepest overlap [m].
+        force_p99_n: 99th percentile over the episodes of the peak contact force [N].
         pipes: one record for each pipe, in the order in which they were given.
         diameters: one record for each diameter, widest first.
         audit: the audit of successful episodes; None and left out of the file where nobody asked for one.
@@ -45,6 +58,7 @@ class Evaluation(Record):
     success_low: Share
     success_high: Share
     penetration_p99_m: float | None = None
+    force_p99_n: float | None = None
     pipes: tuple[PipeRecord, ...] = Field(min_length=1)
     diameters: tuple[DiameterRecord, ...] = Field(min_length=1)
     audit: AuditRecord | None = Field(None, exclude_if=not_given)
@@ -62,7 +76,7 @@ class Evaluation(Record):
         *,
         config: EvaluationConfig,
         robot: str,
-        penetration_p99_m: float | None = None,
+        extremes: Extremes | None = None,
         thesis: Mapping[float, float] | None = None,
         audit: AuditRecord | None = None,
     ) -> Self:
@@ -77,7 +91,8 @@ class Evaluation(Record):
             success=successes / episodes,
             success_low=low,
             success_high=high,
-            penetration_p99_m=penetration_p99_m,
+            penetration_p99_m=None if extremes is None else extremes.penetration,
+            force_p99_n=None if extremes is None else extremes.force,
             pipes=tuple(pipes),
             diameters=tuple(diameters),
             audit=audit,

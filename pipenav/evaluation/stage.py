@@ -14,6 +14,7 @@ from pipenav.backends.spatial import SpaceTruth
 from pipenav.policies.controller import AnyController, actions_of
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.batch import TaskBatch
+from pipenav.tasks.outcome import Outcome
 
 
 class StageStep(NamedTuple):
@@ -59,6 +60,10 @@ class Stage(ABC):
     def step(self) -> StageStep:
         """Run one control period of every robot."""
 
+    def target_of(self, index: int) -> Floats | None:  # noqa: ARG002  # of stages that locate one
+        """Target that a robot's episode found, (2,) in the canonical frame; None where the stage locates none."""
+        return None
+
     @abstractmethod
     def close(self) -> None:
         """Release the simulator."""
@@ -86,3 +91,39 @@ class TaskStage(Stage):
 
     def close(self) -> None:
         self._batch.close()
+
+
+class GentleStage(Stage):
+    """A stage in which an episode fails as soon as the wall presses on a link harder than a limit.
+
+    Args:
+        stage: the stage.
+        max_force: largest contact force on any one link [N].
+    """
+
+    def __init__(self, stage: Stage, max_force: float) -> None:
+        self.robot, self.n = stage.robot, stage.n
+        self._stage, self._max_force = stage, max_force
+
+    @property
+    def steps(self) -> Ints:
+        return self._stage.steps
+
+    def start(self, indices: Ints) -> None:
+        self._stage.start(indices)
+
+    def step(self) -> StageStep:
+        step = self._stage.step()
+        too_hard = (step.truth.contact_force > self._max_force) & (step.outcome != Outcome.PENETRATION)
+        return step._replace(outcome=np.where(too_hard, Outcome.FORCE, step.outcome).astype(np.int8))
+
+    def target_of(self, index: int) -> Floats | None:
+        return self._stage.target_of(index)
+
+    def close(self) -> None:
+        self._stage.close()
+
+
+def gentle(stage: Stage, max_force: float | None) -> Stage:
+    """The stage with a limit on the contact force [N]; itself where there is none."""
+    return stage if max_force is None else GentleStage(stage, max_force)

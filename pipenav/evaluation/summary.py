@@ -23,6 +23,8 @@ def circumstances(evaluation: Evaluation) -> str:
     config, pipes = evaluation.config, len(evaluation.pipes)
     more = f" and {len(config.pipes) - 1} more" if len(config.pipes) > 1 else ""
     located = f", variant {config.variant}" if evaluation.stage in ("locate", "passage") else ""
+    more += "" if config.tether is None else f", cable of {config.tether:g} m"
+    more += "" if config.max_force is None else f", at most {config.max_force:g} N"
     settings = ", ".join(f"{name} {value}" for name, value in evaluation.options.items())
     return (
         f"stage {evaluation.stage}{located}, {pipes} pipe{'s' if pipes > 1 else ''} × {evaluation.episodes_per_pipe} "

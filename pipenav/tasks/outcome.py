@@ -50,6 +50,9 @@ class Outcome(IntEnum):
     WRONG_EXIT = 10
     """The robot's middle is in a branch that its route does not take, or it is stuck with its tip in one."""
 
+    FORCE = 11
+    """The wall pressed on a link harder than an evaluation allows."""
+
     @property
     def label(self) -> str:
         """Name of the outcome in files, tables and pictures."""
@@ -66,6 +69,7 @@ LADDER = (
     Outcome.FOLD,
     Outcome.SLID_BACK,
     Outcome.WRONG_EXIT,
+    Outcome.FORCE,
     Outcome.PENETRATION,
 )
 """Outcomes from the weakest to the strongest: where several hold in one control step, the strongest counts."""

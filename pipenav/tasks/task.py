@@ -94,6 +94,10 @@ class Task(ABC, Generic[ConfigT, EpisodesT]):
         """Physical size of an action of 1, (action_size,)."""
 
     @abstractmethod
+    def most_steps(self, robot: RobotSpec, pipes: Sequence[Pipe]) -> int:
+        """Most control steps of an episode in any of these pipes, at least one."""
+
+    @abstractmethod
     def sample(self, robot: RobotSpec, pipes: Sequence[Pipe], rng: np.random.Generator) -> EpisodesT:
         """Random episodes, one in each of the given pipes."""
 

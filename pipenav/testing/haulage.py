@@ -75,7 +75,7 @@ class Haulage:
         wheels = np.array([motor.speed_limit for motor in robot.driven_actuators[joints:]])
         forwards = -np.sign([self._bends[i] for i in robot.wheel_joints])
         command = Command("position", np.concatenate([set_points, wheels * forwards])[None])
-        moved = []
+        moved: list[float] = []
         with closing(open_simulator(self._backend, robot, 1, self._options)) as simulator:
             if not simulator.can_pull:
                 raise CannotPull(simulator)

@@ -15,7 +15,7 @@ from pipenav.errors import ConfigError, FileProblem
 from pipenav.evaluation.config import EvaluationConfig
 from pipenav.evaluation.interval import wilson
 from pipenav.evaluation.pipe_results import DiameterRecord, PipeRecord
-from pipenav.evaluation.results import Evaluation, read_evaluation
+from pipenav.evaluation.results import Evaluation, Extremes, read_evaluation
 from pipenav.evaluation.thesis import ANGLES_DEG, thesis_best
 
 PIPE_KEYS = {
@@ -92,7 +92,7 @@ def test_json_has_exactly_the_documented_keys() -> None:
     table = json.loads(evaluation([pipe()]).to_json())
     assert set(table) == {
         *("schema", "policy", "backend", "robot", "stage", "seed", "pipes", "diameters", "episodes_per_pipe"),
-        *("success", "success_low", "success_high", "penetration_p99_m", "options", "disturb", "config"),
+        *("success", "success_low", "success_high", "penetration_p99_m", "force_p99_n", "options", "disturb", "config"),
     }
     assert table["schema"] == 2
     assert EvaluationConfig.model_validate(table["config"]) == evaluation([pipe()]).config
@@ -103,7 +103,7 @@ def test_json_has_exactly_the_documented_keys() -> None:
 def test_evaluations_survive_the_file(tmp_path: Path) -> None:
     full = pipe(located=10, rear_attempts=9, rear_successes=8, failures={"limit": 1}, min_range_m=0.01)
     options = EvaluationConfig(stage="locate", options={"timestep_s": 0.002, "list": [1, None]})
-    given_one = evaluation([full, pipe(100)], config=options, penetration_p99_m=1e-3)
+    given_one = evaluation([full, pipe(100)], config=options, extremes=Extremes(1e-3, 50.0))
     (tmp_path / "eval.json").write_text(given_one.to_json(), encoding="utf-8")
     assert read_evaluation(tmp_path) == read_evaluation(tmp_path / "eval.json") == given_one
 

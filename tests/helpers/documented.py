@@ -181,7 +181,12 @@ def _eval(options: Options) -> Options:
 
 
 def _view(options: Options) -> Options:
-    """The same motion as a strip instead of a film; the film of the policy `arm` stays one."""
+    """The same motion as a strip instead of a film; the film of the policy `arm` stays one.
+
+    An evaluation's folder is the workshop's, whose only episode has number 0.
+    """
+    if options.has("--eval"):
+        return options.without(("--eval", "--episode")).plus(("--eval", "evaluated"), ("--episode", "0"))
     strips = options.value("--policy") != "arm"
 
     def smaller(name: str, value: str | None) -> tuple[str, str | None]:
@@ -196,6 +201,12 @@ def _experiment(options: Options) -> Options:
     """The one without a training, for every stage of `all` takes the same way."""
     small = (("--seeds", "1"), ("--episodes", "1"), ("--jobs", "1"))
     return options._replace(arguments=("e",)).without(DROPPED).plus(*small, ("--out", "reported"))
+
+
+def _export(options: Options) -> Options:
+    """A few observations of one corner to compare on."""
+    small = (("--observations", "50"), ("--pipes", "d=100,angle=90"))
+    return options.without(("--observations", "--pipes")).plus(*small)
 
 
 def _tune(options: Options) -> Options:
@@ -240,6 +251,7 @@ RULES: dict[str, Callable[[Options], Options]] = {
     "drive": _drive,
     "eval": _eval,
     "experiment": _experiment,
+    "export": _export,
     "gen-pipe": _as_it_stands,
     "hw-check": _as_it_stands,
     "list": _as_it_stands,

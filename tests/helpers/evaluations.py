@@ -10,7 +10,7 @@ from rich.console import Console
 from pipenav.evaluation.config import EvaluationConfig
 from pipenav.evaluation.pipe_results import PipeRecord
 from pipenav.evaluation.report import evaluation_table
-from pipenav.evaluation.results import Evaluation
+from pipenav.evaluation.results import Evaluation, Extremes
 from pipenav.evaluation.thesis import ANGLES_DEG, thesis_best
 
 
@@ -35,7 +35,7 @@ def evaluation(pipes: list[PipeRecord]) -> Evaluation:
         config=EvaluationConfig(policy="some-policy", pipes=("thesis",), episodes=10, stage="reach"),
         robot="basic",
         thesis=thesis_best("torque"),
-        penetration_p99_m=0.00111,
+        extremes=Extremes(0.00111, 42.4),
     )
 
 

@@ -41,6 +41,9 @@ class ReachTask(Task[ReachConfig, ReachEpisodes]):
     def action_scale(self, robot: RobotSpec) -> Floats:
         return action.full_action(robot, self.config)
 
+    def most_steps(self, robot: RobotSpec, pipes: Sequence[Pipe]) -> int:  # noqa: ARG002  # the same in every pipe
+        return self.config.max_steps
+
     def sample(self, robot: RobotSpec, pipes: Sequence[Pipe], rng: np.random.Generator) -> ReachEpisodes:
         return episode.sample(robot, self.config, [pipe.require_corner() for pipe in pipes], rng)
 

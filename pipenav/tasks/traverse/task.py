@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -20,6 +21,7 @@ from pipenav.tasks.traverse import episode, observation
 from pipenav.tasks.traverse.batch import TraverseBatch
 from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import TraverseEpisodes
+from pipenav.tasks.traverse.pace import most_slowness
 
 
 class TraverseTask(Task[TraverseConfig, TraverseEpisodes]):
@@ -41,6 +43,10 @@ class TraverseTask(Task[TraverseConfig, TraverseEpisodes]):
 
     def action_scale(self, robot: RobotSpec) -> Floats:
         return observation.action_scale(robot, self.config)
+
+    def most_steps(self, robot: RobotSpec, pipes: Sequence[Pipe]) -> int:
+        corners = max(len(pipe.interior_angles) for pipe in pipes)
+        return math.ceil(self.config.max_steps * most_slowness(robot, self.config) * corners)
 
     def sample(self, robot: RobotSpec, pipes: Sequence[Pipe], rng: np.random.Generator) -> TraverseEpisodes:
         return episode.sample(robot, self.config, pipes, rng)

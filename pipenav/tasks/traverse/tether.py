@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-import numpy as np
-from pydantic import Field
+from typing import Annotated
 
-from pipenav.arrays import Floats, Ints, Table
+import numpy as np
+from pydantic import Field, WrapValidator
+
+from pipenav.arrays import Floats, Ints, Table, ordered
 from pipenav.pipes.centre_lines import CentreLines
 from pipenav.robots.cable import capstan, drag_per_metre
-from pipenav.tasks.reach.config import Span
+
+_Cable = Annotated[float, Field(ge=0, le=100_000)]
 
 STRETCH = 0.05
 """Distance that a robot rolls back until its cable is slack [m]: while it stands, friction in the pipe keeps the cable
@@ -22,8 +25,10 @@ class TetherConfig(Table):
     frictions the drag there is 13.9 N.
     """
 
-    length: Span = Field(
-        (0.0, 250.0), description="length of straight, level pipe with cable behind the robot at the start [m]"
+    length: Annotated[tuple[_Cable, _Cable], WrapValidator(ordered)] = Field(
+        (0.0, 250.0),
+        strict=False,
+        description="length of straight, level pipe with cable behind the robot at the start [m]",
     )
     weight: float = Field(0.185, ge=0, le=100, description="weight of the cable [N/m]; by 14 N for 250 m at 0.3")
     friction: float = Field(
