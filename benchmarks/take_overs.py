@@ -40,12 +40,13 @@ def main() -> int:
             session = Session(plan, lambda i, plan=plan: RandomHands(plan.robot, i))  # type: ignore[misc]
             session.run()
             found = [changes(path, plan.robot) for path in Path(folder).glob("*.jsonl")]
-        took, gave = took + sum(one.count[0] for one in found), gave + sum(one.count[1] for one in found)
+        took += sum(one.count[0] for one in found)
+        gave += sum(one.count[1] for one in found)
         jump, broken = max(jump, *(one.jump for one in found)), max(broken, *(one.break_ for one in found))
         passed, episodes = passed + sum(one.passed for one in session.records), episodes + len(found)
         print(
-            f"{given.policy}: {took} take-overs, {gave} hand-backs in {episodes} episodes, {passed} passed; largest jump "
-            f"{jump:.3f} of a step's limit, largest change of a joint's speed {broken:.3f} of its limit",
+            f"{given.policy}: {took} take-overs, {gave} hand-backs in {episodes} episodes, {passed} passed; largest "
+            f"jump {jump:.3f} of a step's limit, largest change of a joint's speed {broken:.3f} of its limit",
             flush=True,
         )
         if took >= given.moments:

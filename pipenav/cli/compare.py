@@ -26,9 +26,9 @@ def compare(
 ) -> None:
     """Put drivers beside each other on the same numbered pipes: by hand, a policy, a baseline, shared control.
 
-    pipenav drive --policy pirate --operator none --out alone
+    pipenav drive --policy pirate-strong --operator none --out alone
 
-    pipenav drive --policy pirate --operator scripted --out shared
+    pipenav drive --policy pirate-strong --operator scripted --out shared
 
     pipenav compare alone shared
     """

@@ -41,7 +41,7 @@ def drive(
 
     The arm by its tip: pipenav drive --robot basic --pipes d=100,angle=75
 
-    Shared control, a held key takes over: pipenav drive --policy pirate --pipes d=70,angle=55
+    Shared control, a held key takes over: pipenav drive --policy pirate-strong --pipes d=70,angle=55
 
     Without a person: pipenav drive --operator scripted --pipes working-range --episodes 10
 
@@ -112,16 +112,18 @@ def _drive(
     """Run the session; the session, and what ended it before its last episode."""
     from rich.console import Console
 
-    from pipenav.cli.drive_view import DriveView
+    from pipenav.cli.drive_view import DriveView, with_window
     from pipenav.cli.progress_bars import episode_bar
     from pipenav.cli.signals import Interrupted
     from pipenav.driving.ask import OperatorLost
     from pipenav.driving.sessions import EndedByPerson, Session
 
-    looked_at = driver.operator == "person" or how.watch
+    looked_at = driver.operator == "person" or how.watch or how.window
     view: Callable[[Shown], None] | None = None
     if looked_at:
         view = opened.enter_context(DriveView(Console(), mapping))
+    if view is not None and how.window:
+        view = with_window(opened, view)
     bar = None if looked_at else opened.enter_context(episode_bar(progress_console()))
     row = None if bar is None else bar.add_task("driving", total=plan.total)
 

@@ -28,7 +28,15 @@ def person(opened: contextlib.ExitStack, driver: DriverOptions, robot: RobotSpec
 
     mapping = load_mapping(driver.mapping, robot, driver.input)
     if driver.input == "keyboard":
-        return opened.enter_context(Keyboard(mapping, sys.stdin.fileno())), mapping
+        return opened.enter_context(Keyboard(mapping, _stdin())), mapping
     if driver.input == "gamepad":
         return opened.enter_context(Gamepad(mapping, driver.device)), mapping
     return opened.enter_context(Faders(mapping, robot, open_port(driver.device))), mapping
+
+
+def _stdin() -> int:
+    """File descriptor of stdin; -1, which is no terminal, where there is none."""
+    try:
+        return sys.stdin.fileno()
+    except (AttributeError, OSError, ValueError):
+        return -1

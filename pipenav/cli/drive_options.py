@@ -80,6 +80,9 @@ class DriveOptions(OptionGroup):
     watch: Annotated[bool, typer.Option("--watch", help="Show a script or a policy as it drives, one at a time.")] = (
         False
     )
+    window: Annotated[
+        bool, typer.Option("--window", help="Open the simulator's window too, where there is a display.")
+    ] = False
     record: Annotated[bool, typer.Option("--record/--no-record", help="Keep the telemetry of every control step.")] = (
         True
     )

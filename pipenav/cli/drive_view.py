@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections.abc import Callable, Mapping
 from types import TracebackType
@@ -110,6 +111,23 @@ class DriveView:
             Text(door.said, "yellow"),
             Text(self._legend, "dim"),
         ]
+
+
+def with_window(opened: contextlib.ExitStack, view: Callable[[Shown], None]) -> Callable[[Shown], None]:
+    """The view with the simulator's own window beside it, open until `opened` is closed."""
+    from pipenav.backends.viewer import Sight
+    from pipenav.recording.live import Window
+
+    window = Window(sleep=lambda _: None)  # the view waits for the clock
+    opened.callback(window.close)
+
+    def show(shown: Shown) -> None:
+        if shown.world is not None:
+            target = None if shown.target is None else (float(shown.target[0]), float(shown.target[1]))
+            window(shown.world, Sight(f"{shown.seconds:.1f} s: {shown.door.who} drives", target))
+        view(shown)
+
+    return show
 
 
 def _near(segment: Floats, centre: Floats, reach: float) -> Floats:

@@ -11,6 +11,7 @@ import numpy as np
 from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.messages import Reading
+from pipenav.backends.viewer import HasWindow
 from pipenav.deployment.telemetry import Telemetry
 from pipenav.disturbances.disturbed_backend import disturbed
 from pipenav.driving.ask import PERSON, Operator, OperatorLost
@@ -48,7 +49,8 @@ class Shown(NamedTuple):
         reading: readings of the sensors, rows of one.
         door: the door.
         seconds: time since the start [s].
-        force: contact force [N].
+        force: largest contact force so far [N].
+        world: the simulator, which may have a window; None on the arm.
     """
 
     job: int
@@ -59,6 +61,7 @@ class Shown(NamedTuple):
     door: Door
     seconds: float
     force: float
+    world: HasWindow | None = None
 
 
 class _Episode:
@@ -230,6 +233,7 @@ class Session:
                 self._doors[0],
                 episode.steps * CONTROL_PERIOD,
                 episode.force,
+                driven,
             )
         )
 

@@ -71,6 +71,16 @@ def test_what_cannot_be_driven_is_refused_and_nothing_is_made(
     assert not list(tmp_path.iterdir())
 
 
+def test_a_window_without_a_display_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    script = ("--robot", "basic", "--operator", "scripted", "--window", "--no-record")
+    assert run("drive", *script, "--out", str(tmp_path / "driven")) == 1
+    assert "display" in capsys.readouterr().err
+
+
 def test_one_folder_alone_is_not_compared(capsys: pytest.CaptureFixture[str]) -> None:
     assert run("compare", "one") == 1
     assert "name two or more" in capsys.readouterr().err

@@ -151,7 +151,7 @@ def expected(argv: Words) -> Expected:
     if argv[0] == "run-real" and "--emulate" in argv:
         return Expected(0, "5 ticks")
     if argv[0] == "drive" and "--arm" in argv:
-        return Expected(1, "arm.toml")
+        return Expected(1, "stdin is none")
     if argv[0] == "drive" and "--emulate" in argv:
         return Expected(0, "ended: 5 ticks")
     if "lag" in argv and argv[0] == "compare-backends":
@@ -233,9 +233,7 @@ def _drive(options: Options) -> Options:
     kept = tuple(pair for pair in options.given if pair[0] not in names)
     alone = options.value("--operator") == "none"
     small = (("--operator", "none" if alone else "scripted"), ("--pipes", "d=100,angle=90"))
-    return options._replace(
-        given=(*kept, *small, *((("--out", str(options.value("--out"))),) if options.has("--out") else ()))
-    )
+    return options._replace(given=(*kept, *small))
 
 
 def _survey(options: Options) -> Options:
