@@ -28,6 +28,7 @@ LEFT = {
     "certify": 5.3,
     "survey": 6.2,
     "portable": 7.6,
+    "driving": 8.6,
     "evaluation": 2.5,
     "deployment": 8.6,
     "comparison": 10.2,

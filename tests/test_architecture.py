@@ -25,7 +25,7 @@ FLOORS: list[set[str]] = [
     {"policies", "motions", "envs"},
     {"certify"},
     {"evaluation", "deployment", "comparison"},
-    {"learning", "recording", "survey", "portable"},
+    {"driving", "learning", "recording", "survey", "portable"},
     {"experiments", "tuning"},
     {"cli"},
 ]
@@ -43,6 +43,8 @@ HEAVY = {"torch", "stable_baselines3", "gymnasium", "matplotlib", "mujoco", "pyb
     "onnx",
     "onnxruntime",
     "optuna",
+    "mido",
+    "pygame",
     "shapely",
 }
 

@@ -69,6 +69,14 @@ COMMANDS = {
         "pipenav.cli.run_real:run_real",
         "Drive the arm with a policy: locate a target, reach it, back out; safe to stop at any moment.",
     ),
+    "drive": (
+        "pipenav.cli.drive:drive",
+        "Drive a robot by hand: joint by joint, by the tip, or by the thesis's steps (a)-(e); alone or with a policy.",
+    ),
+    "compare": (
+        "pipenav.cli.compare:compare",
+        "Put drivers beside each other on the same numbered pipes: by hand, a policy, a baseline, shared control.",
+    ),
     "hw-check": (
         "pipenav.cli.hw_check:hw_check",
         "Check the arm's bus, servos and sensors; say what is missing and which cable to look at. Changes nothing.",

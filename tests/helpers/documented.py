@@ -114,7 +114,18 @@ class Options(NamedTuple):
         return (self.command, *self.arguments, *words)
 
 
-FLAGS = {"--check", "--dry-run", "--emulate", "--help", "--live", "--replay", "--untethered", "--write-servos", "--yes"}
+FLAGS = {
+    "--allow-slow-bus",
+    "--check",
+    "--dry-run",
+    "--emulate",
+    "--help",
+    "--live",
+    "--replay",
+    "--untethered",
+    "--write-servos",
+    "--yes",
+}
 
 
 def pipenav(*words: str) -> int:
@@ -139,6 +150,10 @@ def expected(argv: Words) -> Expected:
     """Expected end of the tiny command."""
     if argv[0] == "run-real" and "--emulate" in argv:
         return Expected(0, "5 ticks")
+    if argv[0] == "drive" and "--arm" in argv:
+        return Expected(1, "stdin is none")
+    if argv[0] == "drive" and "--emulate" in argv:
+        return Expected(0, "ended: 5 ticks")
     if "lag" in argv and argv[0] == "compare-backends":
         return Expected(1, "too large")
     return REFUSED.get(argv[0], Expected())
@@ -207,6 +222,20 @@ def _run_real(options: Options) -> Options:
     return options.plus(("--ticks", "5"), ("--patience", "10"))
 
 
+def _drive(options: Options) -> Options:
+    """A single episode in one corner, by a script where a person would drive."""
+    if options.has("--emulate"):
+        given = (("--ticks", "5"), ("--patience", "10"), ("--operator", "scripted"), ("--allow-slow-bus", None))
+        return options.plus(*given)
+    if options.has("--arm"):
+        return options
+    names = {"--operator", "--pipes", "--episodes", "--out", "--watch", "--input", "--device"}
+    kept = tuple(pair for pair in options.given if pair[0] not in names)
+    alone = options.value("--operator") == "none"
+    small = (("--operator", "none" if alone else "scripted"), ("--pipes", "d=100,angle=90"))
+    return options._replace(given=(*kept, *small))
+
+
 def _survey(options: Options) -> Options:
     """The example's map is read and checked; trials would take minutes."""
     example = str(Path(__file__).resolve().parents[2] / "examples/schutterwald/network.json")
@@ -217,7 +246,9 @@ RULES: dict[str, Callable[[Options], Options]] = {
     "backends": _as_it_stands,
     "calibrate": _as_it_stands,
     "certify": _as_it_stands,
+    "compare": _as_it_stands,
     "compare-backends": _as_it_stands,
+    "drive": _drive,
     "eval": _eval,
     "experiment": _experiment,
     "export": _export,

@@ -43,6 +43,8 @@ RUNS: dict[str, tuple[str, ...]] = {
     "experiment": ("experiment", "f", "--seeds", "1", "--steps", "512", "--episodes", "1", "--out", "tried"),
     "export": ("export", "--policy", "arm", "--to", "onnx", "--observations", "50", *CORNER, "--out", "arm.onnx"),
     "run-real": ("run-real", "--emulate", "--allow-slow-bus", "--patience", "8", "--ticks", "5", "--out", "real"),
+    "drive": ("drive", "--operator", "scripted", "--robot", "basic", *CORNER, "--out", "driven"),
+    "compare": ("compare", "--help"),
     "hw-check": ("hw-check", "--help"),
     "calibrate": ("calibrate", "--help"),
     "replay": ("replay", "--help"),
