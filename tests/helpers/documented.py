@@ -116,6 +116,7 @@ class Options(NamedTuple):
 
 FLAGS = {
     "--allow-slow-bus",
+    "--certify",
     "--check",
     "--dry-run",
     "--emulate",
