@@ -72,7 +72,7 @@ def _trajectory(replayed: Replayed, checked: CheckedEvaluation) -> Trajectory:
     ended = replayed.outcome.label if replayed.moved is replayed.stage else "reached"
     header = TrajectoryHeader(
         robot=robot.name,
-        pipe=replayed.pipe,
+        pipe=replayed.pipe,  # type: ignore[arg-type]  # a corner or a route, as every pipe of an evaluation
         base_m=replayed.base,
         goal_m=replayed.target,
         stage=replayed.moved,

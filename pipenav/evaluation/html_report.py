@@ -126,7 +126,7 @@ def _note(evaluation: Evaluation, numbers: Sequence[int], pictured: Pictured) ->
 
 def _pipe(record: PipeRecord, pipe: Pipe) -> dict[str, Any]:
     low, high = wilson(record.successes, record.episodes)
-    walls = [] if pipe.in_space else m_to_mm(1.0) * pipe.segments.reshape(-1, 4)
+    segments = np.zeros((0, 4)) if pipe.in_space else pipe.segments.reshape(-1, 4)
     return {
         "label": pipe.label,
         "success": record.success,
@@ -134,7 +134,7 @@ def _pipe(record: PipeRecord, pipe: Pipe) -> dict[str, Any]:
         "low": low,
         "percent": percent(record.success),
         "interval": f"{percent(low)}–{percent(high)}",
-        "walls": np.round(walls, 1).tolist(),
+        "walls": np.round(m_to_mm(1.0) * segments, 1).tolist(),
         "shot": None,
         "record": record.model_dump(mode="json"),
     }

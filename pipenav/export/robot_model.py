@@ -164,8 +164,10 @@ def _add_motor(element: ET.Element, motors: ET.Element, body: BodyNode, part: Jo
 
 def _add_geom(element: ET.Element, name: str, piece: Piece, friction: float) -> None:
     part = piece.part
-    box = isinstance(part, BoxPart)
-    size = (part.length / 2, part.width / 2, part.height / 2) if box else (part.diameter / 2, part.height / 2)
-    geom = add(element, "geom", name=name, type="box" if box else "cylinder", size=text(*size), rgba=COLOUR)
+    if isinstance(part, BoxPart):
+        kind, size = "box", text(part.length / 2, part.width / 2, part.height / 2)
+    else:
+        kind, size = "cylinder", text(part.diameter / 2, part.height / 2)
+    geom = add(element, "geom", name=name, type=kind, size=size, rgba=COLOUR)
     geom.attrib |= {"pos": text(part.x, part.y, 0), "mass": text(piece.mass), "friction": text(friction, 0, 0)}
     geom.attrib |= {"contype": "1", "conaffinity": "0"}  # it meets pipes and floors, which have both by default

@@ -33,7 +33,7 @@ def torchscript_bytes(policy: Policy) -> bytes:
     with _quiet():
         example = torch.zeros((2, len(policy.observation_scale)), dtype=torch.float32)
         traced = torch.jit.trace(_module(policy), example)  # type: ignore[no-untyped-call]
-        torch.jit.save(traced, buffer, _extra_files={EXTRA_FILE: metadata(policy)})  # type: ignore[no-untyped-call]
+        torch.jit.save(traced, buffer, _extra_files={EXTRA_FILE: metadata(policy)})
     return buffer.getvalue()
 
 
@@ -57,6 +57,9 @@ def _module(policy: Policy) -> torch.nn.Module:
     import torch
 
     class Actor(torch.nn.Module):
+        observation_scale: torch.Tensor
+        action_scale: torch.Tensor
+
         def __init__(self) -> None:
             super().__init__()
             self.register_buffer("observation_scale", torch.tensor(policy.observation_scale))
@@ -78,7 +81,7 @@ def _module(policy: Policy) -> torch.nn.Module:
 class _quiet(warnings.catch_warnings):
     """Without PyTorch's advice to export by other means, which give no file that C++ alone can run."""
 
-    def __enter__(self) -> None:  # type: ignore[override]
+    def __enter__(self) -> None:
         super().__enter__()
         warnings.simplefilter("ignore", DeprecationWarning)
         warnings.simplefilter("ignore", FutureWarning)

@@ -151,5 +151,6 @@ def _cut(piece: Piece, low: float, high: float, origin: float) -> Piece:
     """A stretch of a piece as a box, with its share of the mass."""
     part = piece.part
     long = part.length if isinstance(part, BoxPart) else part.diameter
-    middle, sides = (low + high) / 2 - origin, {"length": high - low, "width": part.width, "height": part.height}
-    return Piece(BoxPart.model_construct(x=middle, y=part.y, **sides), piece.mass * (high - low) / long)
+    middle, width, height = (low + high) / 2 - origin, part.width, part.height
+    box = BoxPart.model_construct(x=middle, y=part.y, length=high - low, width=width, height=height)  # thinner than any
+    return Piece(box, piece.mass * (high - low) / long)

@@ -28,7 +28,8 @@ NAMES = ("d=100,angle=90", "d=75,angle=60,turn=right")
 
 
 def config(**given: Any) -> EvaluationConfig:
-    return EvaluationConfig(**{"policy": "arm", "pipes": NAMES, "episodes": 4, "seed": 3} | given)
+    settings: dict[str, Any] = {"policy": "arm", "pipes": NAMES, "episodes": 4, "seed": 3}
+    return EvaluationConfig(**settings | given)
 
 
 @given(st.integers(0, 10**9), st.floats(0.001, 1), st.floats(0.001, 1))
@@ -99,7 +100,8 @@ def test_a_motion_as_it_was_passes_and_every_fault_is_noticed(recorded: tuple[Ep
 @given(st.integers(0, 20), st.integers(0, 20), st.integers(0, 20))
 def test_audits_of_parts_are_cut_and_read_back(k: int, first: int, end: int) -> None:
     rng = np.random.default_rng(k)
-    audits = AuditRows(np.arange(k), *rng.random((3, k)), rng.random(k) < 0.5)
+    overlap, between, speed = rng.random((3, k))
+    audits = AuditRows(np.arange(k), overlap, between, speed, rng.random(k) < 0.5)
     result = PartResult.from_bytes(PartResult({}, "some cpu", audits).to_bytes())
     cut = result.between(min(first, end), max(first, end)).audits
     assert cut is not None

@@ -10,6 +10,9 @@ from helpers.evaluations import evaluation, record, shown
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pipenav.certify.arm import Ends
+from pipenav.certify.model import Model
+from pipenav.certify.verdict import Verdict, certify
 from pipenav.errors import PipenavError
 from pipenav.evaluation import passability
 from pipenav.evaluation.config import EvaluationConfig
@@ -83,9 +86,13 @@ def test_a_pipe_decides_about_whole_robots() -> None:
 
 
 def test_an_arms_failed_episodes_are_certified_by_themselves(monkeypatch: pytest.MonkeyPatch) -> None:
-    seen = []
-    certify = passability.certify
-    monkeypatch.setattr(passability, "certify", lambda *given: seen.append(given[1]) or certify(*given))
+    seen: list[Ends] = []
+
+    def seeing(model: Model, ends: Ends, resolution: float) -> Verdict:
+        seen.append(ends)
+        return certify(model, ends, resolution)
+
+    monkeypatch.setattr(passability, "certify", seeing)
     found = asked("basic", corner("d=90,angle=90"), (3, 5))
     assert found.failed == {"possible": 2}
     assert len(seen) == 3

@@ -186,7 +186,7 @@ def _view(options: Options) -> Options:
     An evaluation's folder is the workshop's, whose only episode has number 0.
     """
     if options.has("--eval"):
-        return options.without(("--eval", "--episode")).plus(("--eval", "evaluated"), ("--episode", "0"))
+        return options.without(("--eval", "--episode")).plus(("--eval", "evaluation"), ("--episode", "0"))
     strips = options.value("--policy") != "arm"
 
     def smaller(name: str, value: str | None) -> tuple[str, str | None]:
