@@ -147,7 +147,7 @@ class Session:
                     self._finish(running[i], int(queue.running[i]), self._doors[i], outcome.label)
                 if len(ended) and len(self.records) < plan.total:
                     observation = batch.reset(ended)
-                    for i in ended:
+                    for i in ended.tolist():
                         running[i] = self._begun(int(queue.running[i]))
         except BaseException as stopped:
             cause = "lost" if isinstance(stopped, OperatorLost) else "ended"
