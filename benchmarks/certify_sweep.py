@@ -44,7 +44,9 @@ class Row(NamedTuple):
 
 def row(robot: str, bend: float, bore: str, angle: float, diameters: list[float]) -> Row:
     """Verdicts on the pipes of one angle."""
-    spec, verdicts, seconds = load_robot(robot), [], []
+    spec = load_robot(robot)
+    verdicts: list[str] = []
+    seconds: list[float] = []
     for diameter in diameters:
         started = time.process_time()
         pipe = PipeCorner.of(diameter, angle, bend_radius_mm=bend * diameter)

@@ -58,7 +58,7 @@ def arm_path(spans: ArmSpans) -> Floats | None:
     every = _Lattice.over_all(spans)
     for halved in range(HALVED + 1):
         if halved:
-            every = every.finer(spans, every.index, 1)
+            every = every.finer(spans, every.place, 1)
         if (motion := _refined(spans, every)) is not None:
             return motion
     return None
@@ -70,8 +70,8 @@ def _refined(spans: ArmSpans, lattice: _Lattice) -> Floats | None:
         way = lattice.way(spans)
         if way is None:
             return None
-        points = lattice.index[way]
-        if (motion := _motion(spans, points * lattice.step)) is not None:
+        points = lattice.place[way]
+        if (motion := _motion(spans, np.asarray(points * lattice.step))) is not None:
             return motion
         if lattice.step < 2 * FINEST:
             return None
@@ -85,13 +85,13 @@ class _Lattice(NamedTuple):
 
     Attributes:
         step: distance of its points along each axis [rad].
-        index: whole numbers of steps, (n, axes), in the order of their keys.
+        place: whole numbers of steps, (n, axes), in the order of their keys.
         free: interval of free slides, upside down where there is none, (n,) each [m].
         goal: whether a target can be reached with these headings, (n,).
     """
 
     step: float
-    index: Ints
+    place: Ints
     free: Interval
     goal: Flags
 
@@ -111,14 +111,14 @@ class _Lattice(NamedTuple):
     @classmethod
     def _kept(cls, spans: ArmSpans, step: float, index: Ints) -> _Lattice:
         """The points that have room, or miss little."""
-        headings = index * step
+        headings = np.asarray(index * step)
         index = index[spans.within_limits(headings)]
-        free = spans.interval(index * step)
+        free = spans.interval(np.asarray(index * step))
         with np.errstate(invalid="ignore"):
             room = free.high - free.low
         kept = room >= -SLACK * step
         index, free = index[kept], Interval(free.low[kept], free.high[kept])
-        at = spans.target_slides(index * step)
+        at = spans.target_slides(np.asarray(index * step))
         missing = np.maximum(free.low, at.low) - np.minimum(free.high, at.high)
         return cls(step, index, free, missing <= 0)
 
@@ -127,7 +127,7 @@ class _Lattice(NamedTuple):
         from scipy.sparse import coo_array
         from scipy.sparse.csgraph import dijkstra
 
-        start = np.flatnonzero((self.index == np.round(spans.ends.start / self.step).astype(int)).all(axis=1))
+        start = np.flatnonzero((self.place == np.round(spans.ends.start / self.step).astype(int)).all(axis=1))
         if not len(start) or not self.goal.any():
             return None
         pairs, lengths = self._neighbours()
@@ -136,7 +136,7 @@ class _Lattice(NamedTuple):
         room = np.minimum(self.free.high[one], self.free.high[other])
         room -= np.maximum(self.free.low[one], self.free.low[other])
         possible = room >= -2 * SLACK * self.step
-        room, n = room[possible], len(self.index)
+        room, n = room[possible], len(self.place)
         narrow = 1.0 / (WIDEST + np.clip(room / WIDE, 0.0, 1.0)) + MISSING * np.maximum(-room, 0.0) / WIDE
         graph = coo_array((lengths[possible] * narrow, (one[possible], other[possible])), shape=(n, n)).tocsr()
         far, before = dijkstra(graph, directed=False, indices=int(start[0]), return_predecessors=True)
@@ -151,7 +151,7 @@ class _Lattice(NamedTuple):
 
     def _neighbours(self) -> tuple[Ints, Floats]:
         """Pairs of points that are neighbours, (pairs, 2), and their distances in steps, (pairs,)."""
-        keys, weights, _ = _keys(self.index)
+        keys, weights, _ = _keys(self.place)
         found, lengths = [], []
         for offset in itertools.product((-1, 0, 1), repeat=len(weights)):
             if offset <= (0,) * len(weights):

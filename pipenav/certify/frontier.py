@@ -82,7 +82,7 @@ class Frontier(BaseModel):
         known = [(point.angle_deg, point.passable_mm) for point in self.points if point.passable_mm is not None]
         if not known or not known[0][0] <= angle_deg <= known[-1][0]:
             return None
-        return float(np.interp(angle_deg, *zip(*known, strict=True)))
+        return float(np.interp(angle_deg, [angle for angle, _ in known], [bore for _, bore in known]))
 
     def of(self, robot: RobotSpec) -> bool:
         """Whether it is the frontier of this robot as it is now."""

@@ -27,14 +27,14 @@ def frontier_figure(frontiers: Sequence[Frontier], title: str, text: str) -> Fig
     figure = Figure((7.0, 5.0), facecolor="white", layout="constrained")
     axes = figure.subplots()
     for number, frontier in enumerate(frontiers):
-        known = [point for point in frontier.points if point.passable_mm is not None]
-        angles = [point.angle_deg for point in known]
-        passable = [point.passable_mm for point in known]
+        known = [(point.angle_deg, point.passable_mm) for point in frontier.points if point.passable_mm is not None]
+        angles, passable = [angle for angle, _ in known], [bore for _, bore in known]
         colour = COLOURS[number % len(COLOURS)]
         axes.plot(angles, passable, color=colour, marker=MARKERS[number], markersize=5, label=frontier.robot)
-        both = [point for point in known if point.impossible_mm is not None]
-        low, high = [point.impossible_mm for point in both], [point.passable_mm for point in both]
-        axes.fill_between([point.angle_deg for point in both], low, high, color=colour, alpha=0.25, linewidth=0)
+        proven = {point.angle_deg: point.impossible_mm for point in frontier.points if point.impossible_mm is not None}
+        both = [(angle, proven[angle], bore) for angle, bore in known if angle in proven]
+        low, high = [least for _, least, _ in both], [most for _, _, most in both]
+        axes.fill_between([angle for angle, _, _ in both], low, high, color=colour, alpha=0.25, linewidth=0)
     plain(axes)
     axes.set(xlabel="interior angle [deg]", ylabel="bore [mm]")
     axes.legend(frameon=False)

@@ -134,7 +134,7 @@ def check_by_shapely(model: Model, q: Floats, base: float) -> Checked:
     regions = {h: _Region(shapely.Polygon(outline), shapely.LinearRing(outline)) for h, outline in outlines.items()}
     shapely.prepare([geometry for region in regions.values() for geometry in region])
     grown = min(GROWN[0], way.length + GROWN[-1])
-    place = (np.arange(math.ceil(way.length / (2 * grown)) + 1) + 0.5) * 2 * grown
+    place = np.asarray((np.arange(math.ceil(way.length / (2 * grown)) + 1) + 0.5) * 2 * grown)
     for more in GROWN:
         if more > grown:
             continue

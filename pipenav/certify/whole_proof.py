@@ -182,11 +182,11 @@ FINE = 24 << 9
 def _most_room(model: Model, shapes: Shapes) -> Floats:
     """Most room that a single link has in a mitre in each of `FINE` cells of its heading, (FINE,) [m]."""
     half = math.pi / FINE
-    centres = -math.pi + (2 * np.arange(FINE) + 1) * half
+    centres = np.asarray(-math.pi + (2 * np.arange(FINE) + 1) * half, float)
     middle = np.array([shapes.lengths[0] / 2, 0.0])  # translations are free, so the link may turn about its middle
     corners = np.hypot(*(np.abs(shapes.boxes.centre - middle) + shapes.boxes.half).T)
     furthest = max(corners.max(initial=0.0), np.hypot(*(shapes.discs.centre - middle).T).max(initial=0.0))
-    return pushed(model, shapes, centres[:, None]).gap + 2 * furthest * half
+    return np.asarray(pushed(model, shapes, centres[:, None]).gap + 2 * furthest * half)
 
 
 def _largest(most: Floats, centres: Floats, half: float) -> Floats:

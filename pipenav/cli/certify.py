@@ -95,7 +95,7 @@ def certify(
         _frontier(load_robot(robot), bore, bends, deg_to_rad(resolution), out)
         return
     wanted = _Wanted(load_robot(robot), bore, mm_to_m(overlap_mm), episodes, seed, deg_to_rad(resolution))
-    _certify(wanted, pipes, needed, out)
+    _certify(wanted, pipes or [], needed, out)
 
 
 def _frontier(
@@ -139,12 +139,11 @@ def _certify(wanted: _Wanted, pipes: list[str], needed: bool, out: Path | None) 
 
     from rich.progress import track
 
-    from pipenav.pipes.corner import PipeCorner
     from pipenav.pipes.route_sets import parse_pipes
     from pipenav.storage.lock import one_writer
 
     every_pipe, console, table = parse_pipes(pipes), progress_console(), _table(wanted)
-    corners = [pipe for pipe in every_pipe if isinstance(pipe, PipeCorner)]
+    corners = [pipe.corner for pipe in every_pipe if pipe.corner is not None]
     total = len(corners) * (wanted.episodes or 1)
     with nullcontext() if out is None else one_writer(out):
         every = track(wanted.certified(corners), "certifying", total, console=console, disable=not console.is_terminal)
@@ -154,7 +153,7 @@ def _certify(wanted: _Wanted, pipes: list[str], needed: bool, out: Path | None) 
             style = {"passable": "green", "impossible": "red"}.get(one.verdict.kind)
             table.add_row(*wanted.cells(one, needed), style=style)
     for pipe in every_pipe:
-        if not isinstance(pipe, PipeCorner):
+        if pipe.corner is None:
             table.add_row(pipe.label, "undecided", "", ROUTES)
     show(table)
     if out is not None and corners:

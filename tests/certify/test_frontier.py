@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from pathlib import Path
 
 import pytest
 
 from pipenav.certify.frontier import (
+    SHIPPED,
     Frontier,
     Wanted,
     bend_radius_of,
@@ -23,8 +23,8 @@ from pipenav.pipes import PipeCorner
 from pipenav.robots import load_robot
 from pipenav.units import deg_to_rad
 
-ROBOTS = ("basic", "real-setup", "high-fidelity", "pirate")
-KINDS = tuple(itertools.product(ROBOTS, ("plane", "round"), (0.0, 1.5)))
+EVERY = [read_frontier(path) for path in sorted(SHIPPED.glob("*.json"))]
+KINDS = [(frontier.robot, frontier.bore, frontier.bend_radius_d) for frontier in EVERY]
 
 
 def shipped(name: str, bore: str, bend: float) -> Frontier:
