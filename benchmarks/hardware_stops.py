@@ -2,6 +2,7 @@
 
     python benchmarks/hardware_stops.py                     # 200 random moments of each ending, at most 0.1 and 0.2 s
     python benchmarks/hardware_stops.py --trials 5 --only SIGKILL segfault
+    python benchmarks/hardware_stops.py --by-hand           # driven as by pipenav drive
 
 Every trial is a process of its own that connects, switches torque on and swings the arm until it is ended at a random
 moment: while it connects, while it switches on, or in any part of its loop. Exits with 1 if torque stayed on, or was on
@@ -19,7 +20,10 @@ import random
 import signal
 import statistics
 import sys
+import tempfile
 import time
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from types import FrameType
 from typing import NamedTuple
@@ -31,9 +35,12 @@ from pipenav_hardware.emulator.client import Emulator
 from pipenav_hardware.emulator.config import EmulatorSettings
 
 from pipenav.backends.messages import Command
-from pipenav.backends.real_robot import load_real_robot
+from pipenav.backends.real_robot import RealRobot, load_real_robot
 from pipenav.backends.registry import open_backend
 from pipenav.deployment.guard import guarded
+from pipenav.driving.arm_session import ArmScene, HandMission, drive_by_hand
+from pipenav.driving.ask import Ask, Seen
+from pipenav.driving.door import Door, Scene
 from pipenav.robots.robot import load_robot
 
 ROBOT = load_robot("real-setup")
@@ -76,6 +83,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--patience", type=float, default=1.0, help="factor on every time limit, on a busy machine")
     parser.add_argument("--life", type=float, default=1.2, help="longest time from a driver's start to its end [s]")
+    parser.add_argument("--by-hand", action="store_true", help="driven through the door of pipenav drive")
     given = parser.parse_args()
     failures = 0
     for name in given.only:
@@ -108,7 +116,11 @@ def measure(name: str, given: argparse.Namespace) -> Measured:
     rng = random.Random(f"{given.seed} {name}")
     with Emulator(ROBOT, EmulatorSettings(boot_time=0.0)) as emulator:
         lives = [rng.uniform(0.0, given.life) for _ in range(given.trials)]
-        done = [run_trial(name, emulator.arm_path, life, given.patience, rng.uniform(0.0, SECOND)) for life in lives]
+        driver = by_hand if given.by_hand else swing
+        done = [
+            run_trial(name, partial(driver, name, emulator.arm_path), life, given.patience, rng.uniform(0.0, SECOND))
+            for life in lives
+        ]
         time.sleep(0.3)
         writes = {servo: torque_writes(emulator.log_path, servo) for servo in emulator.arm.ids}
     left_on, times = 0, []
@@ -141,12 +153,12 @@ def off_time(writes: list[Torque]) -> float | None:
     return writes[last_on + 1].time if last_on + 1 < len(writes) else math.inf
 
 
-def run_trial(name: str, arm: Path, life: float, patience: float, second: float) -> Trial:
+def run_trial(name: str, driver: Callable[..., None], life: float, patience: float, second: float) -> Trial:
     """Start a driver and end it.
 
     Args:
         name: the ending.
-        arm: the arm's description.
+        driver: drives the arm for ever, called with its life, a pipe's end and the patience.
         life: time from its start to its end [s].
         patience: factor on every time limit.
         second: time from the first Ctrl-C to a second one [s].
@@ -157,7 +169,7 @@ def run_trial(name: str, arm: Path, life: float, patience: float, second: float)
     if not child:
         os.close(reading)
         with contextlib.suppress(BaseException):
-            swing(name, arm, life, writing, patience)
+            driver(life, writing, patience)
         os._exit(0)
     os.close(writing)
     ended = math.nan
@@ -182,6 +194,36 @@ def run_trial(name: str, arm: Path, life: float, patience: float, second: float)
 
 def swing(name: str, arm: Path, life: float, report: int, patience: float) -> None:
     """Be the driver: swing the arm to and fro for ever, or until an ending that comes from within."""
+    real_robot = connected(name, arm, life, report, patience)
+    with contextlib.closing(real_robot), guarded(real_robot):
+        start = real_robot.read().q
+        real_robot.reset(np.array([0]), [], start, np.zeros(1))
+        begun = time.monotonic()
+        while True:
+            real_robot.read()
+            away = np.array([0.0, 0.3, -0.3, 0.3]) * math.sin(3 * (time.monotonic() - begun))
+            real_robot.step(Command("position", start + away))
+
+
+class Waver:
+    """A person who bends the arm's joints to and fro."""
+
+    def ask(self, seen: Seen) -> Ask:
+        share = math.sin(0.3 * seen.tick)
+        return Ask(active=True, joints={"theta1": share, "theta2": -share, "theta3": share})
+
+
+def by_hand(name: str, arm: Path, life: float, report: int, patience: float) -> None:
+    """Be the driver, as `pipenav drive` is: a person bends the arm's joints for ever."""
+    real_robot = connected(name, arm, life, report, patience)
+    with tempfile.TemporaryDirectory() as folder, contextlib.closing(real_robot):
+        given = ArmScene(Scene(None, 0.0, None), 0.0, Path(folder), Path(folder) / "STOP", None)
+        mission = HandMission(ROBOT, Door(ROBOT, Waver(), False), given, None)
+        drive_by_hand(real_robot, mission, given, lambda _: None, {})
+
+
+def connected(name: str, arm: Path, life: float, report: int, patience: float) -> RealRobot:
+    """The arm, and an ending that comes from within after a time."""
 
     def end(number: int, frame: FrameType | None) -> None:  # noqa: ARG001  # the signature of a handler
         os.write(report, str(time.monotonic()).encode())
@@ -196,14 +238,7 @@ def swing(name: str, arm: Path, life: float, report: int, patience: float) -> No
         signal.setitimer(signal.ITIMER_REAL, max(life, 1e-3))
     real_robot = open_backend("hardware", ROBOT, 1, {"arm": str(arm), "patience": patience})
     assert isinstance(real_robot, load_real_robot())
-    with contextlib.closing(real_robot), guarded(real_robot):
-        start = real_robot.read().q
-        real_robot.reset(np.array([0]), [], start, np.zeros(1))
-        begun = time.monotonic()
-        while True:
-            real_robot.read()
-            away = np.array([0.0, 0.3, -0.3, 0.3]) * math.sin(3 * (time.monotonic() - begun))
-            real_robot.step(Command("position", start + away))
+    return real_robot
 
 
 if __name__ == "__main__":

@@ -20,12 +20,12 @@ FLOORS: list[set[str]] = [
     {"errors", "units", "arrays"},
     {"storage", "processes"},
     {"jobs", "pipes", "robots"},
-    {"backends", "drawing", "networks"},
+    {"backends", "drawing", "networks", "pages"},
     {"tasks", "disturbances", "locating", "export", "testing"},
     {"policies", "motions", "envs"},
     {"certify"},
     {"evaluation", "deployment", "comparison"},
-    {"learning", "recording", "survey"},
+    {"driving", "learning", "recording", "survey", "portable"},
     {"experiments", "tuning"},
     {"cli"},
 ]
@@ -40,7 +40,11 @@ OPEN_TO_PLUGINS = {"backends", "jobs", "robots", "pipes", "errors", "arrays", "u
 SIMULATORS = {"mujoco", "pybullet", "serial", "dynamixel_sdk"}
 HEAVY = {"torch", "stable_baselines3", "gymnasium", "matplotlib", "mujoco", "pybullet", "tensorboard", "trimesh"} | {
     "manifold3d",
+    "onnx",
+    "onnxruntime",
     "optuna",
+    "mido",
+    "pygame",
     "shapely",
 }
 

@@ -39,7 +39,7 @@ class Ends(NamedTuple):
         aim_along: distances along it of targets that a motion may end at.
         aim_left: distances to its left of these targets.
         tolerance: distance of tip and target that counts as reached.
-        base: x of the robot's frame in the episode that a motion is for, which has any of the targets.
+        base: x of the robot's frame in the episode that a motion is for, whose slide starts there.
         start: headings of the links with hinges at its start, (hinges,) [rad].
     """
 
@@ -56,16 +56,20 @@ class Ends(NamedTuple):
 
     @classmethod
     def of_task(cls, model: Model, config: ReachConfig) -> Self:
-        """All episodes that the task draws in a pipe; a motion is for the one in their middle."""
+        """All episodes that the task draws in a pipe; a motion is for the one in their middle, in a bend for the one
+        whose target is nearest to the corner."""
         robot, inner = model.robot, model.pipe.inner_edge
         near, far = (-inner - gap - robot.length for gap in config.start_gap)
         lower, upper = model.limits
         half = config.target_lateral * model.pipe.diameter
         depth = (inner + config.target_depth[0], inner + config.target_depth[1])
         along, left, aim_along, aim_left = depth, (-half, half), depth, (-half, half)
+        base = (near + far) / 2
         if model.pipe.bend_radius:  # the task's targets lie along the bend, as far as the arm reaches
-            every = _drawn_targets(model, config)
-            aim_along, aim_left = ((float(at), float(at)) for at in every[0])
+            every, bases = _drawn_targets(model, config)
+            nearest = int(every[:, 0].argmin())
+            aim_along, aim_left = ((float(at), float(at)) for at in every[nearest])
+            base = float(bases[nearest])
             low, high = every.min(axis=0) - AROUND_DRAWN, every.max(axis=0) + AROUND_DRAWN
             along, left = (float(low[0]), float(high[0])), (float(low[1]), float(high[1]))
         hinges = len(robot.joints) - 1
@@ -78,7 +82,7 @@ class Ends(NamedTuple):
             aim_along,
             aim_left,
             config.reach_tolerance,
-            (near + far) / 2,
+            base,
             np.zeros(hinges),
         )
 
@@ -116,10 +120,10 @@ def _in_second_leg(model: Model, points: Floats) -> Floats:
     return np.asarray(points @ np.array([[cos, -sin], [sin, cos]]))
 
 
-def _drawn_targets(model: Model, config: ReachConfig) -> Floats:
-    """Targets of many episodes that the task draws, along the second leg and to its left, (n, 2) [m]."""
+def _drawn_targets(model: Model, config: ReachConfig) -> tuple[Floats, Floats]:
+    """Targets of many episodes that the task draws, along the second leg and to its left, (n, 2), and bases, (n,)."""
     drawn = sample(model.robot, config, [model.pipe] * DRAWN, np.random.default_rng(0))
-    return _in_second_leg(model, drawn.target + np.stack([drawn.base, np.zeros(DRAWN)], axis=1))
+    return _in_second_leg(model, drawn.target + np.stack([drawn.base, np.zeros(DRAWN)], axis=1)), drawn.base
 
 
 def can_be_certified(robot: RobotSpec) -> bool:
@@ -148,26 +152,23 @@ class ArmSpans:
         """Number of headings."""
         return len(self._lower) - 1
 
-    def __call__(self, centres: Floats, half: float) -> tuple[Span, Span, Interval]:
-        """Outer and inner spans of cells, and the free slides in their middles.
+    def __call__(self, centres: Floats, half: float) -> tuple[Span, Span]:
+        """Outer spans of cells, and the free slides in their middles.
 
         Args:
             centres: headings in the middle of the cells, (n, axes) [rad].
             half: half width of the cells [rad].
         """
-        outer, inner = self._empty(len(centres)), self._empty(len(centres))
+        outer, middle = self._empty(len(centres)), self._empty(len(centres))
         possible = np.flatnonzero(self._within_limits(centres, 2 * half))
         found = self._outer(centres[possible], half)
         _put(outer, possible, found)
         possible = possible[found.free]
-        exact, middle = self.interval(centres[possible]), self._empty(len(centres))
-        exact.high[~self._within_limits(centres[possible], -TURNED)] = -np.inf
-        middle.low[possible], middle.high[possible] = exact
-        certain = exact.low <= exact.high
-        certain &= self._within_limits(centres[possible], -2 * half)
-        rows = possible[certain]
-        _put(inner, rows, self._inner(centres[rows], half, Interval(exact.low[certain], exact.high[certain])))
-        return outer, inner, Interval(middle.low, middle.high)
+        _put(middle, possible, self._outer(centres[possible], 0.0))
+        middle.high[~self._within_limits(centres, 0.0)] = -np.inf
+        # A start or a goal that the cell may hold is taken for one of its middle where the slide allows it.
+        middle.start[:] = outer.start & middle.free
+        return outer, middle
 
     def interval(self, headings: Floats) -> Interval:
         """Slides at which a motion may be, for exact headings of the hinged links, (n, axes) [rad]."""
@@ -177,6 +178,10 @@ class ArmSpans:
         return Interval(
             np.maximum(free.low, base + self._lower[0] + spare), np.minimum(free.high, base + self._upper[0] - spare)
         )
+
+    def within_limits(self, headings: Floats) -> Flags:
+        """Whether joints are off their limits by the spare that motions keep, (n,)."""
+        return self._within_limits(headings, -TURNED)
 
     def target_slides(self, headings: Floats) -> Interval:
         """Slides at which the tip is on a target, in a square inside of the tolerance, (n,) each."""
@@ -205,15 +210,6 @@ class ArmSpans:
         reach = ends.tolerance + half * float(self._lengths[1:].sum()) + ROUNDING
         at = self._tip_slides(centres, reach, ends.along, ends.left)
         return Span(low, high, start & (low <= high), np.maximum(low, at.low) <= np.minimum(high, at.high))
-
-    def _inner(self, centres: Floats, half: float, exact: Interval) -> Span:
-        free = slide_interval(self._motion, self._motion_walls, _with_base(centres), -half)
-        low, high = np.maximum(free.low, exact.low), np.minimum(free.high, exact.high)
-        start_slide = sum(self.ends.start_slide) / 2
-        inside = (np.abs(centres - self.ends.start) <= half + TURNED).all(axis=1)
-        at = self.target_slides(centres)
-        goal = np.maximum(low, at.low) <= np.minimum(high, at.high)
-        return Span(low, high, inside & (low <= start_slide) & (high >= start_slide), goal)
 
     def _tip_slides(
         self, headings: Floats, tolerance: float, along: tuple[float, float], left: tuple[float, float]

@@ -1,9 +1,9 @@
-"""Search for a path through cells, which are refined until there is one, or a proof that there is none."""
+"""Search for a proof that no path leads through cells: they are refined where one may."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from pipenav.arrays import Flags, Floats, Ints
 from pipenav.certify.cells import ROUNDING, Cells, Evaluate, Span, coarsest, neighbours, overlapping, split, width_of
 
-MOST_WORK = 600_000
+MOST_WORK = 1_000_000
 """Most cells that a search looks at, those of every round counted: a few seconds."""
 
 LEAST_SHARE = 30
@@ -34,48 +34,35 @@ class Searched(NamedTuple):
     """Result of a search.
 
     Attributes:
-        verdict: `path`, `none` where there is a proof, or `undecided`.
-        motion: configurations of a motion, (rows, coordinates); None where there is none.
+        proven: whether no path leads from a start to a goal.
         finest: width of the smallest cells [rad].
     """
 
-    verdict: Literal["path", "none", "undecided"]
-    motion: Floats | None
+    proven: bool
     finest: float
 
 
-Attempt = Callable[[Cells, Sequence[int]], Floats | None]
-"""Makes a motion through the middles of some cells and tests it: configurations, or None where the test fails."""
-
-
-def search(evaluate: Evaluate, axes: int, resolution: float, attempt: Attempt) -> Searched:
-    """Refine cells until a motion is found, or start and goal are apart.
+def search(evaluate: Evaluate, axes: int, resolution: float, most_work: int = MOST_WORK) -> Searched:
+    """Refine cells until start and goal are apart, or a path leads through free middles.
 
     Args:
         evaluate: spans of cells.
         axes: number of headings.
         resolution: width of the smallest cells [rad].
-        attempt: makes a motion of a path through cells.
+        most_work: most cells that it looks at, those of every round counted.
     """
     deepest = max(0, math.ceil(math.log2(float(width_of(0)) / resolution) - 1e-9))
     cells, work, finest = coarsest(evaluate, axes), 0, float(width_of(0))
-    tried: set[tuple[int, ...]] = set()
     while True:
-        cells = _between(cells)
+        cells, pairs = _between(cells)
         if not len(cells.level):
-            return Searched("none", None, finest)
-        ways = _Ways.of(cells, deepest)
-        path = ways.shortest()
-        doubtful = _doubtful(cells, path)
-        keys = tuple(cells.place[path].ravel().tolist())
-        if keys not in tried and (cells.middle.low[path] <= cells.middle.high[path]).all():
-            tried.add(keys)
-            if (motion := attempt(cells, path)) is not None:
-                return Searched("path", motion, finest)
+            return Searched(True, finest)
+        ways = _Ways.of(cells, pairs, deepest)
+        doubtful = _doubtful(cells, ways.shortest())
         refine = _to_refine(cells, ways, doubtful, deepest)
         work += len(cells.level)
-        if not refine.any() or work > MOST_WORK:
-            return Searched("undecided", None, finest)
+        if not (doubtful & (cells.level < deepest)).any() or not refine.any() or work > most_work:
+            return Searched(False, finest)
         cells = split(evaluate, cells, refine)
         finest = min(finest, float(cells.width.min(initial=finest)))
 
@@ -95,34 +82,36 @@ def _to_refine(cells: Cells, ways: _Ways, doubtful: Flags, deepest: int) -> Flag
 
 
 def _known(cells: Cells) -> Flags:
-    """Cells that are free for certain; where they may hold a start or a goal, they do, (n,)."""
-    start, goal = cells.outer.start & ~cells.inner.start, cells.outer.goal & ~cells.inner.goal
-    return np.asarray(cells.inner.free & ~start & ~goal)
+    """Cells whose middle is free; where they may hold a start or a goal, it is one, (n,)."""
+    start, goal = cells.outer.start & ~cells.middle.start, cells.outer.goal & ~cells.middle.goal
+    return np.asarray(cells.middle.free & ~start & ~goal)
 
 
 def _doubtful(cells: Cells, path: Sequence[int]) -> Flags:
-    """Cells of a path that are not known to be free, or not known to be joined to the next one, (n,)."""
+    """Cells of a path whose middle is not free, or not joined to that of the next one, (n,)."""
     row = np.asarray(path, np.intp)
     doubtful = np.zeros(len(cells.level), bool)
-    doubtful[row] = ~cells.inner.free[row]
-    doubtful[row[:1]] |= ~cells.inner.start[row[:1]]
-    doubtful[row[-1:]] |= ~cells.inner.goal[row[-1:]]
-    low, high = cells.inner.low[row], cells.inner.high[row]
+    doubtful[row] = ~cells.middle.free[row]
+    doubtful[row[:1]] |= ~cells.middle.start[row[:1]]
+    doubtful[row[-1:]] |= ~cells.middle.goal[row[-1:]]
+    low, high = cells.middle.low[row], cells.middle.high[row]
     apart = np.maximum(low[:-1], low[1:]) > np.minimum(high[:-1], high[1:])
     doubtful[row[:-1][apart]] = doubtful[row[1:][apart]] = True
     return doubtful
 
 
-def _between(cells: Cells) -> Cells:
-    """Cells in components that hold both a start and a goal."""
+def _between(cells: Cells) -> tuple[Cells, Ints]:
+    """Cells in components that hold both a start and a goal, and the pairs of them that are joined, (pairs, 2)."""
     from scipy.sparse.csgraph import connected_components
 
+    none = np.zeros((0, 2), np.intp)
     if not (cells.outer.start.any() and cells.outer.goal.any()):
-        return cells.rows(np.zeros(len(cells.level), bool))
-    pairs = overlapping(cells.outer, neighbours(cells), ROUNDING)
+        return cells.rows(np.zeros(len(cells.level), bool)), none
+    pairs = neighbours(cells)
+    pairs = pairs[overlapping(cells.outer, pairs, ROUNDING)]
     parts = connected_components(_graph(len(cells.level), pairs, np.ones(len(pairs))), directed=False)[1]
-    both = np.intersect1d(parts[cells.outer.start], parts[cells.outer.goal])
-    return cells.rows(np.isin(parts, both))
+    kept = np.isin(parts, np.intersect1d(parts[cells.outer.start], parts[cells.outer.goal]))
+    return cells.rows(kept), (np.cumsum(kept) - 1)[pairs[kept[pairs[:, 0]]]]
 
 
 def _graph(n: int, pairs: Ints, weights: Floats) -> object:
@@ -147,23 +136,18 @@ class _Ways(NamedTuple):
     goal: Flags
 
     @classmethod
-    def of(cls, cells: Cells, deepest: int) -> _Ways:
-        """The ways through cells, of which those at the deepest level are not refined any more."""
+    def of(cls, cells: Cells, pairs: Ints, deepest: int) -> _Ways:
+        """The ways through joined cells, of which those at the deepest level are not refined any more."""
         from scipy.sparse.csgraph import dijkstra
 
         n = len(cells.level)
-        pairs = neighbours(cells)
-        sure = overlapping(cells.inner, pairs, 0.0)
-        pairs = overlapping(cells.outer, pairs, ROUNDING)
-        hopeful = np.where(cells.middle.low <= cells.middle.high, 0.5, np.where(cells.level < deepest, 1.0, STUCK))
-        cost = np.where(_known(cells), LEAST, hopeful) * cells.width
-        keys = pairs[:, 0] * n + pairs[:, 1]
-        joined = np.isin(keys, sure[:, 0] * n + sure[:, 1])
-        both_free = cells.inner.free[pairs].all(axis=1)
+        joined = overlapping(cells.middle, pairs, 0.0)
+        cost = np.where(_known(cells), LEAST, np.where(cells.level < deepest, 1.0, STUCK)) * cells.width
+        both_free = cells.middle.free[pairs].all(axis=1)
         # Two free cells whose free values do not overlap are joined only if something between them opens.
         weights = cost[pairs].mean(axis=1) + np.where(both_free & ~joined, cells.width[pairs].mean(axis=1), 0.0)
         graph = _graph(n, pairs, weights)
-        start, goal = _ends(cells.outer, cells.inner, "start"), _ends(cells.outer, cells.inner, "goal")
+        start, goal = _ends(cells.outer, cells.middle, "start"), _ends(cells.outer, cells.middle, "goal")
         ahead, before, _ = dijkstra(graph, directed=False, indices=start, min_only=True, return_predecessors=True)
         behind = dijkstra(graph, directed=False, indices=goal, min_only=True)
         ends = np.zeros(n, bool)
@@ -180,7 +164,7 @@ class _Ways(NamedTuple):
         return path[::-1]
 
 
-def _ends(outer: Span, inner: Span, which: Literal["start", "goal"]) -> Ints:
+def _ends(outer: Span, middle: Span, which: Literal["start", "goal"]) -> Ints:
     """Cells that hold a start or a goal; those that hold a free one for certain, if there are any."""
-    certain, possible = getattr(inner, which), getattr(outer, which)
+    certain, possible = getattr(middle, which), getattr(outer, which)
     return np.flatnonzero(certain if certain.any() else possible)

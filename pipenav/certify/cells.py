@@ -1,22 +1,21 @@
 """Cells of headings, each with an interval of one more coordinate, refined where a path may or may not lead through.
 
 The cells lie on a torus: one axis for each heading, each a whole turn around. Every cell has two intervals of the
-further coordinate: `outer` holds every value at which any heading of the cell is free, `inner` only values at which
-all of them are. Two cells that share a face are joined where their intervals overlap. If start and goal are in
-different components by the outer intervals, there is no free path: a proof. If they are in one component by the inner
-intervals, there is one, through the middles of the cells. What is in between is refined.
+further coordinate: `outer` holds every value at which any heading of the cell is free, `middle` those at which the
+heading in its middle is. Two cells that share a face are joined where their intervals overlap. If start and goal are in
+different components by the outer intervals, there is no free path: a proof. Cells whose middle is free cannot be
+excluded by any refinement; the others on the way are refined.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import NamedTuple, Self
 
 import numpy as np
 
 from pipenav.arrays import Flags, Floats, Ints
-from pipenav.certify.slide_interval import Interval
 
 ROUNDING = 1e-6
 """Slack of every comparison in a proof [m]: floating-point errors are a millionth of it."""
@@ -57,20 +56,17 @@ class Cells(NamedTuple):
         level: how often the coarsest cell was halved, (n,).
         place: place on the torus in units of the cell's own width, (n, axes).
         outer: values at which any heading of the cell may be free.
-        inner: values at which all headings of the cell are free.
-        middle: values at which the heading in its middle is free.
+        middle: values at which the heading in its middle is free, and whether it is one of a start or a goal.
     """
 
     level: Ints
     place: Ints
     outer: Span
-    inner: Span
-    middle: Interval
+    middle: Span
 
     def rows(self, which: Ints | Flags) -> Self:
         """Some of the cells."""
-        spans = self.outer.rows(which), self.inner.rows(which)
-        return type(self)(self.level[which], self.place[which], *spans, _rows(self.middle, which))
+        return type(self)(self.level[which], self.place[which], self.outer.rows(which), self.middle.rows(which))
 
     @property
     def width(self) -> Floats:
@@ -88,8 +84,8 @@ def width_of(level: Ints | int) -> Floats:
     return np.asarray(2 * math.pi / (COARSEST * 2.0 ** np.asarray(level)))
 
 
-Evaluate = Callable[[Floats, float], tuple[Span, Span, Interval]]
-"""Outer and inner spans of cells, and the free values in their middles.
+Evaluate = Callable[[Floats, float], tuple[Span, Span]]
+"""Outer spans of cells, and spans of the headings in their middles.
 
 Arguments: the middles, (n, axes) [rad], and half of the cells' width [rad].
 """
@@ -122,26 +118,15 @@ def split(evaluate: Evaluate, cells: Cells, which: Flags) -> Cells:
 def _evaluated(evaluate: Evaluate, level: Ints, index: Ints) -> Cells:
     """Cells of one level, without those that are not free."""
     half = float(width_of(int(level[0]))) / 2
-    outer, inner, middle = evaluate(np.asarray(-math.pi + (index + 0.5) * 2 * half), half)
-    return Cells(level, index, outer, inner, middle).rows(outer.free)
-
-
-def _rows(interval: Interval, which: Ints | Flags) -> Interval:
-    return Interval(interval.low[which], interval.high[which])
+    outer, middle = evaluate(np.asarray(-math.pi + (index + 0.5) * 2 * half), half)
+    return Cells(level, index, outer, middle).rows(outer.free)
 
 
 def _joined(parts: list[Cells]) -> Cells:
     outer = Span(*(np.concatenate(columns) for columns in zip(*(part.outer for part in parts), strict=True)))
-    inner = Span(*(np.concatenate(columns) for columns in zip(*(part.inner for part in parts), strict=True)))
+    middle = Span(*(np.concatenate(columns) for columns in zip(*(part.middle for part in parts), strict=True)))
     level = np.concatenate([part.level for part in parts])
-    middle = Interval(*(np.concatenate(columns) for columns in zip(*(part.middle for part in parts), strict=True)))
-    return Cells(level, np.concatenate([part.place for part in parts]), outer, inner, middle)
-
-
-def _joined_spans(parts: Sequence[Span]) -> Span:
-    ends = [np.concatenate([span[k] for span in parts]) for k in (2, 3)]
-    low, high = (np.concatenate([span[k] for span in parts]) for k in (0, 1))
-    return Span(low, high, ends[0].astype(bool), ends[1].astype(bool))
+    return Cells(level, np.concatenate([part.place for part in parts]), outer, middle)
 
 
 def neighbours(cells: Cells) -> Ints:
@@ -192,7 +177,8 @@ class _Table(NamedTuple):
         return here, self.rows[at[here]]
 
 
-def overlapping(span: Span, pairs: Ints, slack: float) -> Ints:
-    """The pairs whose intervals overlap, both free, (pairs, 2)."""
-    low, high = span.low[pairs].max(axis=1), span.high[pairs].min(axis=1)
-    return np.asarray(pairs[low <= high + slack])
+def overlapping(span: Span, pairs: Ints, slack: float) -> Flags:
+    """Which pairs have intervals that overlap, both free, (pairs,)."""
+    one, other = pairs.T
+    low = np.maximum(span.low[one], span.low[other])
+    return np.asarray(low <= np.minimum(span.high[one], span.high[other]) + slack)

@@ -26,14 +26,14 @@ class Model(NamedTuple):
         pipe: the corner.
         bore: `plane` or `round`.
         overlap: overlap with the wall that is allowed [m].
-        freed: number of a hinge whose limits do not count, to see whether they are the reason; 0 for none.
+        freed: number of a joint whose limits do not count, to see whether they are the reason; None for none.
     """
 
     robot: RobotSpec
     pipe: PipeCorner
     bore: str = "plane"
     overlap: float = 0.0
-    freed: int = 0
+    freed: int | None = None
 
     @property
     def turn(self) -> float:
@@ -54,8 +54,10 @@ class Model(NamedTuple):
     def limits(self) -> tuple[Floats, Floats]:
         """Smallest and largest positions of the joints in the canonical frame, (joints,) each [rad or m]."""
         lower, upper = np.array(self.robot.lower), np.array(self.robot.upper)
-        if self.freed:
-            lower[self.freed], upper[self.freed] = -ANY_ANGLE, ANY_ANGLE
+        if self.freed is not None:
+            hinge = bool(self.robot.hinges[self.freed])
+            more = ANY_ANGLE if hinge else 2 * self.robot.length
+            lower[self.freed], upper[self.freed] = lower[self.freed] - more, upper[self.freed] + more
         if self.pipe.turn_sign < 0:
             hinges = self.robot.hinges
             return np.where(hinges, -upper, lower), np.where(hinges, -lower, upper)

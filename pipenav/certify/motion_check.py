@@ -7,24 +7,25 @@ coordinates from one to the next.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from pipenav.arrays import Floats
+from pipenav.arrays import Floats, Ints
 from pipenav.certify.corner_walls import width_seen
 from pipenav.certify.model import Model
 from pipenav.certify.shapes import Shapes, shapes_of
+from pipenav.certify.wall_distance import SQUARE, box_to_segments, placed, to_segments
 from pipenav.robots import kinematics
 
 FINEST = 2e-5
 """Least distance that parts move between two samples [m]: where they are nearer to a wall, the motion is refused."""
 
-GROWN = 1e-4
-"""Distance by which parts are grown in the test by shapely, so that samples stand for what is between them [m]."""
+FIRST = 1.6e-2
+"""Distance that parts move at most between the first samples of the test by distances [m]."""
 
-ROUND_POINTS = 48
-"""Corners of the polygon around a disc in the test by shapely."""
+GROWN = (3.2e-3, 8e-4, 2e-4, 1e-4)
+"""Distances by which parts are grown in the test by shapely, so that samples stand for what is around them [m]."""
 
 AROUND = 3.0
 """Length of the legs beyond the motion's reach in the test by shapely, in robot lengths."""
@@ -89,30 +90,29 @@ def check_by_distance(model: Model, q: Floats, base: float) -> Checked:
     shapes = model.shapes(proof=True)
     length = reach_of(model, q, base)
     walls = {height: walls_seen(model, height, length) for height in _heights(shapes)}
+    way = _Way.of(model, q)
     if not _inside(model, shapes, walls, q[:1], base):
         return Checked(False, 0.0, 0)
-    place = np.arange(len(q), dtype=float)
-    clear = _clearance(model, shapes, walls, q, base)
+    place = np.linspace(0.0, way.length, math.ceil(way.length / FIRST) + 2)
+    clear = _clearance(model, shapes, walls, way.at(place), base)
     ends = np.stack([place[:-1], place[1:]], axis=1)
     near = np.stack([clear[:-1], clear[1:]], axis=1)
-    least = int(clear.argmin())
-    worst = Checked(True, float(clear[least]), min(least, len(q) - 2))
-    while len(ends):
-        moved = _moved(model, _at(q, ends[:, 0]), _at(q, ends[:, 1]))
+    worst = Checked(True, float(clear.min()), way.row(float(place[clear.argmin()])))
+    while True:
+        moved = ends[:, 1] - ends[:, 0]
         open_ = near.sum(axis=1) <= moved
         if ((moved < FINEST) & open_).any() or (near[open_] <= 0).any():
             at = int(np.where(open_, near.min(axis=1), np.inf).argmin())
-            return Checked(False, float(near[at].min()), int(ends[at, 0]))
+            return Checked(False, float(near[at].min()), way.row(float(ends[at, 0])))
         ends, near = ends[open_], near[open_]
         if not len(ends):
-            break
+            return worst
         middle = ends.mean(axis=1)
-        clear = _clearance(model, shapes, walls, _at(q, middle), base)
+        clear = _clearance(model, shapes, walls, way.at(middle), base)
         if clear.min() < worst.clearance:
-            worst = Checked(True, float(clear.min()), int(middle[clear.argmin()]))
+            worst = Checked(True, float(clear.min()), way.row(float(middle[clear.argmin()])))
         ends = np.concatenate([np.stack([ends[:, 0], middle], 1), np.stack([middle, ends[:, 1]], 1)])
         near = np.concatenate([np.stack([near[:, 0], clear], 1), np.stack([clear, near[:, 1]], 1)])
-    return worst
 
 
 def clearances(model: Model, q: Floats, base: float) -> Floats:
@@ -123,32 +123,87 @@ def clearances(model: Model, q: Floats, base: float) -> Floats:
 
 
 def check_by_shapely(model: Model, q: Floats, base: float) -> Checked:
-    """Whether the pipe as a polygon holds all parts, grown a little, at samples that are as near to each other."""
+    """Whether the pipe as a polygon holds all parts at samples, grown by as much as anything moves to the next one.
+
+    Where the pipe does not hold the grown parts, samples are taken nearer to each other and parts are grown less.
+    """
     import shapely
 
-    shapes = model.shapes(proof=True).inflated(GROWN)
-    length = reach_of(model, q, base)
-    steps = np.ceil(_moved(model, q[:-1], q[1:]) / (2 * GROWN)).astype(int)
-    place = np.concatenate([[0.0], *(i + np.arange(1, n + 1) / n for i, n in enumerate(steps.tolist()) if n)])
-    points, headings = poses(model, _at(q, place), base)
-    regions = {h: shapely.Polygon(walls_seen(model, h, length).outline) for h in _heights(shapes)}
-    shapely.prepare(list(regions.values()))
-    for rings, height in _outlines(shapes, points, headings):
-        held = shapely.contains_properly(regions[height], shapely.polygons(rings))
-        if not held.all():
-            return Checked(False, 0.0, int(place[int(np.argmin(held))]))
-    return Checked(True, GROWN, 0)
+    shapes, way = model.shapes(proof=True), _Way.of(model, q)
+    outlines = {h: walls_seen(model, h, reach_of(model, q, base)).outline for h in _heights(shapes)}
+    regions = {h: _Region(shapely.Polygon(outline), shapely.LinearRing(outline)) for h, outline in outlines.items()}
+    shapely.prepare([geometry for region in regions.values() for geometry in region])
+    grown = min(GROWN[0], way.length + GROWN[-1])
+    place = np.asarray((np.arange(math.ceil(way.length / (2 * grown)) + 1) + 0.5) * 2 * grown)
+    for more in GROWN:
+        if more > grown:
+            continue
+        if more < grown:  # the stretch around each sample in parts
+            parts = math.ceil(grown / more - 1e-9)
+            place = (place[:, None] + (2 * np.arange(parts) + 1 - parts) * more).ravel()
+        grown = more
+        place = place[_not_held(shapes.inflated(grown), regions, poses(model, way.at(place), base))]
+        if not len(place):
+            return Checked(True, grown, 0)
+    return Checked(False, 0.0, way.row(float(place[0])))
+
+
+class _Region(NamedTuple):
+    """The pipe for parts of one height, in shapely's terms: as a polygon, and as its boundary."""
+
+    polygon: Any
+    boundary: Any
+
+
+def _not_held(shapes: Shapes, regions: dict[float, _Region], at: tuple[Floats, Floats]) -> Ints:
+    """Poses, of which a part is not inside of the pipe as shapely has it, as indices in order."""
+    import shapely
+
+    points, headings = at
+    held = np.arange(len(points))
+    for link, centre, radius, height in zip(*shapes.discs, strict=True):
+        region = regions[float(height)]
+        middle = shapely.points(placed(points[held, link], headings[held, link], centre))
+        inside = shapely.contains(region.polygon, middle) & ~shapely.dwithin(region.boundary, middle, radius)
+        held = held[inside]
+    for link, centre, half, height in zip(*shapes.boxes, strict=True):
+        rings = _rings(points[held, link], headings[held, link], centre + half * SQUARE)
+        held = held[shapely.contains_properly(regions[float(height)].polygon, shapely.polygons(rings))]
+    return np.setdiff1d(np.arange(len(points)), held)
+
+
+class _Way(NamedTuple):
+    """A motion with the distance that its points have moved at most.
+
+    Attributes:
+        q: waypoints, (rows, coordinates).
+        moved: largest distance that a point of the robot has moved up to each waypoint, (rows,) [m].
+    """
+
+    q: Floats
+    moved: Floats
+
+    @classmethod
+    def of(cls, model: Model, q: Floats) -> Self:
+        """The way along the waypoints."""
+        return cls(q, np.concatenate([[0.0], np.cumsum(_moved(model, q[:-1], q[1:]))]))
+
+    @property
+    def length(self) -> float:
+        """Distance that is moved in all [m]."""
+        return float(self.moved[-1])
+
+    def at(self, place: Floats) -> Floats:
+        """Configurations where points have moved by some distances, (n, coordinates)."""
+        return np.stack([np.interp(place, self.moved, column) for column in self.q.T], axis=1)
+
+    def row(self, place: float) -> int:
+        """Waypoint before a place."""
+        return int(np.clip(np.searchsorted(self.moved, place, "right") - 1, 0, max(len(self.q) - 2, 0)))
 
 
 def _heights(shapes: Shapes) -> list[float]:
     return sorted({*shapes.boxes.height.tolist(), *shapes.discs.height.tolist()})
-
-
-def _at(q: Floats, place: Floats) -> Floats:
-    """Configurations at places along a polyline, (n, coordinates); the integer part of a place is its waypoint."""
-    row = np.minimum(place.astype(int), len(q) - 2)
-    share = (place - row)[:, None]
-    return np.asarray(q[row] + share * (q[row + 1] - q[row]))
 
 
 def _moved(model: Model, one: Floats, other: Floats) -> Floats:
@@ -185,28 +240,18 @@ def _inside(model: Model, shapes: Shapes, walls: dict[float, _Walls], q: Floats,
     import shapely
 
     points, headings = poses(model, q, base)
-    for rings, height in _outlines(shapes, points, headings):
-        middle = rings[0].mean(axis=0)
-        if not shapely.contains_xy(shapely.Polygon(walls[height].outline), *middle):
-            return False
-    return True
+    parts = [*zip(shapes.boxes.link, shapes.boxes.centre, shapes.boxes.height, strict=True)]
+    parts += [*zip(shapes.discs.link, shapes.discs.centre, shapes.discs.height, strict=True)]
+    regions = {height: shapely.Polygon(seen.outline) for height, seen in walls.items()}
+    middles = [(regions[float(height)], placed(points[:, link], headings[:, link], at)) for link, at, height in parts]
+    return all(bool(shapely.contains_xy(region, *middle[0])) for region, middle in middles)
 
 
-def _outlines(shapes: Shapes, points: Floats, headings: Floats) -> list[tuple[Floats, float]]:
-    """Corners of every part in n poses, (n, corners, 2) [m], and its height; a disc is inside of its polygon."""
-    found = []
-    phi = (np.arange(ROUND_POINTS) + 0.5) * 2 * math.pi / ROUND_POINTS
-    ring = np.stack([np.cos(phi), np.sin(phi)], axis=1) / math.cos(math.pi / ROUND_POINTS)
-    square = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    boxes, discs = shapes.boxes, shapes.discs
-    parts = [*zip(boxes.link, boxes.centre, boxes.half[:, None] * square, boxes.height, strict=True)]
-    parts += [*zip(discs.link, discs.centre, discs.radius[:, None, None] * ring, discs.height, strict=True)]
-    for link, centre, corners, height in parts:
-        cos, sin = np.cos(headings[:, link]), np.sin(headings[:, link])
-        x, y = (centre + corners).T
-        turned = np.stack([np.outer(cos, x) - np.outer(sin, y), np.outer(sin, x) + np.outer(cos, y)], axis=-1)
-        found.append((points[:, link, None] + turned, float(height)))
-    return found
+def _rings(points: Floats, headings: Floats, corners: Floats) -> Floats:
+    """Corners of a box, (4, 2) in its link's frame, in n poses of the link: (n, 4, 2) [m]."""
+    cos, sin, (x, y) = np.cos(headings), np.sin(headings), corners.T
+    turned = np.stack([np.outer(cos, x) - np.outer(sin, y), np.outer(sin, x) + np.outer(cos, y)], axis=-1)
+    return np.asarray(points[:, None] + turned)
 
 
 def _clearance(model: Model, shapes: Shapes, walls: dict[float, _Walls], q: Floats, base: float) -> Floats:
@@ -215,51 +260,13 @@ def _clearance(model: Model, shapes: Shapes, walls: dict[float, _Walls], q: Floa
     least = np.full(len(q), np.inf)
     boxes, discs = shapes.boxes, shapes.discs
     for link, centre, radius, height in zip(*discs, strict=True):
-        middle = _placed(points[:, link], headings[:, link], centre)
-        least = np.minimum(least, _to_segments(middle, walls[float(height)].segments) - radius)
+        middle = placed(points[:, link], headings[:, link], centre)
+        least = np.minimum(least, to_segments(middle, walls[float(height)].segments) - radius)
     for link, centre, half, height in zip(*boxes, strict=True):
         cos, sin = np.cos(headings[:, link]), np.sin(headings[:, link])
-        middle = _placed(points[:, link], headings[:, link], centre)
+        middle = placed(points[:, link], headings[:, link], centre)
         ends = walls[float(height)].segments - middle[:, None, None]  # (n, s, 2, 2), then in the box's own frame
         x = ends[..., 0] * cos[:, None, None] + ends[..., 1] * sin[:, None, None]
         y = ends[..., 1] * cos[:, None, None] - ends[..., 0] * sin[:, None, None]
-        least = np.minimum(least, _box_to_segments(np.stack([x, y], axis=-1), half))
+        least = np.minimum(least, box_to_segments(np.stack([x, y], axis=-1), half))
     return least
-
-
-def _placed(points: Floats, headings: Floats, centre: Floats) -> Floats:
-    cos, sin = np.cos(headings), np.sin(headings)
-    x, y = centre
-    return np.asarray(points + np.stack([x * cos - y * sin, x * sin + y * cos], axis=-1))
-
-
-def _to_segments(points: Floats, segments: Floats) -> Floats:
-    """Smallest distance of points, (n, 2), to segments, (s, 2, 2): (n,) [m]."""
-    start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
-    away = points[:, None] - start
-    share = np.clip((away * along).sum(-1) / (along**2).sum(-1), 0.0, 1.0)
-    return np.asarray(np.hypot(*np.moveaxis(away - share[..., None] * along, -1, 0)).min(axis=1))
-
-
-def _box_to_segments(segments: Floats, half: Floats) -> Floats:
-    """Smallest distance of a box about the origin to segments, (n, s, 2, 2): (n,) [m]; 0 where one enters it.
-
-    The two are nearest at an end of the segment or at a corner of the box, unless they meet.
-    """
-    ends = np.maximum(np.abs(segments) - half, 0.0)
-    least = np.hypot(ends[..., 0], ends[..., 1]).min(axis=2)  # (n, s)
-    start, along = segments[..., 0, :], segments[..., 1, :] - segments[..., 0, :]
-    for corner in np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * half:
-        away = corner - start
-        share = np.clip((away * along).sum(-1) / (along**2).sum(-1), 0.0, 1.0)
-        gap = away - share[..., None] * along
-        least = np.minimum(least, np.hypot(gap[..., 0], gap[..., 1]))
-    # A segment meets the box where its stretches inside of the two pairs of sides have something in common.
-    with np.errstate(divide="ignore", invalid="ignore"):
-        bounds = np.sort(np.stack([(-half - start) / along, (half - start) / along]), axis=0)
-    parallel = np.abs(along) < 1e-15
-    within = np.abs(start) <= half
-    enter = np.where(parallel, np.where(within, -np.inf, np.inf), bounds[0]).max(axis=-1)
-    leave = np.where(parallel, np.where(within, np.inf, -np.inf), bounds[1]).min(axis=-1)
-    meets = np.maximum(enter, 0.0) <= np.minimum(leave, 1.0)
-    return np.asarray(np.where(meets, 0.0, least).min(axis=1))

@@ -66,30 +66,57 @@ def slide_interval(
     """Free slides of a chain.
 
     With a spread, the interval holds every slide at which any chain is free whose headings differ by at most that much
-    from the given ones: parts and walls are taken back by the distance that a part can have moved. With a negative
-    spread it holds only slides at which all such chains are free: parts are grown by that distance.
+    from the given ones: boxes are taken back by what they can have moved along and across, discs by the distance, and
+    where a part is smaller than that, the walls by the rest.
 
     Args:
         shapes: parts of the chain.
         walls: walls that its parts see.
         headings: absolute headings of the links, (n, links) [rad].
-        spread: largest difference of each heading, the first link's aside, which keeps its own; negative for slides
-            that are free for all of them [rad].
+        spread: largest difference of each heading, the first link's aside, which keeps its own [rad].
         height: y of the first link's rear end, by default on the first leg's axis.
     """
     low, high = np.full(len(headings), -np.inf), np.full(len(headings), np.inf)
     active = np.arange(len(headings))
-    x, (y, moved) = np.zeros(len(headings)), height or Height(np.zeros(len(headings)), 0.0)
+    x, (y, raised) = np.zeros(len(headings)), height or Height(np.zeros(len(headings)), 0.0)
+    before: list[_Arm] = []
+    moved = raised
     for link, length in enumerate(shapes.lengths.tolist()):
         turned = spread if link else 0.0
         cos, sin = np.cos(headings[active, link]), np.sin(headings[active, link])
         pose = _Pose(x, y, cos, sin)
-        found = _link_interval(shapes, walls, link, pose, _Spread(moved, turned))
+        spread_of = _Spread(moved, turned, *_moved(before, pose, raised, spread))
+        found = _link_interval(shapes, walls, link, pose, spread_of)
         low[active], high[active] = np.maximum(low[active], found.low), np.minimum(high[active], found.high)
         free = low[active] <= high[active]
         active, x, y = active[free], (x + length * cos)[free], (y + length * sin)[free]
         moved += length * turned
+        before = [_Arm(arm.length, arm.cos[free], arm.sin[free]) for arm in before]
+        if link:
+            before.append(_Arm(length, cos[free], sin[free]))
     return Interval(low, high)
+
+
+class _Arm(NamedTuple):
+    """A link that turns others: its length [m], and the cosine and sine of its heading, (n,) each."""
+
+    length: float
+    cos: Floats
+    sin: Floats
+
+
+def _moved(before: list[_Arm], pose: _Pose, raised: float, spread: float) -> tuple[Floats, Floats]:
+    """Largest ways of a link's rear end along the link and across it, where links before it turn, (n,) each [m].
+
+    A link of length l that turns by up to e moves its end by l sin e across itself and l (1 - cos e) along, which is
+    less than l e and l e^2 / 2.
+    """
+    along, across = np.full(len(pose.x), raised), np.full(len(pose.x), raised)
+    for length, cos, sin in before:
+        more = length * spread**2 / 2
+        along += length * spread * np.abs(sin * pose.cos - cos * pose.sin) + more
+        across += length * spread * np.abs(cos * pose.cos + sin * pose.sin) + more
+    return along, across
 
 
 class _Pose(NamedTuple):
@@ -102,21 +129,35 @@ class _Pose(NamedTuple):
 
 
 class _Spread(NamedTuple):
-    """Differences that a pose stands for: of the link's rear end [m], and of its heading [rad]."""
+    """Differences that a pose stands for.
+
+    Attributes:
+        moved: largest way of the link's rear end [m].
+        turned: largest difference of its heading [rad].
+        along: largest way of the rear end along the link, (n,) [m].
+        across: largest way of the rear end across it, (n,) [m].
+    """
 
     moved: float
     turned: float
+    along: Floats
+    across: Floats
 
 
 def _link_interval(shapes: Shapes, walls: SeenWalls, link: int, pose: _Pose, spread: _Spread) -> Interval:
     low, high = np.full(len(pose.x), -np.inf), np.full(len(pose.x), np.inf)
     for i in np.flatnonzero(shapes.boxes.link == link).tolist():
         centre, half = shapes.boxes.centre[i], shapes.boxes.half[i]
-        furthest = math.hypot(abs(centre[0]) + half[0], abs(centre[1]) + half[1])
-        distance = spread.moved + spread.turned * furthest
-        shrunk = min(distance, float(half.min()))
-        seen = _one(walls.boxes, i).opened(distance - shrunk)
-        found = _box_interval(_placed(pose, centre), half - shrunk, seen)
+        furthest, turned = np.abs(centre) + half, spread.turned
+        ways = np.array(
+            [
+                spread.along + turned * furthest[1] + turned**2 / 2 * furthest[0],
+                spread.across + turned * furthest[0] + turned**2 / 2 * furthest[1],
+            ]
+        )
+        shrunk = np.minimum(ways, half[:, None])
+        rest = np.minimum(np.hypot(*(ways - shrunk)), spread.moved + turned * math.hypot(*furthest))
+        found = _box_interval(_placed(pose, centre), half[:, None] - shrunk, _one(walls.boxes, i).opened(rest))
         low, high = np.maximum(low, found.low), np.minimum(high, found.high)
     for i in np.flatnonzero(shapes.discs.link == link).tolist():
         centre, radius = shapes.discs.centre[i], float(shapes.discs.radius[i])
@@ -144,16 +185,16 @@ def _boundary(wedge: Wedge, turn: float, grown: float, y: Floats) -> Floats:
     """x at which a line along the first leg meets a wedge's boundary; -inf where it passes the wedge by, (n,) [m].
 
     Args:
-        wedge: the wedge, one apex and radius.
+        wedge: the wedge, numbers or (n,).
         turn: change of heading at the corner [rad].
         grown: distance by which the wedge is grown; negative for one that is eroded [m].
         y: height of the line, (n,) [m].
     """
-    radius, sin, cos = float(wedge.radius) + grown, math.sin(turn), math.cos(turn)
+    radius, sin, cos = wedge.radius + grown, math.sin(turn), math.cos(turn)
     dy = y - wedge.y
     x = (radius + cos * dy) / sin
-    if radius > 0:
-        on_arc = dy <= -radius * cos
+    if (radius > 0).any():
+        on_arc = (radius > 0) & (dy <= -radius * cos)
         x = np.where(on_arc, np.sqrt(np.maximum(radius**2 - dy**2, 0.0)), x)
     return np.asarray(np.where(dy < -radius - TOUCH, -np.inf, wedge.x + x))
 
@@ -177,8 +218,8 @@ def _box_interval(pose: _Pose, half: Floats, walls: CornerWalls) -> Interval:
     bottom = walls.inner.y - walls.inner.radius
     directions = ((pose.cos, pose.sin), (-pose.sin, pose.cos))
     for side in range(4):
-        levels = [np.full(n, bottom)]
-        if walls.inner.radius > 0:
+        levels = [np.broadcast_to(bottom, n)]
+        if (walls.inner.radius > 0).any():
             levels.append(_tangent_level(walls, *directions[side % 2]))
         for level in levels:
             low = np.maximum(low, _crossing(walls, corners[side], corners[(side + 1) % 4], level))

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.certify.arm import ArmSpans, Ends, can_be_certified
-from pipenav.certify.arm_motion import ArmAttempt
-from pipenav.certify.cell_search import Searched, search
+from pipenav.certify.arm_path import arm_path
+from pipenav.certify.cell_search import MOST_WORK, search
 from pipenav.certify.model import Model
 from pipenav.certify.whole_motion import whole_motion
 from pipenav.certify.whole_proof import LinkProof, prove, prove_by_link
 from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.traverse.config import TraverseConfig
-from pipenav.units import m_to_mm, rad_to_deg
+from pipenav.units import rad_to_deg
 
 MARGIN = 1.5e-4
 """Distance that motions keep to the walls [m]: what the coarser of the two tests needs, and half of it again."""
@@ -88,11 +87,39 @@ def not_covered(model: Model) -> str:
     return ""
 
 
+def motion_of(model: Model, ends: Ends | None) -> Floats | None:
+    """A motion that passes the corner, free by both tests, as `Verdict.motion`; None where none was found.
+
+    Args:
+        model: what is certified, covered by the method.
+        ends: starts and targets of an arm; by default all that the task draws. A whole robot has none.
+    """
+    if model.robot.free:
+        return whole_motion(model, MARGIN, TraverseConfig(kind="traverse"))
+    return arm_path(ArmSpans(model, ends or Ends.of_task(model, ReachConfig()), MARGIN))
+
+
+def proof_of(model: Model, ends: Ends | None, resolution: float, most_work: int = MOST_WORK) -> Proof | None:
+    """A proof that nothing passes the corner; None where none was found.
+
+    Args:
+        model: what is certified, covered by the method.
+        ends: starts and targets of an arm; by default all that the task draws. A whole robot has none.
+        resolution: width of the smallest cells [rad].
+        most_work: most cells of an arm that are looked at, those of every round counted.
+    """
+    if model.robot.free:
+        found = prove_by_link(model) or prove(model, resolution)
+        return None if found is None else _named(model, found)
+    spans = ArmSpans(model, ends or Ends.of_task(model, ReachConfig()), MARGIN)
+    searched = search(spans, spans.axes, resolution, most_work)
+    return Proof(tuple(link.name for link in model.robot.links), (), searched.finest) if searched.proven else None
+
+
 def _whole(model: Model, resolution: float) -> Verdict:
     proof = prove_by_link(model)
     if proof is None:
-        motion = whole_motion(model, MARGIN, TraverseConfig(kind="traverse"))
-        if motion is not None:
+        if (motion := motion_of(model, None)) is not None:
             return Verdict("passable", "a motion of the whole robot is free", motion=motion)
         proof = prove(model, resolution)
     if proof is None:
@@ -115,31 +142,26 @@ def _named(model: Model, proof: LinkProof) -> Proof:
 
 
 def _arm(model: Model, ends: Ends, resolution: float) -> Verdict:
-    found = _searched(model, ends, resolution)
-    if found.verdict == "path":
-        return Verdict("passable", "a motion brings the tip to a target", None, found.motion, ends.base, found.finest)
-    if found.verdict == "undecided":
+    spans = ArmSpans(model, ends, MARGIN)
+    if (motion := arm_path(spans)) is not None:
+        return Verdict("passable", "a motion brings the tip to a target", motion=motion, base=ends.base)
+    found = search(spans, spans.axes, resolution)
+    if not found.proven:
         width = rad_to_deg(found.finest)
         return Verdict("undecided", f"neither a motion nor a proof with cells of {width:.2g} deg", finest=found.finest)
     proof = Proof(tuple(link.name for link in model.robot.links), (), found.finest)
-    return Verdict("impossible", _arm_reason(model, ends, resolution), proof, finest=found.finest)
+    return Verdict("impossible", _arm_reason(model, ends), proof, finest=found.finest)
 
 
-def _searched(model: Model, ends: Ends, resolution: float) -> Searched:
-    spans = ArmSpans(model, ends, MARGIN)
-    return search(spans, spans.axes, resolution, ArmAttempt(spans))
-
-
-def _arm_reason(model: Model, ends: Ends, resolution: float) -> str:
-    """Limit without which there would be no proof: the slide's, a hinge's, or none, so that the pipe is too narrow."""
-    robot = model.robot
-    far = (-robot.length - ends.slide[1] + 2 * ends.slide[0], robot.length + 2 * ends.slide[1] - ends.slide[0])
-    if _searched(model, ends._replace(slide=(min(far), max(far))), resolution).verdict != "none":
-        return f"reach: the slide {robot.joints[0].name} is too short, with more travel there is no proof"
-    for number, joint in enumerate(robot.joints[1:], 1):
-        if _searched(model._replace(freed=number), ends, resolution).verdict != "none":
-            return f"joint limit: {joint.name} does not turn far enough, without its limits there is no proof"
-    return f"width: the links of {robot.name} have no room to turn, whatever the joints' limits"
+def _arm_reason(model: Model, ends: Ends) -> str:
+    """Limit without which there would be a motion: the slide's, a hinge's, or none, so that the pipe is too narrow."""
+    for number, joint in enumerate(model.robot.joints):
+        if arm_path(ArmSpans(model._replace(freed=number), ends, MARGIN)) is None:
+            continue
+        if not number:
+            return f"reach: the slide {joint.name} is too short, with more travel there is a motion"
+        return f"joint limit: {joint.name} does not turn far enough, without its limits there is a motion"
+    return f"width: the links of {model.robot.name} have no room to turn, also with other joints' limits"
 
 
 def tightest(model: Model, motion: Floats, base: float) -> int:
@@ -168,42 +190,3 @@ SLOWER = 0.5
 
 FREE_SPEED = 0.05
 """Speed of a free robot's first link in motions that are written down [m/s]."""
-
-
-def needed_bore(model: Model, resolution: float, bounds: Sequence[float]) -> tuple[float, float]:
-    """Largest bore known to be impossible and smallest known to be passable, of pipes like the given one [m].
-
-    Args:
-        model: what is certified; the bend keeps its radius in bores.
-        resolution: width of the smallest cells [rad].
-        bounds: smallest and largest bore to look at [m].
-    """
-    times = model.pipe.bend_radius / model.pipe.diameter
-    low, high = impossible, passable = bounds[0], bounds[1]
-    while high - low > BORE_STEP:
-        middle = (low + high) / 2
-        kind = certify(_with_bore(model, middle, times), None, resolution).kind
-        if kind == "impossible":
-            low = impossible = middle
-        else:
-            high = middle
-            passable = middle if kind == "passable" else passable
-    low, top = impossible, passable
-    while top - low > BORE_STEP:  # between proof and motion some may be undecided
-        middle = (low + top) / 2
-        if certify(_with_bore(model, middle, times), None, resolution).kind == "passable":
-            top = middle
-        else:
-            low = middle
-    return impossible, top
-
-
-BORE_STEP = 2.5e-4
-"""Accuracy of a bore that would be needed [m]: a quarter of a millimetre."""
-
-
-def _with_bore(model: Model, diameter: float, times: float) -> Model:
-    pipe = type(model.pipe).of(
-        m_to_mm(diameter), rad_to_deg(model.pipe.angle), model.pipe.turn, m_to_mm(times * diameter)
-    )
-    return model._replace(pipe=pipe)

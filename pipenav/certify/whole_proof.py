@@ -12,13 +12,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipenav.arrays import Floats
+from pipenav.arrays import Flags, Floats
 from pipenav.certify.cell_search import search
 from pipenav.certify.cells import ROUNDING, Span
 from pipenav.certify.model import Model
 from pipenav.certify.push import pushed
 from pipenav.certify.shapes import Shapes
-from pipenav.certify.slide_interval import Height, Interval, slide_interval
+from pipenav.certify.slide_interval import Height, slide_interval
 
 HEADINGS = 721
 """Headings at which a link is tried, over a whole turn: every half degree."""
@@ -26,8 +26,12 @@ HEADINGS = 721
 IN_BENDS = (0.4, 0.45, 0.5, 0.55, 0.6)
 """Headings at which a link is tried in a bend, as shares of the way: it has least room in the middle."""
 
-PLACES = 0.0005
-"""Distance of the places at which a link is tried along a bend [m]."""
+PLACES = (5e-4, 1e-4, 2e-5)
+"""Distances of the places at which a link is tried in a bend, each around those that the one before left open [m]."""
+
+
+MOST_WORK = 150_000
+"""Most cells of two headings that a search looks at: five times what the tightest proofs take."""
 
 
 class LinkProof(NamedTuple):
@@ -55,7 +59,12 @@ def prove_by_link(model: Model) -> LinkProof | None:
         model: what is certified; its robot stands free.
     """
     shapes = model.shapes(proof=True)
-    found = [_link_proof(model, shapes, link) for link in range(len(shapes.lengths))]
+    alike: dict[bytes, LinkProof | None] = {}
+    for link in range(len(shapes.lengths)):
+        key = _key(shapes.stretch(link, link))
+        if key not in alike:
+            alike[key] = _link_proof(model, shapes, link)
+    found = alike.values()
     return max((proof for proof in found if proof is not None), key=lambda proof: proof.lacking, default=None)
 
 
@@ -75,22 +84,27 @@ def prove(model: Model, resolution: float) -> LinkProof | None:
     seen: set[bytes] = set()
     for first in tight:
         pair = shapes.stretch(first, first + 1)
-        key = b"".join(np.round(part, 9).tobytes() for part in (*pair.boxes[1:], *pair.discs[1:], pair.lengths))
-        if key in seen:
+        if (key := _key(pair)) in seen:
             continue
         seen.add(key)
         spans = PairSpans(model, pair, first)
-        result = search(spans, 2, resolution, lambda _cells, _path: None)
-        if result.verdict == "none":
+        result = search(spans, 2, resolution, MOST_WORK)
+        if result.proven:
             return LinkProof(first, first + 1, (), result.finest, 0.0)
     return None
 
 
+def _key(shapes: Shapes) -> bytes:
+    """Equal for stretches of links that are alike."""
+    return b"".join(np.round(part, 9).tobytes() for part in (*shapes.boxes, *shapes.discs, shapes.lengths))
+
+
 def _link_proof(model: Model, shapes: Shapes, link: int) -> LinkProof | None:
-    alone = shapes.stretch(link, link)
-    ways = [way for direct in (True, False) if (way := _blocked(model, alone, direct)) is not None]
-    if len(ways) < 2:
-        return None
+    alone, ways = shapes.stretch(link, link), []
+    for direct in (True, False):
+        if (way := _blocked(model, alone, direct)) is None:
+            return None
+        ways.append(way)
     return LinkProof(link, link, tuple(way.heading for way in ways), 0.0, min(-way.room for way in ways))
 
 
@@ -140,15 +154,46 @@ def room_at(model: Model, shapes: Shapes, headings: Floats) -> Floats:
 def _room_in_bend(model: Model, shapes: Shapes, heading: float) -> float:
     """Length of the free slides of a link in a bend, the largest of all heights of its rear end [m].
 
-    Heights are tried so near to each other that a link at any other height is free only where one of these is.
+    Heights are tried so near to each other that a link at any other height is free only where one of these is; where
+    one may be, but none is known to be, they are tried nearer to each other.
     """
-    pipe, reach = model.pipe, float(shapes.lengths.sum()) + model.robot.width
+    pipe, reach, walls = model.pipe, float(shapes.lengths.sum()) + model.robot.width, model.walls(shapes, True)
     top = pipe.tangent_length(-pipe.radius) * math.sin(model.turn) + 2 * reach + pipe.diameter
-    y = np.arange(-pipe.radius - reach, top, PLACES)
-    at = np.full((len(y), 1), heading)
-    free = slide_interval(shapes, model.walls(shapes, True), at, 0.0, Height(y, PLACES / 2))
-    possible = free.high > -np.inf
-    return float((free.high[possible] - free.low[possible]).max(initial=-np.inf))
+    y, room = np.arange(-pipe.radius - reach, top, PLACES[0]), -np.inf
+    for apart, next_ in zip(PLACES, (*PLACES[1:], 0.0), strict=True):
+        at = np.full((len(y), 1), heading)
+        free = slide_interval(shapes, walls, at, 0.0, Height(y, apart / 2))
+        length = np.where(free.high > -np.inf, free.high, -np.inf) - np.where(free.high > -np.inf, free.low, 0.0)
+        room, y = float(length.max(initial=-np.inf)), y[length >= -ROUNDING]
+        if not len(y) or not next_:
+            break
+        exact = slide_interval(shapes, walls, at[: len(y)], 0.0, Height(y, 0.0))
+        if (exact.low <= exact.high).any():
+            break
+        parts = round(apart / next_)
+        y = (y[:, None] + (np.arange(parts) + 0.5 - parts / 2) * next_).ravel()
+    return room
+
+
+FINE = 24 << 9
+"""Headings of a whole turn at which the room of a single link is known, in the middle of as many cells."""
+
+
+def _most_room(model: Model, shapes: Shapes) -> Floats:
+    """Most room that a single link has in a mitre in each of `FINE` cells of its heading, (FINE,) [m]."""
+    half = math.pi / FINE
+    centres = np.asarray(-math.pi + (2 * np.arange(FINE) + 1) * half, float)
+    middle = np.array([shapes.lengths[0] / 2, 0.0])  # translations are free, so the link may turn about its middle
+    corners = np.hypot(*(np.abs(shapes.boxes.centre - middle) + shapes.boxes.half).T)
+    furthest = max(corners.max(initial=0.0), np.hypot(*(shapes.discs.centre - middle).T).max(initial=0.0))
+    return np.asarray(pushed(model, shapes, centres[:, None]).gap + 2 * furthest * half)
+
+
+def _largest(most: Floats, centres: Floats, half: float) -> Floats:
+    """Largest value in cells of a torus, which hold a whole number of fine ones or lie in one, (n,)."""
+    cells = max(1, min(FINE, round(math.pi / half)))
+    every = most.reshape(cells, -1).max(axis=1)
+    return np.asarray(every[np.floor((centres + math.pi) / (2 * math.pi) * cells).astype(int) % cells])
 
 
 class PairSpans:
@@ -171,8 +216,9 @@ class PairSpans:
         corner = np.hypot(*(np.abs(boxes.centre - joint_at[boxes.link]) + boxes.half).T)
         middle = np.hypot(*(discs.centre - joint_at[discs.link]).T)
         self._furthest = float(max(corner.max(initial=0.0), middle.max(initial=0.0)))
+        self._alone = [_most_room(model, shapes.stretch(link, link)) for link in range(2)]
 
-    def __call__(self, centres: Floats, half: float) -> tuple[Span, Span, Interval]:
+    def __call__(self, centres: Floats, half: float) -> tuple[Span, Span]:
         """Spans of cells, see `pipenav.certify.cells.Evaluate`."""
         at = pushed(self._model, self._shapes, centres)
         bends = np.remainder(centres[:, 1] - centres[:, 0] + math.pi, 2 * math.pi) - math.pi
@@ -180,13 +226,14 @@ class PairSpans:
         # A point moves by at most this; the push changes by as much again.
         moved = 2 * self._furthest * half + ROUNDING
         free = within & (at.gap >= -moved)
+        for most, heading in zip(self._alone, centres.T, strict=True):
+            free &= _largest(most, heading, half) >= -ROUNDING
         start = free & (np.abs(centres) <= half + 1e-9).all(axis=1)
         goal = free & (at.leg_gap >= -moved)
-        low, high = np.where(free, 0.0, np.inf), np.where(free, 0.0, -np.inf)
-        nowhere = np.zeros(len(centres), bool)
-        empty = Span(np.full(len(centres), np.inf), np.full(len(centres), -np.inf), nowhere, nowhere)
-        sure = within & (at.gap >= moved)
-        inner = Span(
-            np.where(sure, 0.0, np.inf), np.where(sure, 0.0, -np.inf), start & sure, sure & (at.leg_gap >= moved)
-        )
-        return Span(low, high, start, goal), inner, Interval(empty.low, empty.high)
+        sure = within & (at.gap >= 0)
+        return _span(free, start, goal), _span(sure, start & sure, sure & (at.leg_gap >= 0))
+
+
+def _span(free: Flags, start: Flags, goal: Flags) -> Span:
+    """Spans of cells that need no further coordinate."""
+    return Span(np.where(free, 0.0, np.inf), np.where(free, 0.0, -np.inf), start, goal)

@@ -57,6 +57,10 @@ COMMANDS = {
         "pipenav.cli.certify:certify",
         "Decide by geometry alone whether a robot can pass a pipe: a proof, a motion that shows it, or undecided.",
     ),
+    "export": (
+        "pipenav.cli.export:export",
+        "Write a policy as an ONNX or TorchScript model for other programs, and compare it with the policy.",
+    ),
     "experiment": (
         "pipenav.cli.experiment:experiment",
         "Train and evaluate the thesis's experiments (a)-(f), and report them beside its tables.",
@@ -64,6 +68,14 @@ COMMANDS = {
     "run-real": (
         "pipenav.cli.run_real:run_real",
         "Drive the arm with a policy: locate a target, reach it, back out; safe to stop at any moment.",
+    ),
+    "drive": (
+        "pipenav.cli.drive:drive",
+        "Drive a robot by hand: joint by joint, by the tip, or by the thesis's steps (a)-(e); alone or with a policy.",
+    ),
+    "compare": (
+        "pipenav.cli.compare:compare",
+        "Put drivers beside each other on the same numbered pipes: by hand, a policy, a baseline, shared control.",
     ),
     "hw-check": (
         "pipenav.cli.hw_check:hw_check",

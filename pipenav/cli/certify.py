@@ -27,7 +27,9 @@ OVERLAP_HELP = "Overlap with the wall in mm that is allowed; a task allows 2."
 EPISODES_HELP = "Certify this many of the episodes that `pipenav eval` runs in each pipe, and not the pipe."
 RESOLUTION_HELP = "Width in deg of the smallest cells of headings."
 NEEDED_HELP = "Also say the bore that would be needed, by trying others: takes some ten times as long."
-OUT_HELP = "Folder for certificates (.json), motions (.csv) and pictures of their tightest poses (.png)."
+OUT_HELP = "Folder for certificates (.json), motions (.csv) and pictures of their tightest poses (.png), or a frontier."
+FRONTIER_HELP = "Compute the bore that the robot needs over the angle instead, as .json and .png in --out."
+BENDS_HELP = "Bends of --frontier: mitre, or a radius in bores such as 1.5D."
 CHECK_HELP = "Check a certificate from scratch instead; exit code 1 if it does not hold. --robot: if not shipped."
 
 RobotOption = Annotated[str | None, typer.Option(help=ROBOT_HELP, rich_help_panel=WHAT)]
@@ -40,8 +42,13 @@ ResolutionOption = Annotated[
     float, typer.Option(min=0.05, max=15, metavar="DEG", help=RESOLUTION_HELP, rich_help_panel=HOW)
 ]
 NeededOption = Annotated[bool, typer.Option("--needed", help=NEEDED_HELP, rich_help_panel=HOW)]
+FrontierOption = Annotated[bool, typer.Option("--frontier", help=FRONTIER_HELP, rich_help_panel=WHAT)]
+BendsOption = Annotated[str, typer.Option(metavar="BENDS", help=BENDS_HELP, rich_help_panel=WHAT)]
 OutOption = Annotated[Path | None, typer.Option(metavar="FOLDER", help=OUT_HELP, rich_help_panel=OUTPUT)]
 CheckOption = Annotated[Path | None, typer.Option(metavar="FILE", help=CHECK_HELP, rich_help_panel=OUTPUT)]
+
+ROUTES = "a route has several corners, which are no single wedge: certify each corner alone"
+"""Reason why nothing is said about a route, S-bends among them."""
 
 TASK_OVERLAP = 0.002
 """Overlap that the tasks allow [m], for the second verdict on a pipe that is impossible without any."""
@@ -58,6 +65,8 @@ def certify(
     needed: NeededOption = False,
     out: OutOption = None,
     check: CheckOption = None,
+    frontier: FrontierOption = False,
+    bends: BendsOption = "mitre",
 ) -> None:
     """Decide by geometry alone whether a robot can pass a pipe: a proof, a motion that shows it, or undecided.
 
@@ -69,19 +78,59 @@ def certify(
         pipenav certify --robot pirate --pipes d=60,angle=60 --needed
         pipenav certify --robot real-setup --pipes d=70,angle=60 --bore round
         pipenav certify --robot basic --pipes d=62,angle=60 --episodes 10 --out certified
+        pipenav certify --robot basic --frontier --bends 1.5D --out frontiers
         pipenav certify --check certified/basic-corner-d62-a60-left-plane-0.json
     """
     if check is not None:
         refuse_ignored({"--pipes": pipes, "--episodes": episodes, "--out": out}, "a certificate names its own pipe")
         _check(check, robot)
         return
-    if robot is None or not pipes:
-        raise PipenavError("a robot and pipes are needed: give --robot and --pipes, or --check FILE.")
+    if robot is None or not (pipes or frontier):
+        raise PipenavError("a robot and pipes are needed: give --robot and --pipes, --frontier, or --check FILE.")
     from pipenav.robots.robot import load_robot
     from pipenav.units import deg_to_rad, mm_to_m
 
+    if frontier:
+        refuse_ignored({"--pipes": pipes, "--episodes": episodes, "--needed": needed}, "a frontier has its own pipes")
+        _frontier(load_robot(robot), bore, bends, deg_to_rad(resolution), out)
+        return
     wanted = _Wanted(load_robot(robot), bore, mm_to_m(overlap_mm), episodes, seed, deg_to_rad(resolution))
-    _certify(wanted, pipes, needed, out)
+    _certify(wanted, pipes or [], needed, out)
+
+
+def _frontier(
+    robot: RobotSpec, bore: Literal["plane", "round"], bends: str, resolution: float, out: Path | None
+) -> None:
+    """Compute a frontier, print it, and write it with its picture."""
+    from rich.progress import track
+    from rich.table import Table
+
+    from pipenav.certify.frontier import ANGLES_DEG, Wanted, bend_radius_of, write_frontier
+    from pipenav.certify.frontier_figure import frontier_figure
+    from pipenav.drawing.style import png
+    from pipenav.storage.atomic_files import atomic_write
+
+    wanted, console = Wanted(robot, bore, bend_radius_of(bends), resolution), progress_console()
+    every = track(wanted.points(), "angles", len(ANGLES_DEG), console=console, disable=not console.is_terminal)
+    found = wanted.frontier(tuple(every))
+    where = f"{'mitres' if bends == 'mitre' else f'bends of {bends}'}, {_BORES[bore]}"
+    table = Table(box=None, pad_edge=False, title_justify="left", title_style="bold")
+    table.title = f"{robot.name}: bore that is needed, {where}"
+    for column in ("angle [deg]", "impossible up to [mm]", "passable from [mm]"):
+        table.add_column(column, justify="right")
+    for point in found.points:
+        bores = ("-" if bore is None else f"{bore:.1f}" for bore in (point.impossible_mm, point.passable_mm))
+        table.add_row(f"{point.angle_deg:g}", *bores)
+    show(table)
+    if out is not None:
+        out.mkdir(parents=True, exist_ok=True)
+        path = write_frontier(out, found)
+        text = f"{where}: passable above the line, impossible below the band"
+        atomic_write(path.with_suffix(".png"), png(frontier_figure([found], robot.name, text)))
+        say(f"written: {path}, and its picture")
+
+
+_BORES = {"plane": "between boards", "round": "round bore"}
 
 
 def _certify(wanted: _Wanted, pipes: list[str], needed: bool, out: Path | None) -> None:
@@ -90,10 +139,11 @@ def _certify(wanted: _Wanted, pipes: list[str], needed: bool, out: Path | None) 
 
     from rich.progress import track
 
-    from pipenav.pipes.corner_sets import parse_corners
+    from pipenav.pipes.route_sets import parse_pipes
     from pipenav.storage.lock import one_writer
 
-    corners, console, table = parse_corners(pipes), progress_console(), _table(wanted)
+    every_pipe, console, table = parse_pipes(pipes), progress_console(), _table(wanted)
+    corners = [pipe.corner for pipe in every_pipe if pipe.corner is not None]
     total = len(corners) * (wanted.episodes or 1)
     with nullcontext() if out is None else one_writer(out):
         every = track(wanted.certified(corners), "certifying", total, console=console, disable=not console.is_terminal)
@@ -102,9 +152,12 @@ def _certify(wanted: _Wanted, pipes: list[str], needed: bool, out: Path | None) 
                 _write(out, name, one)
             style = {"passable": "green", "impossible": "red"}.get(one.verdict.kind)
             table.add_row(*wanted.cells(one, needed), style=style)
+    for pipe in every_pipe:
+        if pipe.corner is None:
+            table.add_row(pipe.label, "undecided", "", ROUTES)
     show(table)
-    if out is not None:
-        say(f"written: {out}, a certificate of each")
+    if out is not None and corners:
+        say(f"written: {out}, a certificate of each corner")
 
 
 class _Wanted:
@@ -145,18 +198,15 @@ class _Wanted:
 
     def cells(self, one: Certified, needed: bool) -> list[str]:
         """Row of the table."""
+        from pipenav.certify.needed_bore import needed_bore
         from pipenav.certify.verdict import certify as verdict_of
-        from pipenav.certify.verdict import needed_bore
-        from pipenav.units import m_to_mm
 
         soft = ""
         if one.verdict.kind == "impossible" and one.model.overlap < TASK_OVERLAP:
             soft = verdict_of(one.model._replace(overlap=TASK_OVERLAP), one.ends, one.resolution).kind
         row = [one.model.pipe.label, one.verdict.kind, soft, one.verdict.reason]
         if needed:
-            bounds = (self.robot.width + 0.004, 0.2)
-            low, high = needed_bore(one.model, one.resolution, bounds)
-            row.append(f"{m_to_mm(low):.1f} to {m_to_mm(high):.1f}")
+            row.append(str(needed_bore(one.model, one.resolution)))
         return row
 
 
@@ -177,13 +227,15 @@ def _table(wanted: _Wanted) -> Table:
 
 def _write(folder: Path, name: str, one: Certified) -> None:
     from pipenav.certify.certificate import write_certificate
-    from pipenav.certify.figure import tightest_figure
+    from pipenav.certify.figure import stuck_figure, tightest_figure
     from pipenav.drawing.style import png
     from pipenav.storage.atomic_files import atomic_write
 
     write_certificate(folder, name, one)
     if one.verdict.motion is not None:
         atomic_write(folder / f"{name}.png", png(tightest_figure(one)))
+    elif (figure := stuck_figure(one)) is not None:
+        atomic_write(folder / f"{name}.png", png(figure))
 
 
 def _check(path: Path, robot: str | None) -> None:

@@ -160,7 +160,7 @@ def _measured(config: EvaluationConfig, out: Path | None, where: ShardedPlaceOpt
     """Run an evaluation, write its folder and show it; None after a share of it."""
     from pipenav.evaluation.evaluate import CheckedEvaluation
     from pipenav.evaluation.folder import UNFINISHED, check_folder, default_folder
-    from pipenav.evaluation.report import FILES, evaluation_table, write_evaluation
+    from pipenav.evaluation.report import FILES, MORE_FILES, evaluation_table, write_evaluation
     from pipenav.jobs import JobStore
     from pipenav.storage.lock import one_writer
 
@@ -175,12 +175,13 @@ def _measured(config: EvaluationConfig, out: Path | None, where: ShardedPlaceOpt
                 return None
             _run(progress_console(), checked, store, place)
             evaluation = _merged(progress_console(), checked, store, place)
-        write_evaluation(folder, evaluation)
+            more = _atlas(progress_console(), checked, evaluation, store)
+        write_evaluation(folder, evaluation, more)
         store.remove()
     show(evaluation_table(evaluation))
     if len(checked.cpus) > 1:
         say(f"parts were computed by {len(checked.cpus)} kinds of processors: their last digits may differ", "yellow")
-    say(f"evaluation folder {folder}: {', '.join(FILES)}")
+    say(f"evaluation folder {folder}: {', '.join([*FILES, *MORE_FILES])}")
     return evaluation
 
 
@@ -193,6 +194,22 @@ def _merged(console: Console, checked: CheckedEvaluation, store: JobStore, place
     with percentage_bar(console) as bar:
         task = bar.add_task("deciding pipes by geometry", total=len(checked.parts.episodes.pipes))
         return checked.merged(store, place, lambda total, done: bar.update(task, total=total, completed=done))
+
+
+def _atlas(console: Console, checked: CheckedEvaluation, evaluation: Evaluation, store: JobStore) -> dict[str, bytes]:
+    """Files for which some episodes are run again, under a bar."""
+    from pipenav.cli.progress_bars import episode_bar
+    from pipenav.evaluation.atlas import atlas_files
+
+    with episode_bar(console) as bar:
+        task = bar.add_task("report: some run again", total=None)
+        return atlas_files(
+            checked,
+            evaluation,
+            store,
+            store.folder.parent,
+            lambda done, total: bar.update(task, completed=done, total=total),
+        )
 
 
 @contextmanager

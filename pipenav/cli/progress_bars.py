@@ -44,9 +44,9 @@ def percentage_bar(console: Console, **settings: Any) -> Progress:
     return _bar(console, TextColumn("{task.percentage:>3.0f}%"), **settings)
 
 
-def episode_bar(console: Console) -> Progress:
-    """A bar that counts episodes."""
-    return _bar(console, TextColumn("{task.completed} of {task.total} episodes"))
+def episode_bar(console: Console, counted: str = "episodes") -> Progress:
+    """A bar that counts episodes, or something else."""
+    return _bar(console, TextColumn(f"{{task.completed}} of {{task.total}} {counted}"))
 
 
 def _bar(console: Console, amount: TextColumn, **settings: Any) -> Progress:

@@ -1,4 +1,4 @@
-"""`pipenav robots`: the shipped robots, the numbers of one, and its links as meshes."""
+"""`pipenav robots`: the shipped robots, the numbers of one, its links as meshes, and all of it for engines."""
 
 from __future__ import annotations
 
@@ -21,7 +21,12 @@ def robots(
         str | None, typer.Argument(help="Show the links of this robot, or of a robot.toml.", show_default=False)
     ] = None,
     out: Annotated[
-        Path | None, typer.Option(metavar="FOLDER", help="Write the links of the robot as STL meshes, in mm.")
+        Path | None,
+        typer.Option(
+            metavar="FOLDER|FILE",
+            help="FILE.urdf, or FILE.mjcf or .xml for MuJoCo: write the robot for a physics engine. FOLDER: its links "
+            "as STL meshes, in mm.",
+        ),
     ] = None,
 ) -> None:
     """List the robots that can be trained and driven.
@@ -29,6 +34,8 @@ def robots(
     Any other robot is named by the path of its robot.toml: pipenav train --robot my-robot/robot.toml
 
     The links of one robot, also as meshes: pipenav robots high-fidelity --out meshes
+
+    A robot for other simulators: pipenav robots pirate --out pirate.urdf
     """
     from pipenav.robots.robot import load_robot
 
@@ -39,7 +46,12 @@ def robots(
         return
     robot = load_robot(name)
     show(robot.description, _links(robot), *filter(None, [_wheels(robot)]), f"laser: {_laser(robot.laser)}")
-    if out is not None:
+    if out is not None and out.suffix and not out.is_dir():
+        from pipenav.export.robot_model import write_robot
+
+        write_robot(robot, out)
+        say(f"Made {out}")
+    elif out is not None:
         from pipenav.robots.meshes import write_meshes
 
         say(f"Made {', '.join(str(path) for path in write_meshes(robot, out))}")

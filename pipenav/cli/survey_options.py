@@ -52,7 +52,7 @@ class WayOptions(OptionGroup):
     friction: Annotated[float, typer.Option(min=0.0, max=2.0, help="Friction of the cable in the pipe.")] = 0.3
     cable_weight: Annotated[
         float, typer.Option(min=0.0, max=1000.0, metavar="N/M", help="Weight of the cable, in N/m.")
-    ] = 0.1
+    ] = 0.185
 
 
 @dataclass(frozen=True)

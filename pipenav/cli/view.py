@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import typer
 
+from pipenav.cli.option_groups import OptionGroup, takes_option_groups
 from pipenav.cli.options import SIMULATOR, SettingsOption
 from pipenav.cli.terminal import progress_console, refuse_ignored, say
 from pipenav.errors import PipenavError
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
     from pipenav.cli.view_drawings import Drawing
     from pipenav.cli.view_sources import Wanted
     from pipenav.recording.film import Progress
+    from pipenav.recording.record import RecordingSettings
 
 TABLE = ".csv"
 DEFAULT_PIPE = "d=90,angle=60"
@@ -29,19 +32,20 @@ POLICY_HELP = (
 )
 BEHAVIOUR_HELP = "Draw how the robot finds a target itself; see `pipenav locate-target`."
 TRAJECTORY_HELP = "Draw a recorded trajectory; repeatable: one after another."
+EVAL_HELP = "Draw an episode of this evaluation folder, run again from its seed; with --episode, its number there."
 PIPES_HELP = f"Pipe set, a route as runs-level:3, FILE.toml or d=90,angle=60; repeatable. Default: {DEFAULT_PIPE}."
 ROBOT_HELP = "Robot of a behaviour (basic) or baseline, or of a trajectory whose robot is not shipped."
 EPISODE_HELP = "Number of one of the episodes that `pipenav eval` runs in each pipe, from 0."
 OUT_HELP = "Picture .png (a strip), film .gif or .mp4, or trajectory .csv; repeatable."
 RECORDED = "a trajectory is recorded already and brings its own pipe"
+EVALUATED = "an evaluation folder says all of this itself"
 LIVE_HELP = "Open the simulator's own viewer and run in real time, with beams, forces, target and a line of text."
 
 
-PolicyOption = Annotated[str | None, typer.Option(help=POLICY_HELP, rich_help_panel=SOURCE)]
-BehaviourOption = Annotated[
-    Literal["locate:map", "locate:thesis"] | None, typer.Option(help=BEHAVIOUR_HELP, rich_help_panel=SOURCE)
-]
-TrajectoryOption = Annotated[list[Path] | None, typer.Option(help=TRAJECTORY_HELP, rich_help_panel=SOURCE)]
+PolicyOption = Annotated[str | None, typer.Option(help=POLICY_HELP)]
+BehaviourOption = Annotated[Literal["locate:map", "locate:thesis"] | None, typer.Option(help=BEHAVIOUR_HELP)]
+EvalOption = Annotated[Path | None, typer.Option("--eval", help=EVAL_HELP)]
+TrajectoryOption = Annotated[list[Path] | None, typer.Option(help=TRAJECTORY_HELP)]
 RobotOption = Annotated[str | None, typer.Option(help=ROBOT_HELP, rich_help_panel=EPISODE)]
 PipesOption = Annotated[list[str] | None, typer.Option(help=PIPES_HELP, rich_help_panel=EPISODE)]
 SeedOption = Annotated[
@@ -61,10 +65,20 @@ OutOption = Annotated[list[Path] | None, typer.Option(help=OUT_HELP, rich_help_p
 LiveOption = Annotated[bool, typer.Option("--live", help=LIVE_HELP, rich_help_panel=OUTPUT)]
 
 
+@dataclass(frozen=True)
+class SourceOptions(OptionGroup):
+    """The one thing that is drawn."""
+
+    panel: ClassVar[str] = SOURCE
+    policy: PolicyOption = None
+    behaviour: BehaviourOption = None
+    trajectory: TrajectoryOption = None
+    evaluation: EvalOption = None
+
+
+@takes_option_groups
 def view(
-    policy: PolicyOption = None,
-    behaviour: BehaviourOption = None,
-    trajectory: TrajectoryOption = None,
+    source: SourceOptions,
     robot: RobotOption = None,
     pipes: PipesOption = None,
     seed: SeedOption = None,
@@ -85,29 +99,56 @@ def view(
         pipenav view --policy pirate --pipes runs-level:3 --out route.gif
         pipenav view --policy pirate --pipes runs-rolled:3 --out roll.png
         pipenav view --policy baseline:centreline --live
+        pipenav view --eval runs/shipped-arm/eval --episode 12 --out failed.png
     """
     from pipenav.cli import view_sources as sources
 
-    _check_one_source({"--policy": policy, "--behaviour": behaviour, "--trajectory": trajectory})
-    outputs = _checked_outputs(out or [], [*(trajectory or []), *([Path(policy)] if policy else [])])
+    given = {"--policy": source.policy, "--behaviour": source.behaviour, "--trajectory": source.trajectory}
+    _check_one_source(given | {"--eval": source.evaluation})
+    trajectory = source.trajectory or []
+    outputs = _checked_outputs(out or [], [*trajectory, *([Path(source.policy)] if source.policy else [])])
+    if source.evaluation:
+        refuse_ignored({"--pipes": pipes, "--seed": seed, "--robot": robot, "--live": live}, EVALUATED)
+        refuse_ignored({"--backend": backend, "--option": option}, EVALUATED)
+        _draw_evaluated(source.evaluation, episode or 0, outputs)
+        return
     wanted = sources.Wanted(pipes or [DEFAULT_PIPE], robot, seed or 0, episode or 0, outputs)
     if trajectory:
         refuse_ignored({"--pipes": pipes, "--seed": seed, "--episode": episode}, RECORDED)
         refuse_ignored({} if live else {"--backend": backend, "--option": option}, RECORDED)
         _check_for_files(outputs, live)
-    source = policy or behaviour or " ".join(path.stem for path in trajectory or [])
+    name = source.policy or source.behaviour or " ".join(path.stem for path in trajectory)
     with sources.opened_simulator(backend or DEFAULT_BACKEND, option or [], live) as simulator:
-        if trajectory:
-            drawing = sources.from_files(trajectory, robot, simulator)
-        elif behaviour:
-            drawing = sources.of_behaviour(behaviour, wanted, simulator)
-        else:
-            drawing = sources.of_policy(policy or "", wanted, simulator)
-        for sentence in drawing.sentences:
-            say(sentence)
+        drawing = _drawing(source, wanted, simulator)
     if not (outputs or live):
-        outputs = [_default_picture(drawing.name, source, wanted, [backend or DEFAULT_BACKEND, *(option or [])])]
+        outputs = [_default_picture(drawing.name, name, wanted, [backend or DEFAULT_BACKEND, *(option or [])])]
     _write(drawing, outputs)
+
+
+def _drawing(source: SourceOptions, wanted: Wanted, simulator: RecordingSettings) -> Drawing:
+    """The drawing of a source, told in sentences too."""
+    from pipenav.cli import view_sources as sources
+
+    if source.trajectory:
+        drawing = sources.from_files(source.trajectory, wanted.robot, simulator)
+    elif source.behaviour:
+        drawing = sources.of_behaviour(source.behaviour, wanted, simulator)
+    else:
+        drawing = sources.of_policy(source.policy or "", wanted, simulator)
+    for sentence in drawing.sentences:
+        say(sentence)
+    return drawing
+
+
+def _draw_evaluated(folder: Path, episode: int, outputs: list[Path]) -> None:
+    """Draw an episode of an evaluation folder."""
+    from pipenav.cli.view_evaluation import of_evaluation
+    from pipenav.evaluation.folder import label
+
+    drawing = of_evaluation(folder, episode)
+    for sentence in drawing.sentences:
+        say(sentence)
+    _write(drawing, outputs or [Path(f"{label(['view', folder.resolve().name, f'episode{episode}'])}.png")])
 
 
 def _write(drawing: Drawing, paths: Sequence[Path]) -> None:
@@ -131,11 +172,11 @@ def _default_picture(pipe: str, source: str, wanted: Wanted, simulator: Sequence
 
 
 def _check_one_source(sources: dict[str, object]) -> None:
-    """Refuse anything but one of the three sources that a drawing can come from, by the names of their options."""
+    """Refuse anything but one of the sources that a drawing can come from, by the names of their options."""
     given = [name for name, source in sources.items() if source]
     if len(given) != 1:
         problem = f"{' and '.join(given)} are several things to draw" if given else "there is nothing to draw"
-        raise PipenavError(f"{problem}: give one of --policy, --behaviour and --trajectory.")
+        raise PipenavError(f"{problem}: give one of --policy, --behaviour, --trajectory and --eval.")
 
 
 def _checked_outputs(paths: list[Path], inputs: list[Path]) -> list[Path]:

@@ -8,14 +8,14 @@ import itertools
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
+from pipenav.arrays import Floats
 from pipenav.backends.messages import Reading
 from pipenav.backends.real_robot import RealRobot
 from pipenav.backends.safety import Stopped
-from pipenav.deployment.mission import Mission
 from pipenav.deployment.stages import Decision
 from pipenav.deployment.telemetry import Telemetry
 from pipenav.errors import FileProblem
@@ -27,9 +27,32 @@ RETREATABLE = {"stall"}
 """Causes after which the arm may still be moved: bus, sensors and clock are well."""
 
 
+class Decider(Protocol):
+    """A mission as the loop sees it: it has a command for every reading.
+
+    Attributes:
+        outcome: how it ended; empty while it goes on.
+    """
+
+    outcome: str
+
+    @property
+    def target(self) -> Floats | None:
+        """Target in the robot's own frame, (2,) [m]; None before one is known."""
+        ...
+
+    def decide(self, reading: Reading) -> Decision:
+        """Decide what to do after a reading."""
+        ...
+
+    def back_out(self, why: str) -> bool:
+        """Back out after a stop that allows it; False where the mission does not."""
+        ...
+
+
 def control_loop(
     arm: RealRobot,
-    mission: Mission,
+    mission: Decider,
     telemetry: Telemetry,
     show: Callable[[dict[str, Any]], None],
     stop_file: Path,
@@ -73,7 +96,7 @@ def hold_until(arm: RealRobot, released: Callable[[], bool]) -> None:
 
 
 def _recorded_tick(
-    arm: RealRobot, mission: Mission, telemetry: Telemetry, show: Callable[[dict[str, Any]], None], tick: int
+    arm: RealRobot, mission: Decider, telemetry: Telemetry, show: Callable[[dict[str, Any]], None], tick: int
 ) -> Decision | None:
     """Carry out a tick, and record and show it; None where the arm holds.
 
@@ -95,7 +118,7 @@ def _recorded_tick(
     return decision
 
 
-def _tick(arm: RealRobot, mission: Mission, record: dict[str, Any]) -> Decision | None:
+def _tick(arm: RealRobot, mission: Decider, record: dict[str, Any]) -> Decision | None:
     """Read, decide, send; None where the reading was not whole and the arm holds."""
     reading = arm.read()
     if not arm.complete:
@@ -121,7 +144,8 @@ def decision_record(reading: Reading, decision: Decision) -> dict[str, Any]:
     def numbers(values: Any) -> list[float] | None:
         return None if values is None else np.asarray(values, float).tolist()
 
-    return {
+    asked = {} if decision.asked is None else {"asked": decision.asked}
+    return asked | {
         "stage": decision.stage,
         "q": numbers(reading.q[0]),
         "qd": numbers(reading.qd[0]),

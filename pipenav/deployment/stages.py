@@ -5,7 +5,7 @@ Stages know no clock and no arm, so that a replay makes the same decisions again
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -42,15 +42,17 @@ class Decision(NamedTuple):
     """The decision of one tick.
 
     Attributes:
-        stage: `locate`, `reach` or `back`; the outcome where the mission is over.
+        stage: `locate`, `reach` or `back`, by hand `person` or `policy`; the outcome where the mission is over.
         command: set-points; None where the mission is over.
         observation, action: what the policy saw and did, (size,), (joints,); None in other stages.
+        asked: what a person asked for; None where nobody drives by hand.
     """
 
     stage: str
     command: Command | None
     observation: Floats | None = None
     action: Floats | None = None
+    asked: dict[str, Any] | None = None
 
 
 class Locate:

@@ -71,6 +71,7 @@ class EpisodePlan:
         max_force: contact force on any one link beyond which an episode fails [N]; None for no limit.
         first: number of the first episode, where the first pipe begins with a later one than 0.
         count: number of episodes in all; None for as many as the pipes have.
+        chosen: numbers of the episodes where only some are run, in order; None for all of them.
     """
 
     robot: RobotSpec
@@ -83,10 +84,13 @@ class EpisodePlan:
     max_force: float | None = None
     first: int = 0
     count: int | None = None
+    chosen: Sequence[int] | None = None
 
     @property
-    def numbers(self) -> range:
+    def numbers(self) -> Sequence[int]:
         """Numbers of the episodes, of which the first pipe has those from 0, the next one those after."""
+        if self.chosen is not None:
+            return self.chosen
         return range(self.first, len(self.pipes) * self.episodes if self.count is None else self.first + self.count)
 
     def on(self, simulator: SimulatorSettings) -> EpisodePlan:
@@ -147,7 +151,7 @@ class Passages:
 
     def _given(self, job: int) -> Any:
         """The start and the target of an episode."""
-        return self._numbered(self._plan.first + job)
+        return self._numbered(self._plan.numbers[job])
 
     def locate(self, variant: Variant = "map") -> StageResult:
         """Locate a target in every episode (approach I)."""

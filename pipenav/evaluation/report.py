@@ -6,7 +6,7 @@ import csv
 import errno
 import io
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -38,7 +38,13 @@ FILES = {
     "success.png": "success over the corner angle, a panel per diameter; of every route, a row each",
     "map.png": "success by diameter and angle, or by diameter and route",
 }
-"""Files of an evaluation folder, each with one line that says what it is."""
+"""Files of every evaluation folder, each with one line that says what it is."""
+
+MORE_FILES = {
+    "report.html": "a page with a map to click, pictures of episodes and all failures, for a browser",
+    "failures.json": "every failed episode: how, when, where and in which pose it ended",
+}
+"""Files that `pipenav eval` adds, which runs some episodes again for them."""
 
 WORST_PIPES = 8
 """Most pipes in the list of the worst ones."""
@@ -54,10 +60,15 @@ NOT_AS_A_WHOLE = (errno.EBUSY, errno.EXDEV, errno.EACCES, errno.EPERM, errno.ERO
 """Errors of a folder that cannot be replaced itself: the root of a file system, or in a folder that is read-only."""
 
 
-def write_evaluation(folder: Path, evaluation: Evaluation) -> None:
+def write_evaluation(folder: Path, evaluation: Evaluation, more: Mapping[str, bytes] | None = None) -> None:
     """Write the evaluation folder; an older one is replaced as a whole, and other files in it are kept.
 
     A folder that held no evaluation yet, only other files, gets the files one by one.
+
+    Args:
+        folder: the folder.
+        evaluation: the evaluation.
+        more: contents of those of `MORE_FILES` that there are, by name.
 
     Raises:
         FileProblem: the folder or a file cannot be written.
@@ -69,7 +80,7 @@ def write_evaluation(folder: Path, evaluation: Evaluation) -> None:
         "map.png": png(map_figure(evaluation)),
     }
     prepare_folder(folder)
-    files = {name: contents[name] for name in FILES}
+    files = {name: contents[name] for name in FILES} | dict(more or {})
     if not (folder / RECORD).is_file() or not _replaced(folder, files):
         atomic_write_all({folder / name: content for name, content in files.items()})
 
@@ -82,7 +93,7 @@ def _replaced(folder: Path, files: dict[str, bytes]) -> bool:
             (draft / name).write_bytes(content)
 
     try:
-        write_folder(folder.resolve(), "evaluation folder", RECORD, FILES, write)
+        write_folder(folder.resolve(), "evaluation folder", RECORD, [*FILES, *MORE_FILES], write)
     except FileProblem as problem:
         if isinstance(problem.__cause__, OSError) and problem.__cause__.errno in NOT_AS_A_WHOLE:
             return False

@@ -6,7 +6,7 @@ import math
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import BinaryIO, Literal, NamedTuple
 
 COLOUR = "0.55 0.6 0.65 1"
 
@@ -116,7 +116,7 @@ def text(*numbers: float) -> str:
     return " ".join(f"{number:.9g}" for number in numbers)
 
 
-def write_xml(path: Path, root: ET.Element) -> None:
-    """Write an element as an indented XML file."""
+def write_xml(path: Path | BinaryIO, root: ET.Element) -> None:
+    """Write an element as an indented XML file, or into an open one."""
     ET.indent(root)
     ET.ElementTree(root).write(path, encoding="utf-8", xml_declaration=True)

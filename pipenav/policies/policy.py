@@ -52,11 +52,12 @@ class Policy:
         header: the robot and the task that it was made for, and how it was trained.
         observation_scale: numbers that each value of an observation must be divided by before `act`, (size,). A
             `TaskBatch` gives divided observations.
+        layers: linear layers in order, tanh after each but the last.
     """
 
     def __init__(self, path: Path, header: PolicyHeader, observation_scale: Array32, layers: Sequence[Layer]) -> None:
         self.path, self.header, self.observation_scale = path, header, observation_scale
-        self._layers = tuple(layers)
+        self.layers = tuple(layers)
 
     def act(self, observation: NDArray[np.floating]) -> Array32:
         """Deterministic actions in [-1, 1], (n, action_size).
@@ -68,9 +69,9 @@ class Policy:
             observation: scaled observations, as a `TaskBatch` gives them, (n, size).
         """
         x = np.asarray(observation, np.float32)
-        for weight, bias in self._layers[:-1]:
+        for weight, bias in self.layers[:-1]:
             x = np.tanh(np.einsum("ni,io->no", x, weight) + bias)
-        weight, bias = self._layers[-1]
+        weight, bias = self.layers[-1]
         actions: Array32 = np.clip(np.einsum("ni,io->no", x, weight) + bias, -1.0, 1.0)
         return actions
 

@@ -1,6 +1,6 @@
 """Robots: their description, the poses of their links, the readings of their laser."""
 
-from pipenav.robots import frames, kinematics, laser, space_kinematics
+from pipenav.robots import bodies, frames, kinematics, laser, space_kinematics
 from pipenav.robots.kinematics import ChainPose
 from pipenav.robots.parts import Actuator, BoxPart, DiscPart, Joint, Laser, Link, Roll, Wheel
 from pipenav.robots.robot import BASE, RobotSpec, load_robot
@@ -18,6 +18,7 @@ __all__ = [
     "RobotSpec",
     "Roll",
     "Wheel",
+    "bodies",
     "frames",
     "kinematics",
     "laser",

@@ -12,6 +12,12 @@ import numpy as np
 
 from pipenav.arrays import Floats
 
+CABLE_WEIGHT = 0.185
+"""Weight of PIRATE's cable [N/m], chosen: 14 N pull 250 m of it in straight PVC, as published, and 260 m stop it."""
+
+PVC_FRICTION = 0.3
+"""Friction of a cable in a PVC pipe, chosen; 0.6 in corroded steel, where 14 N pull 125 m."""
+
 
 def drag_per_metre(weight: float, friction: float, rise: float = 0.0) -> float:
     """Growth of a cable's tension along a straight pipe [N/m]; a cable that slides down by itself pulls nobody back.

@@ -41,3 +41,8 @@ def spaces_dir() -> Path:
 def disturbances_dir() -> Path:
     """Folder of the named disturbances."""
     return _PACKAGE / "disturbances"
+
+
+def mappings_dir() -> Path:
+    """Folder of the mappings of keys, buttons and faders of `pipenav drive`."""
+    return _PACKAGE / "driving" / "mappings"

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
-TEMPLATE = Path(__file__).with_name("report.html")
+from pipenav.pages.page import filled_page
 
-PLACE = "/*DATA*/"
-"""Place of the data in the template."""
+TEMPLATE = Path(__file__).with_name("report.html")
 
 LARGE = ("features", "segments")
 """Parts of the record that the page gets in a shorter form."""
@@ -56,6 +54,4 @@ def html_report(record: dict[str, Any]) -> str:
             for segment in record["segments"]
         ],
     }
-    # Names of a stranger's file stand in the data: no < may end the script that they lie in.
-    text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-    return TEMPLATE.read_text(encoding="utf-8").replace(PLACE, text)
+    return filled_page(TEMPLATE, data)

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pipenav.arrays import Flags, Floats
+from pipenav.robots.cable import CABLE_WEIGHT, PVC_FRICTION
 from pipenav.survey.classes import FittingClass, nominal_bore, nominal_incline
 from pipenav.survey.features import Fittings, Geometry, Movement
 from pipenav.survey.trials import Trained, Trial, Verdict
@@ -30,8 +31,8 @@ class Tether(NamedTuple):
 
     cable: float = 250.0
     pull: float = 14.0
-    friction: float = 0.3
-    weight: float = 0.1
+    friction: float = PVC_FRICTION
+    weight: float = CABLE_WEIGHT
 
     @property
     def lifted(self) -> Tether:

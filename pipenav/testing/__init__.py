@@ -17,6 +17,7 @@ from pipenav.testing.haulage import Haulage
 from pipenav.testing.kinematic import KinematicBackend, KinematicOptions
 from pipenav.testing.kinematic_space import KinematicSpace
 from pipenav.testing.laws import Law
+from pipenav.testing.pulling import PULL_LAWS
 from pipenav.testing.space_bench import SpaceBench, SpaceStart, clamped, space_starts
 from pipenav.testing.space_laws import SPACE_LAWS, SpaceLaw
 from pipenav.testing.variation import VARIATION_LAWS
@@ -24,6 +25,7 @@ from pipenav.testing.variation import VARIATION_LAWS
 __all__ = [
     "ALL_LAWS",
     "CONTRACT",
+    "PULL_LAWS",
     "SPACE_LAWS",
     "VARIATION_LAWS",
     "Bench",

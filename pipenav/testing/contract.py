@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pipenav.testing import motion, readings, repeatability
 from pipenav.testing.laws import Law
+from pipenav.testing.pulling import PULL_LAWS
 from pipenav.testing.variation import VARIATION_LAWS
 
 CONTRACT: list[Law] = [
@@ -26,5 +27,5 @@ CONTRACT: list[Law] = [
 ]
 """Laws of every backend."""
 
-ALL_LAWS: list[Law] = [*CONTRACT, *VARIATION_LAWS]
-"""Laws of every backend, and those of simulators that can vary their robots."""
+ALL_LAWS: list[Law] = [*CONTRACT, *VARIATION_LAWS, *PULL_LAWS]
+"""Laws of every backend, and those of simulators that can vary their robots or let forces pull on them."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from pipenav.robots import Actuator, BoxPart, DiscPart, Link, RobotSpec, Wheel
+from pipenav.robots import Actuator, BoxPart, DiscPart, Link, RobotSpec, Wheel, bodies
 
 ROTOR_SHARE = 0.75
 """Share of a hinge's rotor that its link carries [1].
@@ -104,21 +104,13 @@ def _add_wheel(root: ElementTree.Element, link: Link, wheel: Wheel, actuator: Ac
 
 def body(robot: RobotSpec, link: Link) -> Body:
     """Rigid body of a link, its parts of one density, with the rotor of a slide as mass, of a hinge as inertia."""
-    parts = link.parts
-    volume = sum(part.volume for part in parts)
-    masses = [link.mass * part.volume / volume for part in parts]
-    x = sum(mass * part.x for mass, part in zip(masses, parts, strict=True)) / link.mass
-    y = sum(mass * part.y for mass, part in zip(masses, parts, strict=True)) / link.mass
-    inertia = 0.0
-    for mass, part in zip(masses, parts, strict=True):
-        own = (part.length**2 + part.width**2) / 12 if isinstance(part, BoxPart) else part.diameter**2 / 8
-        inertia += mass * (own + (part.x - x) ** 2 + (part.y - y) ** 2)
+    own = bodies.inertia(bodies.link_pieces(link), link.mass)
     if link.joint is None:  # it gets the rotor of the joint at its other end, which lies between two free bodies
-        return Body(link.mass, x, y, inertia + ROTOR_SHARE * robot.joint_actuators[0].armature)
+        return Body(link.mass, own.x, own.y, own.zz + ROTOR_SHARE * robot.joint_actuators[0].armature)
     armature = robot.actuators[link.joint.actuator].armature
     if link.joint.type == "slide":
-        return Body(link.mass + armature, x, y, inertia)
-    return Body(link.mass, x, y, inertia + ROTOR_SHARE * armature)
+        return Body(link.mass + armature, own.x, own.y, own.zz)
+    return Body(link.mass, own.x, own.y, own.zz + ROTOR_SHARE * armature)
 
 
 def discs(link: Link) -> list[DiscPart]:

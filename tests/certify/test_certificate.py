@@ -96,6 +96,14 @@ def test_a_tee_is_undecided_and_says_why(tmp_path: Path) -> None:
     assert "tee" in json.loads(path.read_text())["reason"]
 
 
+def test_a_route_is_undecided_and_says_why(capfd: pytest.CaptureFixture[str]) -> None:
+    assert run("certify", "--robot", "pirate", "--pipes", "runs-level:1", "--pipes", "d=60,angle=60") == 0
+    told = " ".join(capfd.readouterr().out.split())
+    assert "undecided" in told
+    assert "several corners" in told
+    assert "impossible" in told
+
+
 def test_a_robot_that_does_not_fit_at_rest_is_refused(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     wide = tmp_path / "wide.toml"
     wide.write_text((robots_dir() / "basic" / "robot.toml").read_text().replace("width = 0.020", "width = 0.050"))

@@ -8,14 +8,13 @@ import numpy as np
 import pytest
 
 from pipenav.arrays import Flags, Floats
-from pipenav.certify.arm import ArmSpans, Ends
 from pipenav.certify.model import Model
 from pipenav.certify.motion_check import clearances
 from pipenav.certify.push import pushed
-from pipenav.certify.slide_interval import slide_interval
+from pipenav.certify.slide_interval import SeenWalls, slide_interval
+from pipenav.certify.whole_proof import PairSpans
 from pipenav.pipes import PipeCorner
 from pipenav.robots import load_robot
-from pipenav.tasks.reach.config import ReachConfig
 
 WIDTH = math.radians(2.0)
 """Half width of the cells that are tried [rad]."""
@@ -93,6 +92,31 @@ def test_no_free_pose_is_lost_from_its_cell(name: str, pipe: PipeCorner) -> None
     assert missing == 0
 
 
+def disagreements(model: Model, walls: SeenWalls) -> int:
+    """Number of drawn poses on which the free slides for some walls and the distances to the true ones disagree."""
+    rng = np.random.default_rng(11)
+    headings = np.stack([rng.uniform(*ends, 20_000) for ends in ((-0.4, 0.6), (-0.2, 1.6), (0.2, 2.0))], axis=1)
+    slides = -model.pipe.inner_edge + rng.uniform(-0.32, -0.02, len(headings))
+    every = np.concatenate([np.zeros((len(headings), 1)), headings], axis=1)
+    free = slide_interval(model.shapes(proof=True), walls, every)
+    q = np.concatenate([slides[:, None], headings[:, :1], np.diff(headings, axis=1)], axis=1)
+    away = np.minimum(np.abs(slides - free.low), np.abs(slides - free.high)) > 3e-3  # walls of bends have chords
+    inside = (slides >= free.low) & (slides <= free.high)
+    return int((away & (inside != (clearances(model, q, 0.0) > 0))).sum())
+
+
+@pytest.mark.parametrize("pipe", [CORNERS[1], CORNERS[3]], ids=lambda pipe: pipe.name)
+def test_a_forgotten_wall_is_noticed(pipe: PipeCorner) -> None:
+    model = Model(load_robot("basic"), pipe.model_copy(update={"diameter": pipe.diameter + 0.02}))
+    seen = model.walls(model.shapes(proof=True), False)
+    assert disagreements(model, seen) == 0
+    boxes = seen.boxes
+    no_inner = boxes._replace(inner=boxes.inner._replace(y=boxes.inner.y + 10.0))
+    no_outer = boxes._replace(outer=boxes.outer._replace(radius=boxes.outer.radius + 10.0))
+    for forgotten in (no_inner, no_outer):
+        assert disagreements(model, seen._replace(boxes=forgotten)) > 0
+
+
 def test_half_the_erosion_is_noticed() -> None:
     model = Model(load_robot("basic"), CORNERS[0])
     assert lost(model, model, WIDTH / 2, 60_000, 2)[0] > 0
@@ -112,6 +136,21 @@ def test_a_forgotten_wall_is_noticed_by_the_closed_form() -> None:
     assert pushed(model, link, headings).gap.min() < 0
     straight = Model(load_robot("pirate"), PipeCorner.of(60, 179))
     assert pushed(straight, link, np.zeros((1, 1))).gap.min() > 0
+
+
+@pytest.mark.parametrize("angle", [40, 60, 120])
+def test_cells_of_two_links_hold_every_free_heading(angle: float) -> None:
+    model = Model(load_robot("pirate"), PipeCorner.of(66, angle))
+    pair = model.shapes(proof=True).stretch(1, 2)
+    rng = np.random.default_rng(13)
+    headings = rng.uniform(-math.pi, math.pi, (100_000, 2))
+    bend = np.remainder(headings[:, 1] - headings[:, 0] + math.pi, 2 * math.pi) - math.pi
+    free = (pushed(model, pair, headings).gap >= 0) & (np.abs(bend) < 2.2)
+    assert free.sum() > 500
+    for cells in (24, 192, 1536):
+        half = math.pi / cells
+        centres = (np.floor((headings[free] + math.pi) / (2 * half)) + 0.5) * 2 * half - math.pi
+        assert PairSpans(model, pair, 1)(centres, half)[0].free.all()
 
 
 @pytest.mark.parametrize(("angle", "bore"), [(60, 63.80), (90, 57.72), (120, 48.79)])
@@ -139,19 +178,3 @@ def test_the_push_lemma_holds_against_distances() -> None:
         # Pushed chains touch the outer walls, so their parts are taken a little smaller.
         near = clearances(model._replace(overlap=2e-5), q, 0.0)
         assert ((at.gap > 0) == (near > 0))[clear].all()
-
-
-@pytest.mark.parametrize("name", ARMS)
-def test_inner_spans_hold_no_pose_that_touches_a_wall(name: str) -> None:
-    model = Model(load_robot(name), PipeCorner.of(80, 75))
-    ends = Ends.of_task(model, ReachConfig())
-    rng = np.random.default_rng(7)
-    centres = np.stack([rng.uniform(-0.4, 0.6, 3000), rng.uniform(0.0, 1.2, 3000), rng.uniform(0.3, 1.9, 3000)], axis=1)
-    spans = ArmSpans(model, ends, 1e-4)(centres, WIDTH)
-    inner = spans[1]
-    sure = inner.free
-    assert sure.sum() > 20
-    headings = centres[sure] + rng.uniform(-WIDTH, WIDTH, (int(sure.sum()), 3))
-    slides = rng.uniform(inner.low[sure], inner.high[sure])
-    bends = np.concatenate([headings[:, :1], np.diff(headings, axis=1)], axis=1)
-    assert (clearances(model, np.concatenate([slides[:, None], bends], axis=1), 0.0) > 0).all()

@@ -32,7 +32,8 @@ def test_the_command_writes_its_folder(
     folder = Path("runs") / "baseline-random" / "eval-d100-angle90-4-episodes"
     assert code == 0
     assert str(folder) in said.replace("\n", "")
-    assert {path.name for path in folder.iterdir()} == {"eval.json", "eval.csv", "success.png", "map.png"}
+    pictures = {"success.png", "map.png", "report.html"}
+    assert {path.name for path in folder.iterdir()} == {"eval.json", "eval.csv", "failures.json", *pictures}
     table = json.loads((folder / "eval.json").read_text(encoding="utf-8"))
     assert len(table["pipes"]) == 1
     assert table["pipes"][0]["episodes"] == 4
@@ -112,7 +113,7 @@ def test_what_is_piped_on_is_the_result_alone_with_whole_paths(
     out = tmp_path / ("exp[bold]" + "long-" * 30) / "real[/]1"
     code, said, error = run(capsys, "--policy", "baseline:random", *QUICK, "--out", str(out))
     assert code == 0
-    assert f"evaluation folder {out}: eval.json, eval.csv, success.png, map.png\n" in said
+    assert f"evaluation folder {out}: eval.json, eval.csv, success.png, map.png, report.html, failures.json\n" in said
     assert "reach: success" in error
     assert "reach: success" not in said
 
@@ -128,7 +129,7 @@ def test_another_evaluation_is_not_replaced_and_the_same_is(tmp_path: Path, caps
     assert (tmp_path / "eval" / "eval.json").read_bytes() == before
     assert run(capsys, "--policy", "baseline:random", *QUICK, *out)[0] == 0
     assert (tmp_path / "eval" / "notes.txt").read_text() == "mine"
-    assert len(list((tmp_path / "eval").iterdir())) == 5
+    assert len(list((tmp_path / "eval").iterdir())) == 7
 
 
 def test_a_folder_in_use_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -78,9 +78,15 @@ def test_the_same_seed_and_episode_are_the_same_recording(front: Path) -> None:
 @pytest.mark.parametrize(
     ("args", "message"),
     [
-        ((), "give one of --policy, --behaviour and --trajectory"),
-        (("--policy", "arm", "--trajectory", "front.csv"), "give one of --policy, --behaviour and --trajectory"),
-        (("--policy", "arm", "--behaviour", "locate:map"), "give one of --policy, --behaviour and --trajectory"),
+        ((), "give one of --policy, --behaviour, --trajectory and --eval"),
+        (
+            ("--policy", "arm", "--trajectory", "front.csv"),
+            "give one of --policy, --behaviour, --trajectory and --eval",
+        ),
+        (
+            ("--policy", "arm", "--behaviour", "locate:map"),
+            "give one of --policy, --behaviour, --trajectory and --eval",
+        ),
         (("--trajectory", "none.csv"), "cannot read none.csv: No such file"),
         (("--policy", "arm", "--out", "film.avi"), r"film.avi: its suffix must be one of"),
         (("--policy", "arm", "--out", "nowhere/film.gif"), "there is no folder nowhere for film.gif"),

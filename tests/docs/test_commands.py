@@ -28,6 +28,7 @@ FENCED = [command for page in PAGES for command in fenced_commands(page)]
 INLINE = [command for page in PAGES for command in inline_commands(page)]
 
 FRAGMENTS = {
+    ("eval", "--certify"),
     ("eval", "--disturb"),
     ("eval", "--require", "99%"),
     ("eval", "--stage"),

@@ -19,6 +19,7 @@ EXAMPLES = ROOT / "examples"
 PROGRAMS = {
     "train.py": (["1536", "trained"], "success of the best check", "trained/best.zip"),
     "evaluate.py": (["1", "evaluated"], "90 mm, 60 deg, right: 1 of 1", "evaluated/eval.json"),
+    "run_onnx.py": (["arm.onnx"], "basic, reach, control by position, 10 Hz", None),
     "own_backend.py": ([], f"{len(ALL_LAWS)} of {len(ALL_LAWS)} laws kept", None),
 }
 """Arguments for a tiny size, what the program prints, and what it writes."""
@@ -32,6 +33,10 @@ def test_every_program_is_tested() -> None:
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_program(name: str, lag_plugin: Path, tmp_path: Path) -> None:
     arguments, printed, written = PROGRAMS[name]
+    if name == "run_onnx.py":
+        pytest.importorskip("onnxruntime")
+        export = ("export", "--policy", "arm", "--to", "onnx", "--observations", "20", "--pipes", "d=90,angle=90")
+        assert pipenav(*export, "--out", str(tmp_path / "arm.onnx")) == 0
     command = [sys.executable, str(EXAMPLES / name), *arguments]
     result = subprocess.run(
         command, cwd=tmp_path, env=environment(lag_plugin), capture_output=True, text=True, check=False
@@ -39,6 +44,14 @@ def test_program(name: str, lag_plugin: Path, tmp_path: Path) -> None:
     assert result.returncode == 0, result.stderr
     assert printed in result.stdout
     assert written is None or (tmp_path / written).is_file()
+
+
+def test_the_exported_policy_needs_no_pipenav() -> None:
+    """NumPy, onnxruntime and the standard library, in 30 lines at most."""
+    text = (EXAMPLES / "run_onnx.py").read_text(encoding="utf-8")
+    roots = {line.split()[1].partition(".")[0] for line in text.splitlines() if line.startswith(("import ", "from "))}
+    assert roots == {"json", "sys", "numpy", "onnxruntime"}
+    assert len(text.splitlines()) <= 30
 
 
 @pytest.mark.slow

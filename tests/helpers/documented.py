@@ -114,7 +114,19 @@ class Options(NamedTuple):
         return (self.command, *self.arguments, *words)
 
 
-FLAGS = {"--check", "--dry-run", "--emulate", "--help", "--live", "--replay", "--untethered", "--write-servos", "--yes"}
+FLAGS = {
+    "--allow-slow-bus",
+    "--certify",
+    "--check",
+    "--dry-run",
+    "--emulate",
+    "--help",
+    "--live",
+    "--replay",
+    "--untethered",
+    "--write-servos",
+    "--yes",
+}
 
 
 def pipenav(*words: str) -> int:
@@ -139,6 +151,10 @@ def expected(argv: Words) -> Expected:
     """Expected end of the tiny command."""
     if argv[0] == "run-real" and "--emulate" in argv:
         return Expected(0, "5 ticks")
+    if argv[0] == "drive" and "--arm" in argv:
+        return Expected(1, "stdin is none")
+    if argv[0] == "drive" and "--emulate" in argv:
+        return Expected(0, "ended: 5 ticks")
     if "lag" in argv and argv[0] == "compare-backends":
         return Expected(1, "too large")
     return REFUSED.get(argv[0], Expected())
@@ -166,7 +182,12 @@ def _eval(options: Options) -> Options:
 
 
 def _view(options: Options) -> Options:
-    """The same motion as a strip instead of a film; the film of the policy `arm` stays one."""
+    """The same motion as a strip instead of a film; the film of the policy `arm` stays one.
+
+    An evaluation's folder is the workshop's, whose only episode has number 0.
+    """
+    if options.has("--eval"):
+        return options.without(("--eval", "--episode")).plus(("--eval", "evaluation"), ("--episode", "0"))
     strips = options.value("--policy") != "arm"
 
     def smaller(name: str, value: str | None) -> tuple[str, str | None]:
@@ -183,6 +204,12 @@ def _experiment(options: Options) -> Options:
     return options._replace(arguments=("e",)).without(DROPPED).plus(*small, ("--out", "reported"))
 
 
+def _export(options: Options) -> Options:
+    """A few observations of one corner to compare on."""
+    small = (("--observations", "50"), ("--pipes", "d=100,angle=90"))
+    return options.without(("--observations", "--pipes")).plus(*small)
+
+
 def _tune(options: Options) -> Options:
     """A search of two trials in one corner, each as short as a documented training."""
     settings = [("--set", setting) for setting in (*TRAINING, 'pipes=["d=100,angle=90"]', "task.max_steps=10")]
@@ -196,6 +223,20 @@ def _run_real(options: Options) -> Options:
     return options.plus(("--ticks", "5"), ("--patience", "10"))
 
 
+def _drive(options: Options) -> Options:
+    """A single episode in one corner, by a script where a person would drive."""
+    if options.has("--emulate"):
+        given = (("--ticks", "5"), ("--patience", "10"), ("--operator", "scripted"), ("--allow-slow-bus", None))
+        return options.plus(*given)
+    if options.has("--arm"):
+        return options
+    names = {"--operator", "--pipes", "--episodes", "--out", "--watch", "--input", "--device"}
+    kept = tuple(pair for pair in options.given if pair[0] not in names)
+    alone = options.value("--operator") == "none"
+    small = (("--operator", "none" if alone else "scripted"), ("--pipes", "d=100,angle=90"))
+    return options._replace(given=(*kept, *small))
+
+
 def _survey(options: Options) -> Options:
     """The example's map is read and checked; trials would take minutes."""
     example = str(Path(__file__).resolve().parents[2] / "examples/schutterwald/network.json")
@@ -206,9 +247,12 @@ RULES: dict[str, Callable[[Options], Options]] = {
     "backends": _as_it_stands,
     "calibrate": _as_it_stands,
     "certify": _as_it_stands,
+    "compare": _as_it_stands,
     "compare-backends": _as_it_stands,
+    "drive": _drive,
     "eval": _eval,
     "experiment": _experiment,
+    "export": _export,
     "gen-pipe": _as_it_stands,
     "hw-check": _as_it_stands,
     "list": _as_it_stands,

@@ -88,7 +88,12 @@ def workshop(shown_files: Path, tmp_path_factory: pytest.TempPathFactory) -> Pat
             words = Options.of(("pipenav", *tiny(("pipenav", "train", "--preset", preset))))
             assert pipenav(*words.without({"--out"}).plus(("--out", place)).argv) == 0
         assert pipenav("view", "--policy", "arm", "--out", "front.csv") == 0
+        tiny_eval = ("eval", "--policy", "arm", "--pipes", "d=100,angle=90", "--episodes", "1")
+        assert pipenav(*tiny_eval, "--out", "evaluation") == 0
         assert pipenav("mirror-rear", "--trajectory", "front.csv", "--out", "rear.csv") == 0
+        for place in ("alone", "shared", "composed"):
+            script = ("--robot", "basic", "--operator", "scripted", "--pipes", "d=100,angle=90", "--no-record")
+            assert pipenav("drive", *script, "--out", place) == 0
     return folder
 
 

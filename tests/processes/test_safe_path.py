@@ -13,9 +13,10 @@ from pipenav.cli import COMMANDS
 
 NAMES = (
     "__future__, concurrent, ctypes, dynamixel_sdk, gymnasium, imageio_ffmpeg, json, logging, matplotlib, "
-    "mujoco, multiprocessing, numpy, optuna, PIL, pipenav_hardware, pipenav_mujoco, pipenav_pybullet, pybullet, "
-    "pydantic, queue, ray, rich, runpy, safetensors, scipy, serial, shapely, signal, sitecustomize, "
-    "stable_baselines3, subprocess, tempfile, tensorboard, threading, torch, trimesh, typer, usercustomize, uuid"
+    "mujoco, multiprocessing, numpy, onnx, onnxruntime, optuna, PIL, pipenav_hardware, pipenav_mujoco, "
+    "pipenav_pybullet, pybullet, pydantic, queue, ray, rich, runpy, safetensors, scipy, serial, shapely, signal, "
+    "sitecustomize, stable_baselines3, subprocess, tempfile, tensorboard, threading, torch, trimesh, typer, "
+    "usercustomize, uuid"
 )
 LIBRARIES = NAMES.split(", ")
 
@@ -40,7 +41,10 @@ RUNS: dict[str, tuple[str, ...]] = {
     "certify": ("certify", "--robot", "basic", *CORNER, "--out", "certified"),
     "mirror-rear": ("mirror-rear", "--help"),
     "experiment": ("experiment", "f", "--seeds", "1", "--steps", "512", "--episodes", "1", "--out", "tried"),
+    "export": ("export", "--policy", "arm", "--to", "onnx", "--observations", "50", *CORNER, "--out", "arm.onnx"),
     "run-real": ("run-real", "--emulate", "--allow-slow-bus", "--patience", "8", "--ticks", "5", "--out", "real"),
+    "drive": ("drive", "--operator", "scripted", "--robot", "basic", *CORNER, "--out", "driven"),
+    "compare": ("compare", "--help"),
     "hw-check": ("hw-check", "--help"),
     "calibrate": ("calibrate", "--help"),
     "replay": ("replay", "--help"),

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.browser import opened, started_browser
 from helpers.surveys import AnsweredTrials, random_tree
 
 from pipenav.survey.html_report import html_report
@@ -16,8 +15,6 @@ from pipenav.survey.passage import Tether
 from pipenav.survey.record import Subject, survey_record
 from pipenav.survey.sensitivity import sensitivities
 from pipenav.survey.survey import SurveyConfig, survey
-
-BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 
 pytestmark = pytest.mark.slow
 
@@ -33,16 +30,8 @@ def record(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    """A headless Chromium of the system."""
-    api = pytest.importorskip("playwright.sync_api")
-    found = next(filter(None, map(shutil.which, BROWSERS)), None)
-    if found is None:
-        pytest.skip("there is no Chromium")
-    options = ["--no-sandbox"] if os.geteuid() == 0 else []
-    with api.sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=found, args=options)
+    with started_browser() as started:
         yield started
-        started.close()
 
 
 @pytest.fixture
@@ -50,17 +39,6 @@ def page_file(record: dict[str, Any], tmp_path: Path) -> Path:
     path = tmp_path / "report.html"
     path.write_text(html_report(record), encoding="utf-8")
     return path
-
-
-def opened(browser: Any, file: Path, **settings: Any) -> tuple[Any, list[str]]:
-    """The report in a new page, and what it complained about or asked the network for."""
-    page = browser.new_page(**settings)
-    trouble: list[str] = []
-    page.on("pageerror", lambda error: trouble.append(str(error)))
-    page.on("console", lambda message: trouble.append(message.text) if message.type == "error" else None)
-    page.on("request", lambda request: None if request.url.startswith("file:") else trouble.append(request.url))
-    page.goto(file.as_uri())
-    return page, trouble
 
 
 def click_on(page: Any, feature: int) -> str:

@@ -6,6 +6,7 @@ import pytest
 
 from pipenav.backends.refusals import CannotPull
 from pipenav.robots.robot import load_robot
+from pipenav.robots.traction import speed_under
 from pipenav.tasks.traverse.tether import TetherConfig
 from pipenav.testing import Haulage
 
@@ -26,6 +27,12 @@ def test_pirate_travels_and_pulls_as_published(backend: str) -> None:
     subject = haulage(backend)
     assert subject.speed() == pytest.approx(TRAVEL, rel=0.05)
     assert subject.bollard_pull() == pytest.approx(PULL, rel=0.05)
+
+
+@pytest.mark.parametrize("load", [4.0, 7.0, 10.0])
+def test_under_a_load_it_is_as_slow_as_the_force_balance_says(load: float) -> None:
+    robot = load_robot("pirate")
+    assert haulage("mujoco").speed(load) == pytest.approx(float(speed_under(robot, load)), rel=0.05)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("backend", SIMULATORS)

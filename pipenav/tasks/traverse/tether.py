@@ -9,7 +9,7 @@ from pydantic import Field, WrapValidator
 
 from pipenav.arrays import Floats, Ints, Table, ordered
 from pipenav.pipes.centre_lines import CentreLines
-from pipenav.robots.cable import capstan, drag_per_metre
+from pipenav.robots.cable import CABLE_WEIGHT, PVC_FRICTION, capstan, drag_per_metre
 
 _Cable = Annotated[float, Field(ge=0, le=100_000)]
 
@@ -19,20 +19,16 @@ as tight as it was."""
 
 
 class TetherConfig(Table):
-    """Settings of the tether.
-
-    Published of PIRATE: 14 N pull 250 m of cable in straight PVC, and 125 m in corroded steel. With these weights and
-    frictions the drag there is 13.9 N.
-    """
+    """Settings of the tether."""
 
     length: Annotated[tuple[_Cable, _Cable], WrapValidator(ordered)] = Field(
         (0.0, 250.0),
         strict=False,
         description="length of straight, level pipe with cable behind the robot at the start [m]",
     )
-    weight: float = Field(0.185, ge=0, le=100, description="weight of the cable [N/m]; by 14 N for 250 m at 0.3")
+    weight: float = Field(CABLE_WEIGHT, ge=0, le=100, description="weight of the cable [N/m]")
     friction: float = Field(
-        0.3, ge=0, le=3, description="friction of the cable in the pipe: 0.3 for PVC (chosen), 0.6 for corroded steel"
+        PVC_FRICTION, ge=0, le=3, description="friction of the cable in the pipe; in corroded steel 0.6"
     )
 
     @property

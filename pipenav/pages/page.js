@@ -1,0 +1,9 @@
+const $ = id => document.getElementById(id);
+function el(tag, text, attrs = {}) { const e = document.createElement(tag); if (text !== undefined) e.textContent = text; for (const k in attrs) e.setAttribute(k, attrs[k]); return e; }
+function table(id, heads, rows) { const t = $(id), h = el("tr"); heads.forEach(x => h.append(el("th", x[0], x[1] ? { class: "n" } : {}))); t.append(el("thead")); t.tHead.append(h); const b = el("tbody"); t.append(b);
+  rows.forEach(r => { const tr = el("tr"); r.forEach((c, i) => { const td = el("td", undefined, heads[i][1] ? { class: "n" } : {}); td.append(c instanceof Node ? c : String(c)); tr.append(td); }); b.append(tr); }); }
+function sortable(id, heads, rows) { table(id, heads, rows.map(r => r.map(c => c instanceof Array ? c[1] : c))); const t = $(id), body = t.tBodies[0], lines = [...body.rows].map((tr, i) => [tr, rows[i].map(c => c instanceof Array ? c[0] : c)]); let by = -1, down = false;
+  [...t.tHead.rows[0].cells].forEach((th, i) => { const b = el("button", th.textContent); th.replaceChildren(b); b.addEventListener("click", () => { down = by === i ? !down : heads[i][1] === 1; by = i;
+    lines.sort(([, x], [, y]) => { const p = x[i], q = y[i]; if (p === null || p === "") return q === null || q === "" ? 0 : 1; if (q === null || q === "") return -1; return (typeof p === "number" && typeof q === "number" ? p - q : String(p).localeCompare(String(q), "en", { numeric: true })) * (down ? -1 : 1); });
+    lines.forEach(l => body.append(l[0])); [...t.tHead.rows[0].cells].forEach((h, j) => j === i ? h.setAttribute("aria-sort", down ? "descending" : "ascending") : h.removeAttribute("aria-sort")); }); }); }
+function facts(rows) { const dl = el("dl"); rows.forEach(([k, v]) => { dl.append(el("dt", k)); const dd = el("dd"); dd.append(v instanceof Node ? v : String(v)); dl.append(dd); }); return dl; }
