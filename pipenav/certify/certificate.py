@@ -213,9 +213,24 @@ def _reach(model: Model, q: Floats, base: float) -> float:
     return math.ceil(100 * float(np.hypot(points[..., 0], points[..., 1]).max()) + 1) / 100
 
 
+NO_SHAPES = frozenset({"name", "mass", "friction", "friction_source", "limit_source", "actuator"})
+"""Keys of a robot's links, joints and wheels that say nothing of shapes or joint limits."""
+
+
 def robot_hash(robot: RobotSpec) -> str:
     """Hash of a robot's description."""
     return _sha256(json.dumps(robot.model_dump(mode="json"), sort_keys=True).encode())
+
+
+def shape_hash(robot: RobotSpec) -> str:
+    """Hash of what certificates know of a robot: shapes and joint limits, and neither masses, motors nor friction."""
+
+    def kept(value: object) -> object:
+        if isinstance(value, dict):
+            return {key: kept(inner) for key, inner in value.items() if key not in NO_SHAPES}
+        return [kept(inner) for inner in value] if isinstance(value, list | tuple) else value
+
+    return _sha256(json.dumps(kept(robot.model_dump(mode="json")["links"]), sort_keys=True).encode())
 
 
 def _sha256(content: bytes) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 import pipenav
-from pipenav.certify.certificate import robot_hash
+from pipenav.certify.certificate import shape_hash
 from pipenav.certify.model import Model
 from pipenav.certify.needed_bore import needed_bore
 from pipenav.errors import ConfigError, PipenavError
@@ -54,7 +54,7 @@ class Frontier(BaseModel):
         schema_version: version of the format; the key is `schema`.
         version: version of pipenav that computed it.
         robot: name of the robot.
-        robot_sha256: hash of its description, by which a stale frontier is noticed.
+        shape_sha256: hash of its shapes and joint limits, by which a stale frontier is noticed.
         bore: `plane` or `round`.
         bend_radius_d: radius of the bend in bores; 0 for a mitre.
         resolution_deg: width of the smallest cells that were allowed [deg].
@@ -66,7 +66,7 @@ class Frontier(BaseModel):
     schema_version: Literal[1] = Field(1, alias="schema")
     version: str
     robot: str
-    robot_sha256: str
+    shape_sha256: str
     bore: Literal["plane", "round"]
     bend_radius_d: float
     resolution_deg: float
@@ -86,7 +86,7 @@ class Frontier(BaseModel):
 
     def of(self, robot: RobotSpec) -> bool:
         """Whether it is the frontier of this robot as it is now."""
-        return robot.name == self.robot and robot_hash(robot) == self.robot_sha256
+        return robot.name == self.robot and shape_hash(robot) == self.shape_sha256
 
 
 class Wanted(NamedTuple):
@@ -121,7 +121,7 @@ class Wanted(NamedTuple):
         return Frontier(
             version=pipenav.__version__,
             robot=self.robot.name,
-            robot_sha256=robot_hash(self.robot),
+            shape_sha256=shape_hash(self.robot),
             bore=self.bore,
             bend_radius_d=self.bend_radius_d,
             resolution_deg=round(rad_to_deg(self.resolution), 6),

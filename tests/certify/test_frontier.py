@@ -66,8 +66,10 @@ def test_a_frontier_of_a_robot_that_changed_is_stale(tmp_path: Path) -> None:
     robot = load_robot("pirate")
     frontier = shipped("pirate", "plane", 0.0)
     assert read_frontier(write_frontier(tmp_path, frontier)) == frontier
-    changed = robot.model_copy(update={"friction": robot.friction + 0.1})
-    assert not frontier.of(changed)
+    first, *others = robot.links
+    wider = robot.model_copy(update={"links": (first.model_copy(update={"width": first.width + 1e-3}), *others)})
+    heavier = robot.model_copy(update={"links": (first.model_copy(update={"mass": 1.0}), *others), "friction": 0.5})
+    assert frontier.of(heavier) and not frontier.of(wider)
     assert shipped_frontier(changed, "plane", 0.0) is None
 
 
