@@ -70,7 +70,7 @@ def test_a_frontier_of_a_robot_that_changed_is_stale(tmp_path: Path) -> None:
     wider = robot.model_copy(update={"links": (first.model_copy(update={"width": first.width + 1e-3}), *others)})
     heavier = robot.model_copy(update={"links": (first.model_copy(update={"mass": 1.0}), *others), "friction": 0.5})
     assert frontier.of(heavier) and not frontier.of(wider)
-    assert shipped_frontier(changed, "plane", 0.0) is None
+    assert shipped_frontier(wider, "plane", 0.0) is None
 
 
 def test_between_points_the_bore_lies_between_theirs() -> None:
