@@ -62,8 +62,8 @@ def export(
 ) -> None:
     """Write a policy as an ONNX or TorchScript model for other programs, and compare it with the policy.
 
-    The model takes observations in physical units, as docs/formats/policy-file.md lists them, and gives actions in
-    [-1, 1] and in physical units. Names, units and scales are in its metadata. It is written only where its actions
+    The model takes observations in physical units, in the order of the policy file, and gives actions in [-1, 1] and
+    in physical units. Names, units and scales are in its metadata. It is written only where its actions
     differ from the policy's by 1e-5 at most on all recorded observations. ONNX needs the extra `export`.
 
     Examples:
