@@ -14,7 +14,7 @@ from pipenav.backends.backend import Backend
 from pipenav.backends.simulators import open_simulator
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
-from pipenav.policies.baselines import sequence
+from pipenav.policies.baselines import sequence_turn
 from pipenav.policies.baselines.sequence import SequenceController
 from pipenav.policies.baselines.sequence_phases import TurnPhase
 from pipenav.policies.baselines.sequence_plan import PRESS, plan
@@ -100,8 +100,8 @@ def test_a_clamp_presses_as_its_joint_says_and_carries_the_robot(
 
     A standing wheel's controller knows its speed alone, so under a load it turns as slowly as its motor allows.
     """
-    monkeypatch.setattr(sequence, "SETTLED", 0.0)
-    monkeypatch.setattr(sequence, "DWELL", 10**6)  # goes on clamping
+    monkeypatch.setattr(sequence_turn, "SETTLED", 0.0)
+    monkeypatch.setattr(sequence_turn, "DWELL", 10**6)  # goes on clamping
     one, n = controller("baseline:sequence-line"), 2
     pipe = PipeCorner.of(diameter, 90)
     start = sample(ROBOT, one.task, [pipe] * n, np.random.default_rng(2))
