@@ -12,9 +12,9 @@ import numpy as np
 
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Simulator, Variation
-from pipenav.backends.messages import Command, Reading, Truth
+from pipenav.backends.messages import Command, Reading
 from pipenav.backends.refusals import CannotVary
-from pipenav.backends.viewer import Viewer
+from pipenav.backends.wrapper import WrappedSimulator
 from pipenav.disturbances.disturbance import MAX_LATENCY, Disturbance
 from pipenav.pipes.pipe import Pipe
 from pipenav.robots import laser
@@ -30,7 +30,7 @@ def disturbed(simulator: Simulator, robot: RobotSpec, n: int, disturbance: Distu
     return DisturbedSimulator(simulator, robot, n, disturbance, seed) if disturbance.acts else simulator
 
 
-class DisturbedSimulator(Simulator):
+class DisturbedSimulator(WrappedSimulator):
     """n robots of another simulator under a disturbance.
 
     The disturbances of an episode depend on the seed, on the start pose and on the pipe alone, because every robot
@@ -50,7 +50,8 @@ class DisturbedSimulator(Simulator):
     """
 
     def __init__(self, inner: Simulator, robot: RobotSpec, n: int, disturbance: Disturbance, seed: int) -> None:
-        self._inner, self._robot, self._disturbance, self._seed = inner, robot, disturbance, seed
+        super().__init__(inner)
+        self._robot, self._disturbance, self._seed = robot, disturbance, seed
         if disturbance.varies_robots and not inner.can_vary:
             raise CannotVary(inner)
         actuators, beams = len(robot.driven_actuators), robot.laser.beams
@@ -76,27 +77,6 @@ class DisturbedSimulator(Simulator):
         self._ranges[indices] = self._seen(indices, reading.ranges)
         return reading._replace(ranges=self._ranges[indices])
 
-    @property
-    def can_incline(self) -> bool:
-        return self._inner.can_incline
-
-    def incline(self, indices: Ints, gravity: Floats) -> None:
-        self._inner.incline(indices, gravity)
-
-    @property
-    def can_pull(self) -> bool:
-        return self._inner.can_pull
-
-    def pull(self, forces: Floats) -> None:
-        self._inner.pull(forces)
-
-    @property
-    def has_viewer(self) -> bool:
-        return self._inner.has_viewer
-
-    def open_viewer(self) -> Viewer:
-        return self._inner.open_viewer()
-
     def step(self, command: Command) -> None:
         self._commands = np.concatenate([command.values[:, None], self._commands[:, :-1]], axis=1)
         arrived = self._commands[np.arange(len(self._age)), self._latency]
@@ -120,12 +100,6 @@ class DisturbedSimulator(Simulator):
         seen = np.where(ranges < sensor.range_max, noisy, ranges)
         seen = np.where(self._missing[indices], sensor.range_max, seen)
         return np.where(uniform < self._dropouts[indices, None], sensor.range_min, seen)
-
-    def truth(self) -> Truth:
-        return self._inner.truth()
-
-    def close(self) -> None:
-        self._inner.close()
 
 
 def _generator(seed: int, pipe: Pipe, q: Floats, base: float) -> np.random.Generator:

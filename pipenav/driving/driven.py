@@ -9,13 +9,13 @@ import numpy as np
 
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Simulator
-from pipenav.backends.messages import Command, Reading, Truth
-from pipenav.backends.viewer import Viewer
+from pipenav.backends.messages import Command, Reading
+from pipenav.backends.wrapper import WrappedSimulator
 from pipenav.driving.door import Door, Scene
 from pipenav.pipes.pipe import Pipe
 
 
-class DrivenSimulator(Simulator):
+class DrivenSimulator(WrappedSimulator):
     """n robots of another simulator, each behind a door of its own.
 
     Args:
@@ -26,7 +26,8 @@ class DrivenSimulator(Simulator):
     """
 
     def __init__(self, inner: Simulator, doors: Sequence[Door], has_policy: bool, tip_gap: float) -> None:
-        self._inner, self.doors, self._has_policy, self._tip_gap = inner, doors, has_policy, tip_gap
+        super().__init__(inner)
+        self.doors, self._has_policy, self._tip_gap = doors, has_policy, tip_gap
         self.target: Callable[[int], Floats | None] = lambda _: None
         """Target of a robot in its own frame, by the robot's index; a task that has targets sets it."""
         self._begins: set[int] = set()
@@ -58,26 +59,3 @@ class DrivenSimulator(Simulator):
             values[i] = door.next(row, partial(np.copy, command.values[i]) if self._has_policy else None)
         self._begins.clear()
         self._inner.step(Command("position", values))
-
-    def read(self) -> Reading:
-        return self._inner.read()
-
-    def truth(self) -> Truth:
-        return self._inner.truth()
-
-    @property
-    def can_incline(self) -> bool:
-        return self._inner.can_incline
-
-    def incline(self, indices: Ints, gravity: Floats) -> None:
-        self._inner.incline(indices, gravity)
-
-    @property
-    def has_viewer(self) -> bool:
-        return self._inner.has_viewer
-
-    def open_viewer(self) -> Viewer:
-        return self._inner.open_viewer()
-
-    def close(self) -> None:
-        self._inner.close()

@@ -6,7 +6,6 @@ its tail holds it back.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from contextlib import closing
 from typing import Any
@@ -20,7 +19,8 @@ from pipenav.backends.refusals import CannotPull
 from pipenav.backends.simulators import open_simulator
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots import kinematics
-from pipenav.robots.robot import BASE, RobotSpec
+from pipenav.robots.robot import RobotSpec
+from pipenav.robots.zigzag import zigzag
 
 SPRING = 200.0
 """Stiffness of the spring behind a robot on the bollard [N/m]: 14 N stretch it by 70 mm, slowly enough for a control
@@ -28,9 +28,6 @@ step."""
 
 RUN_UP_S, MEASURED_S, BOLLARD_S = 3.0, 3.0, 20.0
 """Times until the speed is steady, over which it is measured, and until a spring is stretched [s]."""
-
-STEEPEST = 0.95
-"""Sine of the largest angle between a clamped link and the pipe's axis."""
 
 
 class Haulage:
@@ -56,7 +53,9 @@ class Haulage:
     ) -> None:
         self._robot, self._backend, self._options = robot, backend, options or {}
         self._pipe = PipeCorner.of(diameter_mm, 90, leg_mm=10000)
-        self._start, self._base = _zigzag(robot, self._pipe.diameter), -9.0
+        pose = zigzag(robot, np.array([self._pipe.radius - robot.wheels[0].radius]))
+        self._bends, self._base = pose.bends[0], -9.0
+        self._start = np.concatenate([[0.0], pose.first_link[0], self._bends])[None]
 
     def roll(self, seconds: float, force: Callable[[float], float]) -> Floats:
         """Distances of the tail from its start, after each control step of a run from standstill, (steps,) [m].
@@ -66,14 +65,10 @@ class Haulage:
             force: force that holds the tail back [N], for the tail's distance from its start [m].
         """
         robot, joints = self._robot, len(self._robot.joints)
-        set_points = self._start[0, len(BASE) :] + np.array(
-            [
-                math.copysign(motor.full_drive_error, bend)
-                for motor, bend in zip(robot.joint_actuators, self._bends, strict=True)
-            ]
-        )
+        press = np.array([motor.full_drive_error for motor in robot.joint_actuators])
+        set_points = self._bends + np.copysign(press, self._bends)
         wheels = np.array([motor.speed_limit for motor in robot.driven_actuators[joints:]])
-        forwards = -np.sign([self._bends[i] for i in robot.wheel_joints])
+        forwards = -np.sign(self._bends[robot.wheel_joints])
         command = Command("position", np.concatenate([set_points, wheels * forwards])[None])
         moved: list[float] = []
         with closing(open_simulator(self._backend, robot, 1, self._options)) as simulator:
@@ -87,10 +82,6 @@ class Haulage:
                 moved.append(kinematics.configuration(robot, simulator.read().q, tip)[0, 0])
         return np.array(moved)
 
-    @property
-    def _bends(self) -> Floats:
-        return np.asarray(self._start[0, len(BASE) :])
-
     def speed(self, load: float = 0.0) -> float:
         """Speed of travel against a load [N], after a run-up [m/s]; negative where the load pulls the robot back."""
         moved = self.roll(RUN_UP_S + MEASURED_S, lambda _: load)
@@ -99,15 +90,3 @@ class Haulage:
     def bollard_pull(self) -> float:
         """Force with which the robot stretches a spring behind it until it stands [N]."""
         return SPRING * float(self.roll(BOLLARD_S, lambda moved: SPRING * moved)[-1])
-
-
-def _zigzag(robot: RobotSpec, diameter: float) -> Floats:
-    """Configuration (1, coordinates) in which the wheels touch both walls in turn."""
-    links = len(robot.links)
-    room = diameter - robot.wheels[0].diameter
-    q = np.zeros((1, robot.coordinates))
-    sides = np.where(np.arange(links - 1) % 2, -1.0, 1.0)  # of the joints
-    headings = np.zeros(links)
-    headings[1:-1] = np.arcsin(np.clip(np.diff(sides) / 2 * room / robot.lengths[1:-1], -STEEPEST, STEEPEST))
-    q[0, 1], q[0, len(BASE) :] = room / 2, np.diff(headings)
-    return q

@@ -12,6 +12,7 @@ from pipenav.errors import PipenavError
 from pipenav.pipes.pipe import Pipe
 from pipenav.robots import kinematics
 from pipenav.robots.robot import BASE, RobotSpec
+from pipenav.robots.zigzag import zigzag
 from pipenav.tasks.traverse.config import TraverseConfig
 
 GRAVITY = 9.81
@@ -19,9 +20,6 @@ GRAVITY = 9.81
 
 SPARE_LENGTHS = 2.2
 """Length of a leg in robot lengths: room to slide back before the corner, and to leave it afterwards."""
-
-STEEPEST = 0.95
-"""Sine of the largest angle between a link and the pipe's axis at the start: a steeper one would be hard to clamp."""
 
 
 class TraverseEpisodes(NamedTuple):
@@ -55,18 +53,6 @@ class _FirstCorner(NamedTuple):
     inner_edge: float
 
 
-class _Zigzag(NamedTuple):
-    """Poses of k robots whose joints lie on alternating sides of the axis.
-
-    Attributes:
-        first_link: y and heading of the first link, (k, 2) [m, rad].
-        bends: joint positions, (k, joints) [rad].
-    """
-
-    first_link: Floats
-    bends: Floats
-
-
 def sample(
     robot: RobotSpec, config: TraverseConfig, pipes: Sequence[Pipe], rng: np.random.Generator
 ) -> TraverseEpisodes:
@@ -81,8 +67,8 @@ def sample(
     roomy = tuple(with_room(robot, config, pipe) for pipe in pipes)
     radius, inner = np.array([_first_corner(pipe) for pipe in pipes]).reshape(k, 2).T
     q = np.zeros((k, robot.coordinates))
-    zigzag = _zigzag(robot, first_side * spread * (radius - robot.width / 2))
-    q[:, 1 : len(BASE)], q[:, len(BASE) :] = zigzag.first_link, zigzag.bends
+    pose = zigzag(robot, first_side * spread * (radius - robot.width / 2))
+    q[:, 1 : len(BASE)], q[:, len(BASE) :] = pose.first_link, pose.bends
     base = -inner - gap - kinematics.forward(robot, q).tip[:, 0]
     gravity, in_space = np.zeros((k, 2)), np.zeros((k, 3))
     if config.inclination_deg is not None:
@@ -120,16 +106,3 @@ def with_room(robot: RobotSpec, config: TraverseConfig, pipe: Pipe) -> Pipe:
 
 def _first_corner(pipe: Pipe) -> _FirstCorner:
     return _FirstCorner(pipe.radius, float(pipe.inner_edges[0]))
-
-
-def _zigzag(robot: RobotSpec, offset: Floats) -> _Zigzag:
-    """Poses with joints at +offset and -offset alternately and the end links along the axis; `offset` is (k,) [m]."""
-    links = len(robot.links)
-    signs = np.ones(links)
-    signs[2::2] = -1.0  # the first link is as far off the axis as the first joint
-    sideways = offset[:, None] * signs  # y of each link's rear end, (k, links)
-    rise = np.diff(sideways, axis=1)[:, 1:] / robot.lengths[1:-1]
-    headings = np.zeros((len(offset), links))
-    headings[:, 1:-1] = np.arcsin(np.clip(rise, -STEEPEST, STEEPEST))
-    first_link = np.stack([sideways[:, 0], headings[:, 0]], axis=1)
-    return _Zigzag(first_link, np.diff(headings, axis=1))

@@ -10,11 +10,13 @@ import numpy as np
 import pytest
 
 from pipenav.arrays import Floats
+from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.simulators import open_simulator, open_space
 from pipenav.backends.spatial import SpaceBackend
 from pipenav.errors import PipenavError
 from pipenav.pipes.rotations import about_x
 from pipenav.pipes.route import PipeRoute
+from pipenav.robots import traction
 from pipenav.robots.kinematics import waypoints
 from pipenav.robots.robot import load_robot
 from pipenav.tasks.rolling.clamp import ZIGZAG, RollForward, steepness
@@ -126,3 +128,21 @@ def test_a_backend_of_the_plane_says_so() -> None:
 def test_a_timestep_must_divide_the_control_period_in_space_too() -> None:
     with pytest.raises(PipenavError, match="does not divide the control period"):
         world(timestep=0.003)
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_a_pull_moves_a_robot_as_newton_says_and_its_rear_end_farthest(axis: int) -> None:
+    route, q, n = PipeRoute.of(300, [(90, "left", 0)], [4000, 2000]), np.zeros((3, ROBOT.coordinates)), 3
+    ways = 0.01 * np.outer([-1.0, 0.0, 1.0], np.eye(3)[axis])  # of the centre of mass in a control period
+    with closing(world(n, gravity=0.0)) as backend:
+        backend.reset(np.arange(n), [route] * n, q, np.full(n, -2.0), np.zeros(n))
+        before = backend.truth().points
+        backend.pull(2 * traction.mass(ROBOT) / CONTROL_PERIOD**2 * ways)
+        backend.step(np.zeros((n, len(ROBOT.driven_actuators))), np.zeros(n))
+        moved = backend.truth().points - before
+    links = np.array([link.mass for link in ROBOT.links])
+    wheels = np.array([link.wheel.mass if link.wheel else 0.0 for link in ROBOT.links])
+    middles = (moved[:, :-1] + moved[:, 1:]) / 2  # of the links; a wheel sits at a link's joint
+    centre = np.tensordot(middles, links, (1, 0)) + np.tensordot(moved[:, :-1], wheels, (1, 0))
+    np.testing.assert_allclose(centre / traction.mass(ROBOT), ways, atol=5e-4)
+    assert (np.abs(moved[:, 0, axis]) >= np.abs(ways[:, axis]) * (2.0 if axis else 1.0)).all()
