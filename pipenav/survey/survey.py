@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -15,16 +14,13 @@ from pipenav.networks.model import NetworkMap, Note
 from pipenav.survey.classes import FittingClass
 from pipenav.survey.entries import Goal, Proposal, propose
 from pipenav.survey.features import Fittings, Geometry, fittings_of
+from pipenav.survey.findings import Finding, Findings, Progress
 from pipenav.survey.graph import MainsGraph, mains_graph
-from pipenav.survey.passage import LIFTED, Judged, Tether, Ways, geometry_accuracy, judged, ways_of
+from pipenav.survey.passage import LIFTED, Judged, Tether, Ways, geometry_accuracy, judgements_of, ways_of
 from pipenav.survey.reach import Reach, search, search_from
-from pipenav.survey.trials import Trial, Trials
 
 MOST_BLOCKERS = 60
 """Most points whose length behind them is searched."""
-
-Progress = Callable[[str, int, int], None]
-"""Called with words for what is done, and how much of how much."""
 
 
 class SurveyConfig(NamedTuple):
@@ -64,7 +60,7 @@ class Totals(NamedTuple):
 
     Attributes:
         mains: all of them.
-        in_range: those in which the robot can drive at all.
+        in_range: those in which the policy can drive, by their bore and slope.
         seen: those that it sees.
         unknown: those that it does not see, and might if all that is unknown could be passed.
         blocked: all others.
@@ -84,7 +80,7 @@ class Survey:
     config: SurveyConfig
     graph: MainsGraph
     fittings: Fittings
-    trials: dict[FittingClass, Trial]
+    findings: dict[FittingClass, Finding]
     judgements: list[Judged]
     ways: Ways
     entries: list[int]
@@ -98,12 +94,12 @@ class Survey:
     notes: list[Note]
 
 
-def survey(network: NetworkMap, trials: Trials, config: SurveyConfig, progress: Progress | None = None) -> Survey:
+def survey(network: NetworkMap, findings: Findings, config: SurveyConfig, progress: Progress | None = None) -> Survey:
     """Survey a network.
 
     Args:
         network: its map.
-        trials: the policy's trials, which are made as far as they are missing.
+        findings: trials of the policy and proofs, which are made as far as they are missing.
         config: settings.
         progress: called as the work goes on.
 
@@ -116,10 +112,10 @@ def survey(network: NetworkMap, trials: Trials, config: SurveyConfig, progress: 
     entries = _entries(graph, config.entries)
     fittings = classified(network, graph, config.geometry)
     classes = {kind for movement in fittings.movements for kind in movement.classes}
-    known = trials.results(sorted(classes), trial_progress(progress))
-    judgements = [judged(movement, known, config.confidence) for movement in fittings.movements]
+    known = findings.of(classes, progress)
+    judgements = judgements_of(fittings.movements, known, config.confidence)
     accuracy = geometry_accuracy(config.geometry, network.fabricated)
-    ways = ways_of(fittings, judgements, trials.trained, accuracy)
+    ways = ways_of(fittings, judgements, findings, accuracy)
     _say(progress, "looking for entries")
     proposal = None
     if not entries:
@@ -135,7 +131,7 @@ def survey(network: NetworkMap, trials: Trials, config: SurveyConfig, progress: 
         config=config,
         graph=graph,
         fittings=fittings,
-        trials=known,
+        findings=known,
         judgements=judgements,
         ways=ways,
         entries=entries,
@@ -159,7 +155,7 @@ def _totals(length: Floats, ways: Ways, seen: Floats, optimistic: Floats) -> Tot
     """Sums over all segments: lengths, and what is seen with and without what is unknown, (s,) each [m]."""
     mains, total = float(length.sum()), float(seen.sum())
     might = np.maximum(optimistic - seen, 0.0)
-    beyond = (length - np.maximum(optimistic, seen))[~ways.passable]  # in a bore that nobody knows to be passed
+    beyond = (length - np.maximum(optimistic, seen))[list(ways.unknown)]  # in a bore that nobody knows to be passed
     unknown = float(might.sum()) + float(beyond.sum())
     return Totals(mains, float(length[ways.passable].sum()), total, unknown, mains - total - unknown)
 
@@ -187,17 +183,6 @@ def _entries(graph: MainsGraph, names: tuple[str, ...]) -> list[int]:
         if name not in by_name:
             raise UnknownName("node", name, by_name)
     return [by_name[name] for name in names]
-
-
-def trial_progress(progress: Progress | None) -> Callable[[int, int, str], None] | None:
-    if progress is None:
-        return None
-    report = progress
-
-    def trial(done: int, total: int, name: str) -> None:
-        report(f"trying {name}" if name else "trials", done, total)
-
-    return trial
 
 
 def _blockers(
