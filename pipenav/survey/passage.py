@@ -15,7 +15,7 @@ from pipenav.robots.cable import CABLE_WEIGHT, PVC_FRICTION
 from pipenav.robots.robot import RobotSpec
 from pipenav.survey.classes import FittingClass, nominal_bore, nominal_incline
 from pipenav.survey.features import Fittings, Geometry, Movement
-from pipenav.survey.findings import Cause, Finding, Findings
+from pipenav.survey.findings import Cause, Finding
 from pipenav.survey.possible import part_too_large
 from pipenav.survey.trained import Trained
 from pipenav.survey.trials import Verdict
@@ -179,19 +179,20 @@ def _is_of(limit: str, reason: str) -> bool:
     return limit == "unknown" or "climbs by" in reason
 
 
-def ways_of(fittings: Fittings, judgements: list[Judged], findings: Findings, accuracy: float) -> Ways:
+def ways_of(fittings: Fittings, judgements: list[Judged], trained: Trained, robot: RobotSpec, accuracy: float) -> Ways:
     """The ways through a network.
 
     Args:
         fittings: its fittings.
         judgements: judgements of their movements.
-        findings: what the policy was trained in, and its robot.
+        trained: what the policy was trained in.
+        robot: its robot.
         accuracy: standard deviation of a position [m].
     """
     graph = fittings.graph
     climb = graph.directions()[:, 2]
-    impossible = _impossible_segments(graph.diameter, findings.robot)
-    unknown = _unknown_segments(graph.diameter, climb, graph.length, findings.trained, accuracy)
+    impossible = _impossible_segments(graph.diameter, robot)
+    unknown = _unknown_segments(graph.diameter, climb, graph.length, trained, accuracy)
     unknown = {s: reason for s, reason in unknown.items() if s not in impossible}
     passable = np.ones(len(graph.length), bool)
     passable[[*unknown, *impossible]] = False

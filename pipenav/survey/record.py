@@ -167,6 +167,7 @@ def _features(result: Survey, order: dict[Any, int]) -> list[dict[str, Any]]:
                 "taps": feature.taps,
                 "verdict": worst.verdict,
                 "cause": worst.cause,
+                "reason": worst.reason,
                 "distance_m": None if arrival is None else round(arrival.distance, 2),
                 "entry": None if arrival is None else arrival.entry,
                 "passages": _passages(result, feature, here, order),

@@ -65,7 +65,9 @@ def _accuracy(result: Survey, network: NetworkMap, findings: Findings, progress:
         fittings = classified(network, result.graph, changed)
         classes = {kind for movement in fittings.movements for kind in movement.classes}
         judgements = judgements_of(fittings.movements, findings.of(classes, progress), result.config.confidence)
-        ways = ways_of(fittings, judgements, findings, geometry_accuracy(changed, network.fabricated))
+        ways = ways_of(
+            fittings, judgements, findings.trained, findings.robot, geometry_accuracy(changed, network.fabricated)
+        )
         seen.append(_seen(result, ways, result.config.tether))
     low, high = (geometry.accuracy * factor for factor in FACTORS)
     return Sensitivity("accuracy", "m", low, geometry.accuracy, high, seen[0], result.totals.seen, seen[1])
@@ -82,7 +84,9 @@ def _rates(result: Survey) -> Sensitivity:
 
     tether = result.config.tether
     seen = [_seen(result, changed(to_low), tether) for to_low in (True, False)]
-    tried = [finding.trial for finding in result.findings.values() if not finding.trial.assumed]
+    tried = [
+        finding.trial for finding in result.findings.values() if finding.trial.episodes and not finding.trial.assumed
+    ]
     episodes = sum(trial.episodes for trial in tried)
     rate = sum(trial.successes for trial in tried) / episodes if episodes else math.nan
     low = min((trial.interval.low for trial in tried if trial.successes == trial.episodes), default=math.nan)

@@ -46,7 +46,8 @@ class Blocker(NamedTuple):
 
     Attributes:
         point: point of the graph.
-        behind: length that would be seen besides, were it passed [m].
+        behind: length that would be seen besides, were it passed; of one that is unknown, were the pipes of unknown bore
+            or slope behind it passed too [m].
         judgement: judgement of the passage that is not taken.
     """
 
@@ -115,7 +116,7 @@ def survey(network: NetworkMap, findings: Findings, config: SurveyConfig, progre
     known = findings.of(classes, progress)
     judgements = judgements_of(fittings.movements, known, config.confidence)
     accuracy = geometry_accuracy(config.geometry, network.fabricated)
-    ways = ways_of(fittings, judgements, findings, accuracy)
+    ways = ways_of(fittings, judgements, findings.trained, findings.robot, accuracy)
     _say(progress, "looking for entries")
     proposal = None
     if not entries:
@@ -193,11 +194,15 @@ def _blockers(
     for i, stop in enumerate(reach.stops):
         stops.setdefault(ways.point[stop.movement], []).append(i)
     before = reach.seen(length)
+    open_pipes = ways.passable.copy()
+    open_pipes[list(ways.unknown)] = True
+    opened_ways = ways._replace(passable=open_pipes)
     found = []
     for point, numbers in list(stops.items())[: MOST_BLOCKERS * 20]:
         opened = [reach.stops[i] for i in numbers]
         labels = [stop.label._replace(cost=stop.label.before.cost if stop.label.before else 0.0) for stop in opened]
-        more = search_from(ways, config.tether, config.confidence, labels, reach)
+        unknown = any(judgements[stop.movement].verdict == "unknown" for stop in opened)
+        more = search_from(opened_ways if unknown else ways, config.tether, config.confidence, labels, reach)
         both = {d: max(reach.far.get(d, 0.0), far) for d, far in more.far.items()}
         touched = np.unique(np.fromiter(both, np.intp, len(both)) >> 1)
         gain = sum(_gained(s, both, reach.far, length, before) for s in touched.tolist())
