@@ -170,9 +170,8 @@ def _progress(stack: ExitStack) -> Progress:
 def _report(surveyed: Survey) -> None:
     totals = surveyed.totals
     say(f"mains        {totals.mains / 1e3:8.2f} km, {totals.in_range / 1e3:.2f} km of them in the robot's bores")
-    say(
-        f"inspectable  {totals.seen / 1e3:8.2f} km from {len(surveyed.entries)} {'entry' if len(surveyed.entries) == 1 else 'entries'}"
-    )
+    entries = f"{len(surveyed.entries)} {'entry' if len(surveyed.entries) == 1 else 'entries'}"
+    say(f"inspectable  {totals.seen / 1e3:8.2f} km from {entries}")
     say(f"unknown      {totals.unknown / 1e3:8.2f} km")
     say(f"blocked      {totals.blocked / 1e3:8.2f} km, or out of the cable's reach")
     proposal = surveyed.proposal

@@ -46,8 +46,8 @@ class Blocker(NamedTuple):
 
     Attributes:
         point: point of the graph.
-        behind: length that would be seen besides, were it passed; of one that is unknown, were the pipes of unknown bore
-            or slope behind it passed too [m].
+        behind: length that would be seen besides, were it passed; of one that is unknown, were the pipes behind it
+            whose bore or slope is unknown passed too [m].
         judgement: judgement of the passage that is not taken.
     """
 
