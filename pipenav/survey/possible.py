@@ -132,9 +132,8 @@ def fits_straight(robot: RobotSpec, diameter: float) -> bool:
     ]
     if min(room) < 0 or (robot.lower > 0).any() or (robot.upper < 0).any():
         return False
-    return max(y - r for y, r in zip(beside, room, strict=True)) <= min(
-        y + r for y, r in zip(beside, room, strict=True)
-    )
+    low: float = max(y - r for y, r in zip(beside, room, strict=True))
+    return low <= min(y + r for y, r in zip(beside, room, strict=True))
 
 
 class Possibilities:

@@ -51,7 +51,7 @@ def test_a_branch_is_passable_where_the_corner_of_its_bore_is(
     """The corner lies within the tee and the cross, whatever the run's bore; a tee is never proven by its corner."""
     corner = possibility(PIRATE, FittingClass("bend", branch, angle)).kind
     for kind in ("tee", "cross"):
-        word = possibility(PIRATE, FittingClass(kind, branch + more, angle, to_mm=branch, way=way))  # type: ignore[arg-type]
+        word = possibility(PIRATE, FittingClass(kind, branch + more, angle, to_mm=branch, way=way))
         assert word.kind == "undecided" if corner == "impossible" else WORDS[word.kind] >= WORDS[corner]
 
 
@@ -67,9 +67,8 @@ def test_a_robot_fits_straight_or_has_a_part_that_does_not(robot: str) -> None:
 
 
 def test_what_no_part_fits_into_is_impossible_whatever_it_is() -> None:
-    narrow = {"bore_mm": 100.0, "to_mm": 30.0}
-    kinds = [FittingClass("reducer", **narrow), FittingClass("bend", 30.0, 90.0), FittingClass("bend", 30.0)]
-    kinds += [FittingClass("tee", way=way, angle_deg=90.0, **narrow) for way in ("straight", "into", "out")]
+    kinds = [FittingClass("reducer", 100.0, to_mm=30.0), FittingClass("bend", 30.0, 90.0), FittingClass("bend", 30.0)]
+    kinds += [FittingClass("tee", 100.0, 90.0, to_mm=30.0, way=way) for way in ("straight", "into", "out")]
     for kind in kinds:
         word = possibility(PIRATE, kind)
         assert word.kind == "impossible" and "width: a part of" in word.reason
