@@ -12,7 +12,7 @@ from pydantic_core import PydanticCustomError
 from pipenav.errors import ConfigError, PipenavError, UnknownName, shown
 from pipenav.pipes.bend_radius import bend_radius_mm
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.set_file import MAX_CORNERS, MAX_TURNS, Values, read_as, too_large, values_of
+from pipenav.pipes.set_file import MAX_CORNERS, MAX_TURNS, Range, Values, read_as, too_large, values_of
 from pipenav.pipes.tee import TeePassage, TeeSetFile, tee
 from pipenav.storage import shipped
 from pipenav.storage.text_files import read_toml
@@ -58,6 +58,32 @@ class CornerSetFile(BaseModel):
             for angle in angles
             for times in radii_d
         ]
+
+
+class CornersOfAngle(BaseModel):
+    """Corners of one angle: every diameter that is named with it."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    angle_deg: float
+    diameters_mm: Values
+
+
+class CornerListFile(BaseModel):
+    """A set of corners as TOML: for each angle diameters of its own, each with every turn."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    description: str
+    rows: list[CornersOfAngle] = Field(min_length=1, max_length=MAX_CORNERS)
+    turns: list[str] = Field(["left"], min_length=1, max_length=MAX_TURNS)
+
+    def make(self) -> list[PipeCorner]:
+        """The corners in the order of the rows, first to one side, then to the other."""
+        rows = [(row.angle_deg, values_of(row.diameters_mm)) for row in self.rows]
+        if (count := len(self.turns) * sum(len(diameters) for _, diameters in rows)) > MAX_CORNERS:
+            raise too_large(count)
+        return [PipeCorner.of(d, angle, turn) for turn in self.turns for angle, diameters in rows for d in diameters]
 
 
 def corner_set_names() -> list[str]:
@@ -130,8 +156,12 @@ def _read(path: Path) -> list[PipeCorner]:
     table = read_toml(path)
     if ROUTE_KEYS & table.keys():
         raise ConfigError(f"{path} holds routes: {SINGLE}.")
-    kind: type[CornerSetFile | TeeSetFile] = TeeSetFile if "tee_angles_deg" in table else CornerSetFile
-    file = read_as(kind, path)
+    kind: type[CornerSetFile | CornerListFile | TeeSetFile] = CornerSetFile
+    if "tee_angles_deg" in table:
+        kind = TeeSetFile
+    elif "rows" in table:
+        kind = CornerListFile
+    file = read_as(kind, path, CornersOfAngle if kind is CornerListFile else Range)
     try:
         return file.make()
     except PipenavError as error:
