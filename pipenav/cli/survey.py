@@ -57,7 +57,7 @@ def survey(
     network = read_network_map(file, _read_options(map))
     if result.check:
         refuse_ignored({"--routes": result.routes, "--out": result.out}, "--check only reads the map")
-        _show_notes(network)
+        _show_notes(file, network)
         return
     config = _config(map, way)
     _survey(file, network, config, _findings(trial, where), result)
@@ -196,7 +196,7 @@ def _write_routes(surveyed: Survey, folder: Path) -> None:
         say(f"             none for {route.name}: {route.problem}", "yellow")
 
 
-def _show_notes(network: NetworkMap) -> None:
+def _show_notes(file: Path, network: NetworkMap) -> None:
     """Show what is doubtful in a map.
 
     Raises:
@@ -225,9 +225,9 @@ def _show_notes(network: NetworkMap) -> None:
     endings = {kind: "" if n == 1 else "es" if kind == "cross" else "s" for kind, n in kinds.items()}
     words = [f"{n} {kind}{endings[kind]}" for kind, n in sorted(kinds.items())]
     say(f"fittings: {', '.join(words)}")
-    _refuse(notes)
+    _refuse(file, notes)
 
 
-def _refuse(notes: list[Note]) -> None:
+def _refuse(file: Path, notes: list[Note]) -> None:
     if refused := [note.text for note in notes if note.kind == "no-diameter" and note.severity == "refused"]:
-        raise PipenavError(f"{refused[0]}.")
+        raise PipenavError(f"{file.name}: {refused[0]}.")
