@@ -1,7 +1,7 @@
 """Walls of a route as static geoms, padded with parked ones, so that models of different routes have equal sizes.
 
-The solids of each leg belong to a body of their own that stands along the leg: MuJoCo's trees of bounding boxes are
-aligned with bodies, and a slanted wall in the world's tree would hide behind a box many times its size.
+The solids of each leg belong to a body of their own that stands along the leg, so that equal legs have equal numbers
+wherever they lie.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ WALL_GROUP = 2
 """Geom group of the walls, which beams see."""
 
 PARKED_TOUCHES = {"contype": 4, "conaffinity": 4}
-"""Collision masks of parked geoms: they meet nothing, but have their places in the trees of bounding boxes."""
+"""Collision masks of parked geoms: they meet nothing, and only make models of different routes equally large."""
 
 ROUND_UP = 16
 """Boxes in a layout are a multiple of this, so that a route with a few more does not need a new one."""
@@ -35,11 +35,13 @@ class Layout(NamedTuple):
         legs: bodies of legs.
         boxes: boxes.
         hulls: hulls by their number of vertices, each (vertices, count), sorted.
+        pairs: pairs of a robot's part and a wall that are listed at once; 0 where MuJoCo finds them itself.
     """
 
     legs: int
     boxes: int
     hulls: tuple[tuple[int, int], ...]
+    pairs: int = 0
 
     @classmethod
     def of(cls, route: PipeRoute) -> Self:
@@ -52,7 +54,8 @@ class Layout(NamedTuple):
         """The least layout with room for what fits into either."""
         hulls = Counter(dict(self.hulls)) | Counter(dict(other.hulls))
         boxes = max(self.boxes, other.boxes)
-        return type(self)(max(self.legs, other.legs), boxes, tuple(sorted(hulls.items())))
+        pairs = max(self.pairs, other.pairs)
+        return type(self)(max(self.legs, other.legs), boxes, tuple(sorted(hulls.items())), pairs)
 
 
 def leg_name(i: int) -> str:
@@ -93,7 +96,7 @@ def _park(spec: Any, bodies: list[Any], solids: WallSolids, legs: int, layout: L
 
 
 def _add_body(spec: Any, name: str) -> Any:
-    """Add a static body whose inertia has the body's own axes: they are those of its tree of bounding boxes."""
+    """Add a static body whose inertia has the body's own axes."""
     inertial = {"explicitinertial": True, "mass": 1.0, "inertia": [1.0, 1.0, 1.0]}
     return spec.worldbody.add_body(name=name, ipos=[0.0, 0.0, 0.0], iquat=[1.0, 0.0, 0.0, 0.0], **inertial)
 
