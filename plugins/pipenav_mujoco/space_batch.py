@@ -16,18 +16,18 @@ from pipenav.backends import CONTROL_PERIOD, PARKED
 from pipenav.pipes import PipeRoute
 from pipenav.robots import RobotSpec, space_kinematics
 from pipenav_mujoco.model import Contact, compiled
-from pipenav_mujoco.near_pairs import SLOTS, NearPairs, Parts, Walls, strays
+from pipenav_mujoco.near_pairs import NearPairs, Parts, Walls, strays
 from pipenav_mujoco.space_model import FRONT, space_spec
-from pipenav_mujoco.space_walls import WALL_GROUP, Layout
+from pipenav_mujoco.space_walls import WALL_GROUP, Layout, hand_to_world
 
 SEEN = np.array([group == WALL_GROUP for group in range(mujoco.mjNGROUP)], np.uint8)
 """Flags of the geom groups that beams meet."""
 
 RECORDED = ("sensordata", "xpos", "site_xpos")
-"""What is recorded of each physics step: sensors, and places of bodies and sites where it began."""
+"""Fields that are recorded of each physics step: sensors, and places of bodies and sites where it began."""
 
-PAIRS = 5 * SLOTS
-"""Pairs that models have room for at first: more than the whole robot has in any bore of 70-120 mm."""
+PAIRS = 1.35
+"""Pairs that models have room for at first, as a multiple of the pieces of wall: enough for nearly every route."""
 
 RECENT = 4
 """Share of a control period, as its inverse, whose motion says where a robot gets in the next one."""
@@ -115,6 +115,7 @@ class SpaceBatch:
         spec = space_spec(self._robot, route, layout, settings.timestep, settings.contact)
         model = compiled(spec, self._robot)
         walls = Walls.of(model)
+        hand_to_world(model)
         model.body_contype[:] = model.body_conaffinity[:] = 0  # listed pairs meet, no others
         return _Models(model, walls)
 
@@ -143,9 +144,10 @@ class SpaceBatch:
             self._routes = [routes[0]] * self._n
         for i, route in zip(indices, routes, strict=True):
             self._routes[i] = route
-        needed = self._layout or Layout.of(routes[0])._replace(pairs=PAIRS)
+        needed = self._layout or self._layout_of(routes[0])
         for route in dict.fromkeys(routes):
             needed = needed.union(self._layout_of(route))
+        needed = needed.with_pairs(PAIRS * needed.pieces)
         walled = indices
         if needed != self._layout:
             self._open(needed)
@@ -225,7 +227,7 @@ class SpaceBatch:
         assert self._layout is not None and self._pairs is not None
         most = self._pairs.find(indices, start, end)
         if most > self._layout.pairs:
-            self._open(self._layout._replace(pairs=-(-most // SLOTS) * SLOTS))
+            self._open(self._layout.with_pairs(1.5 * most))
             self._take(np.arange(self._n))
             self._find(indices, start, end)
 

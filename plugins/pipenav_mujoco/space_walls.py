@@ -6,6 +6,7 @@ wherever they lie.
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from typing import Any, NamedTuple, Self
 
@@ -26,6 +27,9 @@ PARKED_TOUCHES = {"contype": 4, "conaffinity": 4}
 
 ROUND_UP = 16
 """Boxes in a layout are a multiple of this, so that a route with a few more does not need a new one."""
+
+SLOTS = 64
+"""Pairs in a layout are a multiple of this."""
 
 
 class Layout(NamedTuple):
@@ -49,6 +53,15 @@ class Layout(NamedTuple):
         solids, legs = wall_solids(route, OUTER_THICKNESS), len(route.straights)
         boxes = -(-len(solids.position) // ROUND_UP) * ROUND_UP
         return cls(legs, boxes, tuple(sorted(Counter(len(hull) for hull in solids.hulls).items())))
+
+    @property
+    def pieces(self) -> int:
+        """Number of solids."""
+        return self.boxes + sum(count for _, count in self.hulls)
+
+    def with_pairs(self, count: float) -> Self:
+        """The same layout with room for as many pairs at least."""
+        return self._replace(pairs=max(self.pairs, math.ceil(count / SLOTS) * SLOTS))
 
     def union(self, other: Self) -> Self:
         """The least layout with room for what fits into either."""
@@ -79,6 +92,19 @@ def add_walls(spec: Any, robot: RobotSpec, route: PipeRoute, contact: Contact, l
     for i, leg in enumerate(_nearest_leg(route, middles)):
         _add_hull(spec, bodies[leg], f"hull{i}", (solids.hulls[i] - start[leg]) @ axes[leg], wall)
     _park(spec, bodies, solids, len(start), layout)
+
+
+def hand_to_world(model: Any) -> None:
+    """Make the world the owner of all walls in a compiled model, without moving them by a bit.
+
+    In every step MuJoCo looks at all geoms but those of the world, to find the axes along which it sorts bodies.
+    """
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    walls = np.flatnonzero(model.body_weldid[model.geom_bodyid] == 0)
+    model.geom_pos[walls], model.geom_quat[walls] = data.geom_xpos[walls], data.geom_xquat[walls]
+    model.geom_sameframe[walls] = mujoco.mjtSameFrame.mjSAMEFRAME_NONE
+    model.geom_bodyid[walls] = 0
 
 
 def _park(spec: Any, bodies: list[Any], solids: WallSolids, legs: int, layout: Layout) -> None:
