@@ -76,7 +76,7 @@ class Parts(NamedTuple):
         rows = []
         for geom in geoms:
             first, x, length, last = lines[model.body(model.geom_bodyid[geom]).name]
-            rows.append((first, last, _reach(model, geom, x, length)))
+            rows.append((first, last, _reach(model, int(geom), x, length)))
         ends = np.array([row[:2] for row in rows]).T
         reach = np.array([row[2] for row in rows])
         friction = np.maximum(model.geom_friction[geoms, 0], robot.friction)  # the walls have the links'
@@ -271,7 +271,7 @@ class _List:
         self._geom1, self._geom2, self._friction = model.pair_geom1, model.pair_geom2, model.pair_friction[:, :2]
         self._nothing = int(np.flatnonzero(model.body_weldid[model.geom_bodyid] == 0)[0])
         self.room = self._count = len(self._geom1)
-        self.write(np.zeros(0), np.zeros(0), np.zeros((0, 1)))
+        self.write(np.zeros(0, int), np.zeros(0, int), np.zeros((0, 1)))
 
     def write(self, first: Ints, second: Ints, friction: Floats) -> None:
         """Write geoms and frictions (pairs, 1); a wall with itself fills the rest, which MuJoCo skips at once."""

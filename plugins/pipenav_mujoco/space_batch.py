@@ -247,6 +247,7 @@ class SpaceBatch:
             batch.state[indices] = states
             start = self.pose(indices).points
             self._find(indices, start, start)
+            batch = self.views.batch  # another one where the models had no room
             record = batch.rollout(steps, record=RECORDED, ids=indices)
             for name, values in record.items():
                 self._record[name][indices, begin : begin + steps] = values
