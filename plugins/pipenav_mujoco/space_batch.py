@@ -240,15 +240,13 @@ class SpaceBatch:
 
         In a single physics step no point strays: contacts are computed where it begins.
         """
-        batch = self.views.batch
         for begin, steps in ((first, count // 2), (first + count // 2, count - count // 2)):
             if begin > first:
-                states = batch.state[indices]
-            batch.state[indices] = states
+                states = self.views.batch.state[indices]
+            self.views.batch.state[indices] = states
             start = self.pose(indices).points
-            self._find(indices, start, start)
-            batch = self.views.batch  # another one where the models had no room
-            record = batch.rollout(steps, record=RECORDED, ids=indices)
+            self._find(indices, start, start)  # which opens another batch where models have no room
+            record = self.views.batch.rollout(steps, record=RECORDED, ids=indices)
             for name, values in record.items():
                 self._record[name][indices, begin : begin + steps] = values
             far = strays(start, start, self._passed(record))
