@@ -13,7 +13,9 @@ from hypothesis import strategies as st
 from pipenav.pages.page import DATA, HEAD, HELPERS, SCRIPTS, STYLE, filled_page
 
 TEMPLATE = f"{HEAD}<title>Page</title>{SCRIPTS}after"
-EVIL = st.sampled_from(["</script>", "<!--", "<script>", "]]>", STYLE, HELPERS, DATA, HEAD, SCRIPTS, "\u2028", "\\", "'", '"', "&lt;"])
+EVIL = st.sampled_from(
+    ["</script>", "<!--", "<script>", "]]>", STYLE, HELPERS, DATA, HEAD, SCRIPTS, "\u2028", "\\", "'", '"', "&lt;"]
+)
 
 data = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text() | EVIL,
