@@ -89,7 +89,8 @@ def training_page(folder: TrainingFolder, config: TrainConfig) -> str:
 def _subject(config: TrainConfig) -> str:
     return (
         f"{config.description.rstrip('.')}; robot {config.robot}, {config.task.kind}, "
-        f"pipes {', '.join(config.pipes)}, backend {config.backend}, {config.learner.robots} robots at once, seed {config.seed}"
+        f"pipes {', '.join(config.pipes)}, backend {config.backend}, "
+        f"{config.learner.robots} robots at once, seed {config.seed}"
     )
 
 
