@@ -70,7 +70,7 @@ class Emulated(NamedTuple):
 
 
 class ServoHealth(NamedTuple):
-    """How hard a servo works.
+    """Load, supply and temperature of a servo.
 
     Attributes:
         load: signed share of its torque, positive towards rising counts.

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from pipenav.backends.backend import CONTROL_PERIOD
-from pipenav.backends.real_robot import ServoHealth, load_real_robot
 from pipenav.deployment.picture import drawable
 from pipenav.deployment.telemetry import Recording
+from pipenav.deployment.ticks import servo_health, tick_seconds
 from pipenav.deployment.trajectories import ArmPlacement
 from pipenav.pages.page import filled_page
 from pipenav.robots import frames, kinematics
@@ -43,7 +43,7 @@ def mission_page(recording: Recording, robot: RobotSpec, folder: Path, placement
     header, all_ticks = recording.header, recording.ticks
     ticks = _chosen(all_ticks)
     end = recording.end or {"end": "cut short", "cause": None, "message": "the process was killed"}
-    times = [_time(tick) for tick in ticks]
+    times = [tick_seconds(tick) for tick in ticks]
     return filled_page(
         TEMPLATE,
         {
@@ -82,12 +82,6 @@ def _chosen(ticks: Ticks) -> Ticks:
     return [ticks[i] for i in sorted(kept)]
 
 
-def _time(tick: Mapping[str, Any]) -> float:
-    """Seconds since the start; where the reading had no time, by the number of the tick."""
-    time = tick.get("time", tick["raw"].get("time"))
-    return float(time) if isinstance(time, int | float) and math.isfinite(time) else CONTROL_PERIOD * tick["tick"]
-
-
 def _subject(header: Mapping[str, Any], placement: ArmPlacement | None) -> str:
     pipe = "in a pipe that is not known" if placement is None else f"in a pipe of {placement.pipe.label}"
     return f"{header.get('robot', 'The arm')} {pipe}, started {header.get('started', 'at an unknown time')}"
@@ -124,7 +118,7 @@ def _events(ticks: Ticks) -> list[dict[str, Any]]:
         if new := [name for name in now if name not in limited]:
             said.append(("limited", ", ".join(map(str, new))))
         limited = now
-        found += [{"time": round(_time(tick), 2), "tick": tick["tick"], "kind": k, "text": t} for k, t in said]
+        found += [{"time": round(tick_seconds(tick), 2), "tick": tick["tick"], "kind": k, "text": t} for k, t in said]
     return found
 
 
@@ -153,22 +147,6 @@ def _servos(header: Mapping[str, Any], robot: RobotSpec, ticks: Ticks) -> list[d
         }
         for i, joint in enumerate(robot.joints)
     ]
-
-
-def servo_health(
-    header: Mapping[str, Any], robot: RobotSpec
-) -> Callable[[Mapping[str, Any]], Sequence[ServoHealth | None]]:
-    """The function that finds the servos' health in the `raw` of a tick: None for each where no servo was read.
-
-    Args:
-        header: header of the telemetry.
-        robot: its robot.
-    """
-    nothing = [None] * len(robot.joints)
-    if not isinstance(header.get("machine"), Mapping) or "arm" not in header["machine"]:
-        return lambda _raw: nothing
-    servos = load_real_robot(header.get("backend", "hardware")).recoder(robot, header["machine"]).servos
-    return lambda raw: servos(raw) if raw.get("states") else nothing
 
 
 def _picture(ticks: Ticks, robot: RobotSpec, placement: ArmPlacement | None) -> dict[str, Any]:
