@@ -128,8 +128,7 @@ def view(
     """
     from pipenav.cli import view_sources as sources
 
-    given = {"--policy": source.policy, "--behaviour": source.behaviour, "--trajectory": source.trajectory}
-    _check_one_source(given | {"--eval": source.evaluation, "--telemetry": source.telemetry})
+    _check_one_source({f"--{name.replace('evaluation', 'eval')}": value for name, value in vars(source).items()})
     trajectory = source.trajectory or []
     inputs = [*trajectory, *(Path(path) for path in (source.policy, source.telemetry) if path)]
     outputs = _checked_outputs(out or [], viewers, inputs)

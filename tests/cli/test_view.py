@@ -78,14 +78,14 @@ def test_the_same_seed_and_episode_are_the_same_recording(front: Path) -> None:
 @pytest.mark.parametrize(
     ("args", "message"),
     [
-        ((), "give one of --policy, --behaviour, --trajectory and --eval"),
+        ((), "give one of --policy, --behaviour, --trajectory, --eval and --telemetry"),
         (
             ("--policy", "arm", "--trajectory", "front.csv"),
-            "give one of --policy, --behaviour, --trajectory and --eval",
+            "give one of --policy, --behaviour, --trajectory, --eval and --telemetry",
         ),
         (
             ("--policy", "arm", "--behaviour", "locate:map"),
-            "give one of --policy, --behaviour, --trajectory and --eval",
+            "give one of --policy, --behaviour, --trajectory, --eval and --telemetry",
         ),
         (("--trajectory", "none.csv"), "cannot read none.csv: No such file"),
         (("--policy", "arm", "--out", "film.avi"), r"film.avi: its suffix must be one of"),
