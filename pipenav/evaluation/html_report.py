@@ -110,6 +110,11 @@ def _chosen(evaluation: Evaluation) -> list[int]:
 def _note(evaluation: Evaluation, numbers: Sequence[int], pictured: Pictured) -> str:
     """Sentences about what the page leaves out."""
     parts = ["In percent of the episodes. Blue passes, orange does not."]
+    if any(record.passability is not None for record in evaluation.pipes):
+        parts.append(
+            "Slanted lines mark pipes with episodes that geometry proves impossible, dots those with episodes that are "
+            "undecided or possible only with overlap; grey ones had no possible episode."
+        )
     if len(numbers) < len(evaluation.pipes):
         parts.append(f"The page has the {len(numbers):,} pipes in which most episodes failed; eval.json has all.")
     if len(pictured.failures) > MOST_FAILURES:
