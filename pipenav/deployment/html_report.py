@@ -141,11 +141,12 @@ def _servos(header: Mapping[str, Any], robot: RobotSpec, ticks: Ticks) -> list[d
     return [
         {
             "name": joint.name,
-            "load": [None if row[i] is None else round(100 * row[i].load, 1) for row in rows],
-            "volts": [None if row[i] is None else row[i].volts for row in rows],
-            "celsius": [None if row[i] is None else row[i].celsius for row in rows],
+            "load": [None if one is None else round(100 * one.load, 1) for one in column],
+            "volts": [None if one is None else one.volts for one in column],
+            "celsius": [None if one is None else one.celsius for one in column],
         }
         for i, joint in enumerate(robot.joints)
+        for column in [[row[i] for row in rows]]
     ]
 
 

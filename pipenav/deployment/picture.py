@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -69,7 +69,7 @@ def mission_picture(
     return png(figure)
 
 
-def drawable(tick: dict[str, Any], robot: RobotSpec) -> bool:
+def drawable(tick: Mapping[str, Any], robot: RobotSpec) -> bool:
     """Whether a record has everything that is drawn of it, in numbers for this robot."""
     numbers = {"q": robot.coordinates, "ranges": robot.laser.beams, "target": 2}
     for key, size in numbers.items():
