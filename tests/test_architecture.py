@@ -40,11 +40,13 @@ OPEN_TO_PLUGINS = {"backends", "jobs", "robots", "pipes", "errors", "arrays", "u
 SIMULATORS = {"mujoco", "pybullet", "serial", "dynamixel_sdk"}
 HEAVY = {"torch", "stable_baselines3", "gymnasium", "matplotlib", "mujoco", "pybullet", "tensorboard", "trimesh"} | {
     "manifold3d",
+    "mcap",
     "onnx",
     "onnxruntime",
     "optuna",
     "mido",
     "pygame",
+    "rerun",
     "shapely",
 }
 

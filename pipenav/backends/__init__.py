@@ -24,6 +24,7 @@ from pipenav.backends.real_robot import (
     RealRobot,
     Recoder,
     Sent,
+    ServoHealth,
     load_real_robot,
 )
 from pipenav.backends.refusals import (
@@ -76,6 +77,7 @@ __all__ = [
     "Recoder",
     "Repeats",
     "Sent",
+    "ServoHealth",
     "Sight",
     "Simulator",
     "SimulatorSettings",

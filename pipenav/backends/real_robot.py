@@ -69,16 +69,32 @@ class Emulated(NamedTuple):
     log: Path
 
 
+class ServoHealth(NamedTuple):
+    """Load, supply and temperature of a servo.
+
+    Attributes:
+        load: signed share of its torque, positive towards rising counts.
+        volts: its supply [V].
+        celsius: its temperature [deg C].
+    """
+
+    load: float
+    volts: float
+    celsius: float
+
+
 class Recoder(NamedTuple):
     """The arithmetic of a real robot, repeated without it.
 
     Attributes:
         read: maps the `raw` of a recorded tick to the reading that was seen in it, None where there was no whole one.
         write: maps a command to what would be sent.
+        servos: maps the `raw` of a recorded tick to the servos' health, in joint order; None for one that was silent.
     """
 
     read: Callable[[Mapping[str, Any]], Reading | None]
     write: Callable[[Command], Sent]
+    servos: Callable[[Mapping[str, Any]], list[ServoHealth | None]]
 
 
 class Stoppable(ABC):

@@ -111,6 +111,7 @@ def _run_rounds(console: Console, plan: ExperimentPlan, place: Place) -> None:
     """Train and measure what is missing; leaves with 128 + the signal where it is stopped."""
     from pipenav.cli.signals import stop_signals
     from pipenav.experiments.plan import add_elapsed
+    from pipenav.experiments.report import write_unfinished_report
 
     with stop_signals() as stopped:
         for this in _rounds():
@@ -118,6 +119,8 @@ def _run_rounds(console: Console, plan: ExperimentPlan, place: Place) -> None:
             add_elapsed(plan, end.seconds)
             if not end.complete:
                 say(f"stopped and saved in {plan.out}; the same command goes on from there")
+                if complete := write_unfinished_report(plan):
+                    say(f"report   {plan.out / 'report.html'} of {', '.join(complete)}, which are complete")
                 raise typer.Exit(stopped.exit_code)
 
 

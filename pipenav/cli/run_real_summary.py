@@ -11,13 +11,15 @@ from rich.console import Console
 from pipenav.cli.terminal import say
 from pipenav.deployment.emulation import Emulation
 from pipenav.deployment.guard import StoppedBySignal
-from pipenav.deployment.plan import TELEMETRY, MissionPlan
+from pipenav.deployment.html_report import mission_page
+from pipenav.deployment.plan import PAGE, TELEMETRY, MissionPlan
 from pipenav.deployment.session import PASSED, Ending
 from pipenav.deployment.summary import located_placement, pace, write_motions
 from pipenav.deployment.telemetry import read_telemetry
 from pipenav.deployment.trajectories import ArmPlacement
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
+from pipenav.storage.atomic_files import atomic_write
 
 
 def conclude(
@@ -58,7 +60,8 @@ def show_summary(
         _show_last(console, ending.last_ticks)
         if ending.stopped.cause == "telemetry":
             return  # the disk takes nothing
-    ticks = read_telemetry(plan.folder / TELEMETRY).ticks
+    recording = read_telemetry(plan.folder / TELEMETRY)
+    ticks = recording.ticks
     kept = pace(ticks)
     parts = ", ".join(f"{name} {seconds * 1e3:.1f}" for name, seconds in kept.parts.items())
     say(
@@ -70,7 +73,8 @@ def show_summary(
     if placement is None and pipe is not None:
         placement = located_placement(plan, ticks, pipe)
     written = [path.name for path in write_motions(plan, ticks, ending.outcome, placement)]
-    say(f"mission folder {plan.folder}: {', '.join([TELEMETRY, *written])}", console=console)
+    atomic_write(plan.folder / PAGE, mission_page(recording, plan.policy.header.robot, plan.folder, placement))
+    say(f"mission folder {plan.folder}: {', '.join([TELEMETRY, *written, PAGE])}", console=console)
 
 
 def require_success(plan: MissionPlan, ending: Ending) -> None:

@@ -311,10 +311,10 @@ def _conclude(folder: TrainingFolder, summary: TrainingSummary) -> None:
     """Say how the training ended, and what can be done with it."""
     if summary.stopped:
         resume = shlex.join(["pipenav", "train", "--resume", str(folder.path)])
-        say(f"stopped after {summary.steps:,} steps and saved; continue with: {resume}")
+        say(f"stopped after {summary.steps:,} steps and saved; continue with: {resume}\nreport   {folder.page}")
         return
     measure = shlex.join(["pipenav", "eval", "--policy", str(folder.best)])
     say(
         f"trained {summary.steps:,} steps in {summary.seconds:.0f} s; best check {summary.check_success:.1%} success\n"
-        f"policy   {folder.best}\npicture  {folder.plot}\nmeasure it: {measure}"
+        f"policy   {folder.best}\npicture  {folder.plot}\nreport   {folder.page}\nmeasure it: {measure}"
     )

@@ -10,6 +10,7 @@ from pipenav.errors import PipenavError
 from pipenav.motions.trajectory import Trajectory
 from pipenav.motions.trajectory_file import write_trajectory
 from pipenav.recording.film import Progress, write_film
+from pipenav.recording.posed_motion import PosedMotion, posed_in_space, posed_trajectory
 from pipenav.recording.record_rolling import SpaceRecording
 from pipenav.recording.rolling_film import draw_in_space
 
@@ -30,6 +31,10 @@ class Drawing(ABC):
         """Pipe, stage and end of each motion, a line each."""
 
     @abstractmethod
+    def posed(self) -> list[PosedMotion]:
+        """The motions as poses in space."""
+
+    @abstractmethod
     def write(self, path: Path, progress: Progress) -> None:
         """Write a file of the kind that the suffix names."""
 
@@ -47,6 +52,9 @@ class PlaneDrawing(Drawing):
     @property
     def sentences(self) -> list[str]:
         return [_sentence(motion) for motion in self._motions]
+
+    def posed(self) -> list[PosedMotion]:
+        return [posed_trajectory(motion) for motion in self._motions]
 
     def write(self, path: Path, progress: Progress) -> None:
         if path.suffix.lower() != TABLE:
@@ -73,6 +81,9 @@ class SpaceDrawing(Drawing):
         ended = f"{recording.outcome} after {recording.time[-1]:.1f} s"
         force = f"largest contact force {recording.contact_force.max():.1f} N"
         return [f"{recording.route.label}, traverse: {ended}, {force}"]
+
+    def posed(self) -> list[PosedMotion]:
+        return [posed_in_space(self._recording)]
 
     def write(self, path: Path, progress: Progress) -> None:
         draw_in_space(path, self._recording, progress)

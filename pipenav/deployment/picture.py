@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -47,7 +47,7 @@ def mission_picture(
     axes = figure.add_subplot()
     if pipe is not None:
         draw_walls(axes, pipe)
-    known = [tick for tick in ticks if _drawable(tick, robot)]
+    known = [tick for tick in ticks if drawable(tick, robot)]
     if known:
         pose = kinematics.forward(robot, np.array([tick["q"] for tick in known]))
         _draw_scans(axes, robot, known, pose, base)
@@ -69,7 +69,7 @@ def mission_picture(
     return png(figure)
 
 
-def _drawable(tick: dict[str, Any], robot: RobotSpec) -> bool:
+def drawable(tick: Mapping[str, Any], robot: RobotSpec) -> bool:
     """Whether a record has everything that is drawn of it, in numbers for this robot."""
     numbers = {"q": robot.coordinates, "ranges": robot.laser.beams, "target": 2}
     for key, size in numbers.items():

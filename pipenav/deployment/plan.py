@@ -10,7 +10,7 @@ from pipenav.errors import PipenavError
 from pipenav.locating.locator import Exit
 from pipenav.policies.policy import Policy
 
-TELEMETRY, PICTURE = "telemetry.jsonl", "run.png"
+TELEMETRY, PICTURE, PAGE = "telemetry.jsonl", "run.png", "report.html"
 POLICY_COPY = "policy.zip"
 """Copy of the policy, beside the telemetry of the mission that it served."""
 

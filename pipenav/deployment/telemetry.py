@@ -34,7 +34,7 @@ class TelemetryFileError(PipenavError):
     """A telemetry file that cannot be used."""
 
     def __init__(self, path: Path, problem: str) -> None:
-        super().__init__(f"telemetry {path} {problem}: give a telemetry.jsonl that pipenav run-real wrote.")
+        super().__init__(f"telemetry {path} {problem}: give a telemetry.jsonl that pipenav run-real or drive wrote.")
 
 
 class Telemetry:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import NamedTuple
 
 from pipenav.evaluation.cells import fitting_of
@@ -26,20 +26,32 @@ class Coarse(NamedTuple):
     note: str
 
 
+class CoarsePipes(NamedTuple):
+    """Records whose single corners have rounded shapes, with a note that says so; empty where none had to be."""
+
+    pipes: Sequence[PipeRecord]
+    note: str
+
+
 def coarse(evaluation: Evaluation) -> Coarse:
     """An evaluation with few enough diameters and shapes of corners to be shown; as it is where it has few."""
-    corners = [record for record in evaluation.pipes if record.route is None]
+    pipes, note = coarse_pipes(evaluation.pipes)
+    if not note:
+        return Coarse(evaluation, "")
+    diameters = [DiameterRecord.of(group) for group in by_diameter(pipes).values()]
+    return Coarse(evaluation.model_copy(update={"pipes": tuple(pipes), "diameters": tuple(diameters)}), note)
+
+
+def coarse_pipes(pipes: Sequence[PipeRecord]) -> CoarsePipes:
+    """Records of few enough diameters and shapes of corners to be shown, in order; as they are where they have few."""
+    corners = [record for record in pipes if record.route is None]
     diameter = _step(lambda step: {_rounded(record.diameter_mm, step) for record in corners}, MOST_DIAMETERS)
     angle = _step(lambda step: {fitting_of(_with_angle(record, step)) for record in _distinct(corners)}, MOST_FITTINGS)
     if not diameter and not angle:
-        return Coarse(evaluation, "")
-    pipes = [record if record.route else _rounded_record(record, diameter, angle) for record in evaluation.pipes]
-    diameters = [DiameterRecord.of(group) for group in by_diameter(pipes).values()]
+        return CoarsePipes(pipes, "")
     steps = [f"diameters to {diameter:g} mm"] * bool(diameter) + [f"angles to {angle:g} deg"] * bool(angle)
-    return Coarse(
-        evaluation.model_copy(update={"pipes": tuple(pipes), "diameters": tuple(diameters)}),
-        f"rounded: {' and '.join(steps)}",
-    )
+    rounded = [record if record.route else _rounded_record(record, diameter, angle) for record in pipes]
+    return CoarsePipes(rounded, f"rounded: {' and '.join(steps)}")
 
 
 def _step(distinct: Callable[[float], Collection[object]], most: int) -> float:

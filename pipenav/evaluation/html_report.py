@@ -9,10 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipenav.backends.backend import CONTROL_PERIOD
-from pipenav.evaluation.cells import Fitting, fitting_of, in_order
-from pipenav.evaluation.coarse import coarse
 from pipenav.evaluation.failures import Failure
 from pipenav.evaluation.interval import wilson
+from pipenav.evaluation.map_panels import map_panels
 from pipenav.evaluation.pipe_results import PipeRecord
 from pipenav.evaluation.replay import Replayed
 from pipenav.evaluation.results import Evaluation
@@ -39,9 +38,6 @@ MOST_FAILURES = 2000
 
 MOST_PICTURES = 12
 """Most pictures in the gallery of the worst pipes."""
-
-ROUTE_COLUMNS = 12
-"""Cells in a row of the map of routes."""
 
 
 class Pictured(NamedTuple):
@@ -96,7 +92,7 @@ def evaluation_page(evaluation: Evaluation, pictured: Pictured) -> str:
                 ],
                 "margin": _mm(robot.width + max(pipe.diameter for pipe in pictured.pipes) / 2),
             },
-            "panels": _panels(evaluation, numbers),
+            "panels": map_panels([evaluation.pipes[n] for n in numbers]),
             "pipes": pipes,
             "failures": [_failure(failure, place, shots, robot) for failure in failures],
             "gallery": _gallery(evaluation, failures, shots),
@@ -114,6 +110,11 @@ def _chosen(evaluation: Evaluation) -> list[int]:
 def _note(evaluation: Evaluation, numbers: Sequence[int], pictured: Pictured) -> str:
     """Sentences about what the page leaves out."""
     parts = ["In percent of the episodes. Blue passes, orange does not."]
+    if any(record.passability is not None for record in evaluation.pipes):
+        parts.append(
+            "Slanted lines mark pipes with episodes that geometry proves impossible, dots those with episodes that are "
+            "undecided or possible only with overlap; grey ones had no possible episode."
+        )
     if len(numbers) < len(evaluation.pipes):
         parts.append(f"The page has the {len(numbers):,} pipes in which most episodes failed; eval.json has all.")
     if len(pictured.failures) > MOST_FAILURES:
@@ -192,41 +193,6 @@ def _gallery(evaluation: Evaluation, failures: Sequence[Failure], shots: Mapping
         if failure.number in shots:
             first.setdefault(failure.pipe, i)
     return [first[pipe] for pipe in sorted(first, key=lambda number: evaluation.pipes[number].success)][:MOST_PICTURES]
-
-
-def _panels(evaluation: Evaluation, numbers: Sequence[int]) -> list[dict[str, Any]]:
-    """Panels of the map: left and right turns by diameter and shape, routes one after the other."""
-    rounded = coarse(evaluation).evaluation.pipes
-    panels = []
-    for turn in ("left", "right"):
-        here: dict[tuple[float, Fitting], list[int]] = {}
-        for place, number in enumerate(numbers):
-            shape = fitting_of(rounded[number])
-            if shape is not None and rounded[number].turn == turn:
-                here.setdefault((rounded[number].diameter_mm, shape), []).append(place)
-        if here:
-            rows, columns = sorted({d for d, _ in here}, reverse=True), in_order(shape for _, shape in here)
-            cells = {f"{rows.index(d)} {columns.index(shape)}": places for (d, shape), places in here.items()}
-            panels.append(
-                _panel(f"{turn} turn", "mm / deg", [f"{d:g}" for d in rows], [c.label for c in columns], cells)
-            )
-    routes = [place for place, number in enumerate(numbers) if evaluation.pipes[number].route is not None]
-    if routes:
-        count = -(-len(routes) // ROUTE_COLUMNS)
-        cells = {f"{i // ROUTE_COLUMNS} {i % ROUTE_COLUMNS}": [place] for i, place in enumerate(routes)}
-        rows_of = [f"from {1 + ROUTE_COLUMNS * i}" for i in range(count)]
-        panels.append(_panel("routes in the order given", "route", rows_of, _numbers(len(routes)), cells))
-    return panels
-
-
-def _numbers(routes: int) -> list[str]:
-    return [str(1 + i) for i in range(min(routes, ROUTE_COLUMNS))]
-
-
-def _panel(
-    name: str, corner: str, rows: Sequence[str], columns: Sequence[str], cells: Mapping[str, list[int]]
-) -> dict[str, Any]:
-    return {"name": name, "corner": corner, "rows": list(rows), "columns": list(columns), "cells": dict(cells)}
 
 
 def _mm(metres: float) -> float:

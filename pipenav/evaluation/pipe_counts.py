@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -50,14 +51,8 @@ def _pipe_record(pipe: Pipe, here: PartRows, episodes: int) -> PipeRecord:
     reached = main.passed
     steps = np.concatenate([part.steps for part in parts])
     shares = np.concatenate([part.contact_share for part in parts])
-    corner = pipe.corner
     return PipeRecord(
-        diameter_mm=round(m_to_mm(pipe.diameter), 6),
-        angle_deg=None if corner is None else round(rad_to_deg(corner.angle), 6),
-        turn=None if corner is None else corner.turn,
-        bend_radius_mm=0.0 if corner is None else round(m_to_mm(corner.bend_radius), 6),
-        fitting=None if corner is None else fitting_of(corner),
-        route=pipe.name if corner is None else None,
+        **pipe_keys(pipe),
         episodes=episodes,
         failures=_failures(here),
         mean_steps=float(main.steps[reached].mean()) if reached.any() else None,
@@ -67,6 +62,19 @@ def _pipe_record(pipe: Pipe, here: PartRows, episodes: int) -> PipeRecord:
         contact_time_share=float((steps * shares).sum() / steps.sum()),
         **_counts(here),
     )
+
+
+def pipe_keys(pipe: Pipe) -> dict[str, Any]:
+    """The keys of a `PipeRecord` that say which pipe it is."""
+    corner = pipe.corner
+    return {
+        "diameter_mm": round(m_to_mm(pipe.diameter), 6),
+        "angle_deg": None if corner is None else round(rad_to_deg(corner.angle), 6),
+        "turn": None if corner is None else corner.turn,
+        "bend_radius_mm": 0.0 if corner is None else round(m_to_mm(corner.bend_radius), 6),
+        "fitting": None if corner is None else fitting_of(corner),
+        "route": pipe.name if corner is None else None,
+    }
 
 
 def _counts(here: PartRows) -> dict[str, int]:

@@ -9,10 +9,9 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.drawing.style import INK, MARKERS, heading, plain
-from pipenav.evaluation.pipe_results import PipeRecord
 from pipenav.evaluation.results import Evaluation
 from pipenav.experiments.plan import ExperimentPlan, resolved_agent
-from pipenav.experiments.tables import SHOWN_STAGES, Result, ShownStage
+from pipenav.experiments.tables import SHOWN_STAGES, Counts, Result, ShownStage, stage_counts
 from pipenav.learning.progress import progress_columns, read_progress
 from pipenav.learning.training_folder import TrainingFolder
 
@@ -42,7 +41,7 @@ def training_figure(plan: ExperimentPlan, results: Sequence[Result], title: str)
     from matplotlib.figure import Figure
 
     agents = {result.row.title: resolved_agent(plan, result.row) for result in results}
-    curves = {label: _curves(plan, agent) for label, agent in agents.items() if agent is not None}
+    curves = {label: training_curves(plan, agent) for label, agent in agents.items() if agent is not None}
     if not curves:
         return None
     figure = Figure((11.0, 5.4), facecolor="white", layout="constrained")
@@ -62,7 +61,7 @@ def training_figure(plan: ExperimentPlan, results: Sequence[Result], title: str)
     return figure
 
 
-class _Curves(NamedTuple):
+class Curves(NamedTuple):
     """The trainings of one agent; NaN where an iteration saw no episode end.
 
     Attributes:
@@ -76,7 +75,8 @@ class _Curves(NamedTuple):
     min_range: Floats
 
 
-def _curves(plan: ExperimentPlan, agent: str) -> _Curves:
+def training_curves(plan: ExperimentPlan, agent: str) -> Curves:
+    """The trainings of an agent, one row for each seed."""
     columns = [_columns(plan, agent, seed) for seed in plan.seeds]
     count = max(int(max(c["steps"], default=0.0)) // ITERATION for c in columns)
     success, min_range = np.full((2, len(columns), count), np.nan)
@@ -88,7 +88,7 @@ def _curves(plan: ExperimentPlan, agent: str) -> _Curves:
                 here = values[iteration == i]
                 if np.isfinite(here).any():
                     curve[seed, i] = np.nanmean(here)
-    return _Curves(np.arange(1.0, count + 1), success, min_range)
+    return Curves(np.arange(1.0, count + 1), success, min_range)
 
 
 def _columns(plan: ExperimentPlan, agent: str, seed: int) -> dict[str, list[float]]:
@@ -126,35 +126,22 @@ def _draw_panel(axes: Axes, results: Sequence[Result], stage: ShownStage, diamet
     for i, result in enumerate(results):
         if stage not in SHOWN_STAGES[result.row.stage]:
             continue
-        shares = [_by_angle(evaluation, stage, diameter) for evaluation in result.evaluations]
+        shares = [by_angle(evaluation, stage, diameter) for evaluation in result.evaluations]
         angles = sorted({angle for share in shares for angle in share})
         values = np.array([[share.get(angle, np.nan) for angle in angles] for share in shares])
         style = _Style(COLOURS[i % len(COLOURS)], result.row.title, MARKERS[i])
         _band(axes, np.array(angles), 100 * values.reshape(len(shares), -1), style)
 
 
-def _by_angle(evaluation: Evaluation, stage: ShownStage, diameter: float) -> dict[float, float]:
+def by_angle(evaluation: Evaluation, stage: ShownStage, diameter: float) -> dict[float, float]:
     """Share of successes by angle [deg], of the attempts of a stage; angles without any are left out."""
-    counts: dict[float, _Counts] = {}
+    counts: dict[float, Counts] = {}
     for record in evaluation.pipes:
-        here = _counts(record, stage)
+        here = stage_counts(record, stage)
         if record.diameter_mm == diameter and record.angle_deg is not None and here.attempts:
-            before = counts.get(record.angle_deg, _Counts(0, 0))
-            counts[record.angle_deg] = _Counts(before.successes + here.successes, before.attempts + here.attempts)
+            before = counts.get(record.angle_deg, Counts(0, 0))
+            counts[record.angle_deg] = Counts(before.successes + here.successes, before.attempts + here.attempts)
     return {angle: successes / attempts for angle, (successes, attempts) in counts.items()}
-
-
-class _Counts(NamedTuple):
-    successes: int
-    attempts: int
-
-
-def _counts(record: PipeRecord, stage: ShownStage) -> _Counts:
-    if stage == "locate":
-        return _Counts(record.located or 0, record.episodes)
-    if stage == "reach":
-        return _Counts(record.reach_successes or 0, record.reach_attempts or 0)
-    return _Counts(record.rear_successes or 0, record.rear_attempts or 0)
 
 
 class _Style(NamedTuple):

@@ -139,3 +139,11 @@ def evaluations(plan: ExperimentPlan, row: Row) -> list[Evaluation]:
     """A row's evaluations, one for each seed."""
     agent = resolved_agent(plan, row)
     return [read_evaluation(plan.evaluation_folder(row, agent, seed)) for seed in plan.evaluation_seeds(row)]
+
+
+def is_complete(plan: ExperimentPlan, name: str) -> bool:
+    """Whether all evaluations of an experiment are there."""
+    try:
+        return all(evaluations(plan, row) for row in load_experiment(name).rows)
+    except PipenavError:
+        return False

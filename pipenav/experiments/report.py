@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import base64
-import html
-import shlex
 from collections.abc import Sequence
 from typing import NamedTuple
 
 from pipenav.drawing.style import png
-from pipenav.experiments.definition import agents_of, load_agents, load_experiment
+from pipenav.experiments.definition import agents_of, load_experiment
 from pipenav.experiments.figures import success_figure, training_figure
 from pipenav.experiments.findings import paragraph
-from pipenav.experiments.plan import TRAINED_FILE, ExperimentPlan, elapsed, read_number
+from pipenav.experiments.html_report import STAGE_LABELS, Section, experiments_page
+from pipenav.experiments.plan import TRAINED_FILE, ExperimentPlan, elapsed, is_complete, read_number
 from pipenav.experiments.tables import Line, Result, results
-from pipenav.storage.atomic_files import Content, atomic_write_all
+from pipenav.storage.atomic_files import Content, atomic_write, atomic_write_all
 
 INTRODUCTION = (
     "Success in percent, mean over the corner angles of one diameter (55 to 125 deg in steps of 5). Ours is the mean"
@@ -23,26 +21,6 @@ INTRODUCTION = (
     " over all episodes."
 )
 
-STAGE_LABELS = {"locate": "locate", "reach": "reach", "rear": "rear", "whole": "whole passage"}
-
-STYLE = (
-    "body{font:16px/1.5 system-ui,sans-serif;color:#20262c;max-width:70rem;margin:2rem auto;padding:0 1rem}"
-    "table{border-collapse:collapse;margin:1rem 0}"
-    "td,th{padding:.3rem .7rem;border-bottom:1px solid #e3e7eb;text-align:left}"
-    "img{max-width:100%;height:auto}h2{margin-top:3rem}"
-)
-
-
-class Section(NamedTuple):
-    """An experiment in the report; pictures are PNG files' contents by name."""
-
-    name: str
-    title: str
-    question: str
-    paragraph: str
-    results: list[Result]
-    pictures: dict[str, bytes]
-
 
 def write_report(plan: ExperimentPlan) -> list[str]:
     """Write the report of what the plan's folder holds; returns the names of its files.
@@ -50,25 +28,47 @@ def write_report(plan: ExperimentPlan) -> list[str]:
     Args:
         plan: a plan whose experiments are complete.
     """
-    sections = [_section(plan, name) for name in plan.experiments]
+    sections = [_with_pictures(plan, _section(plan, name)) for name in plan.experiments]
     summary = _summary(plan)
     pictures = {name: content for section in sections for name, content in section.pictures.items()}
     files: dict[str, Content] = {
         **pictures,
         "report.md": _markdown(sections, summary),
-        "report.html": _html(sections, summary),
+        "report.html": experiments_page(plan, sections, _introduction(summary)),
     }
     atomic_write_all({plan.out / name: content for name, content in files.items()})
     return list(files)
 
 
+def write_unfinished_report(plan: ExperimentPlan) -> list[str]:
+    """Write the page of the experiments that are complete, without pictures, which take time to draw.
+
+    Returns:
+        Names of these experiments; where there are none, nothing is written.
+    """
+    complete = [name for name in plan.experiments if is_complete(plan, name)]
+    if complete:
+        part = plan._replace(experiments=tuple(complete))
+        sections = [_section(part, name) for name in complete]
+        atomic_write(plan.out / "report.html", experiments_page(part, sections, _introduction(_summary(part))))
+    return complete
+
+
+def _introduction(summary: str) -> str:
+    return f"{INTRODUCTION} {summary}".replace("`", "")
+
+
 def _section(plan: ExperimentPlan, name: str) -> Section:
     found, experiment = results(plan, name), load_experiment(name)
-    title = f"({name}) {experiment.title}"
-    pictures = {f"{name}-success.png": png(success_figure(found, title))}
-    if (training := training_figure(plan, found, title)) is not None:
+    return Section(name, f"({name}) {experiment.title}", experiment.question, paragraph(name, found), found, {})
+
+
+def _with_pictures(plan: ExperimentPlan, section: Section) -> Section:
+    name, found = section.name, section.results
+    pictures = {f"{name}-success.png": png(success_figure(found, section.title))}
+    if (training := training_figure(plan, found, section.title)) is not None:
         pictures = {f"{name}-training.png": png(training), **pictures}
-    return Section(name, title, experiment.question, paragraph(name, found), found, pictures)
+    return section._replace(pictures=pictures)
 
 
 def _summary(plan: ExperimentPlan) -> str:
@@ -114,17 +114,6 @@ def _number(line: Line, diameter: float) -> str:
     return f"{line.thesis[diameter]:g}" if diameter in line.thesis else "-"
 
 
-def _settings(section: Section) -> str:
-    """The recipe of each agent of a section, in words that `pipenav train` takes."""
-    parts = []
-    for agent in dict.fromkeys(result.row.agent for result in section.results):
-        if agent in load_agents():
-            recipe = load_agents()[agent]
-            settings = "".join(f" --set {shlex.quote(f'{key}={value}')}" for key, value in recipe.settings.items())
-            parts.append(f"{agent}: pipenav train --preset {recipe.preset}{settings}")
-    return "\n".join(parts)
-
-
 def _markdown(sections: Sequence[Section], summary: str) -> str:
     parts = ["# The thesis's experiments", INTRODUCTION, summary]
     for section in sections:
@@ -132,29 +121,6 @@ def _markdown(sections: Sequence[Section], summary: str) -> str:
         lines = [f"| {' | '.join(row)} |" for row in (headings, ["---"] * len(headings), *rows)]
         pictures = [f"![{name.removesuffix('.png')}]({name})" for name in section.pictures]
         parts += [f"## {section.title}", section.question, "\n".join(lines), section.paragraph, *pictures]
-        if recipes := _settings(section):
+        if recipes := section.recipes:
             parts.append(f"```\n{recipes}\n```")
     return "\n\n".join(parts) + "\n"
-
-
-def _html(sections: Sequence[Section], summary: str) -> str:
-    """The report as one file that holds its pictures."""
-    body = ["<h1>The thesis's experiments</h1>", _p(INTRODUCTION), _p(summary)]
-    for section in sections:
-        headings, rows = _table(section.results)
-        head = "".join(f"<th>{html.escape(cell)}</th>" for cell in headings)
-        cells = ["".join(f"<td>{html.escape(cell)}</td>" for cell in row) for row in rows]
-        lines = "".join(f"<tr>{row}</tr>" for row in (head, *cells))
-        body += [f"<h2>{html.escape(section.title)}</h2>", _p(section.question), f"<table>{lines}</table>"]
-        body.append(_p(section.paragraph))
-        for name, content in section.pictures.items():
-            data = base64.b64encode(content).decode("ascii")
-            body.append(f'<p><img alt="{html.escape(name)}" src="data:image/png;base64,{data}"></p>')
-        if recipes := _settings(section):
-            body.append(f"<pre>{html.escape(recipes)}</pre>")
-    head = f'<meta charset="utf-8"><title>The thesis\'s experiments</title><style>{STYLE}</style>'
-    return f'<!doctype html><html lang="en"><head>{head}</head><body>{"".join(body)}</body></html>\n'
-
-
-def _p(text: str) -> str:
-    return f"<p>{html.escape(text)}</p>"

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
-from pipenav.evaluation.pipe_results import DiameterRecord
+from pipenav.evaluation.pipe_results import DiameterRecord, PipeRecord
 from pipenav.evaluation.results import Evaluation
 from pipenav.evaluation.thesis import thesis_rows
 from pipenav.experiments.definition import Row, load_experiment
@@ -117,6 +117,31 @@ def _share(record: DiameterRecord, evaluation: Evaluation, stage: ShownStage) ->
         return record.rear_success
     pipes = [pipe for pipe in evaluation.pipes if pipe.diameter_mm == record.diameter_mm]
     return sum(pipe.successes for pipe in pipes) / sum(pipe.episodes for pipe in pipes)
+
+
+class Counts(NamedTuple):
+    """Attempts at a stage, and how many of them succeeded."""
+
+    successes: int
+    attempts: int
+
+
+def stage_counts(record: PipeRecord, stage: ShownStage) -> Counts:
+    """Attempts at a stage in a pipe."""
+    if stage == "locate":
+        return Counts(record.located or 0, record.episodes)
+    if stage == "reach":
+        return Counts(record.reach_successes or 0, record.reach_attempts or 0)
+    if stage == "rear":
+        return Counts(record.rear_successes or 0, record.rear_attempts or 0)
+    return Counts(record.successes, record.episodes)
+
+
+def pooled_counts(evaluations: Sequence[Evaluation], stage: ShownStage, diameter: float) -> Counts:
+    """Attempts at a stage in all pipes of a diameter [mm], of all seeds together."""
+    pipes = [record for one in evaluations for record in one.pipes if record.diameter_mm == diameter]
+    counts = [stage_counts(record, stage) for record in pipes]
+    return Counts(sum(one.successes for one in counts), sum(one.attempts for one in counts))
 
 
 def _thesis(row: Row, stage: ShownStage) -> dict[float, float]:

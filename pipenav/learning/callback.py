@@ -14,8 +14,10 @@ from pipenav.arrays import Floats
 from pipenav.backends.simulators import SimulatorSettings
 from pipenav.evaluation.passage import run_task
 from pipenav.learning.checkpoint import NO_CHECK, Checkpoint, save_checkpoint
+from pipenav.learning.checks import read_checks, write_checks
 from pipenav.learning.divergence import Seen, TrainingDiverged, is_sound, write_cause
 from pipenav.learning.figures import write_training_plot
+from pipenav.learning.html_report import write_training_page
 from pipenav.learning.progress import TrainingProgress
 from pipenav.learning.schedule import noise_at
 from pipenav.learning.stages import TrainingStage
@@ -92,6 +94,7 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         self._last_steps = checkpoint.steps
         self._next_check = checkpoint.steps + stage.config.check.every
         self._counts = _Counts()
+        self._checks = read_checks(folder.checks)
 
     @property
     def seconds(self) -> float:
@@ -154,6 +157,7 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
             save_policy(self._folder.best, self.model, self._header())
         self.save()
         write_training_plot(self._folder.plot, self._folder.progress)
+        write_training_page(self._folder.path)
 
     def _report_progress(self) -> None:
         now, steps, counts = time.monotonic(), self.num_timesteps, self._counts
@@ -177,7 +181,7 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
 
     def _add_row(self, progress: TrainingProgress) -> None:
         """Add the row of progress.csv that belongs to a report."""
-        counts = self._counts
+        counts, losses = self._counts, self.model.losses
         self._folder.add_progress(
             {
                 "stage": self._stage.number,
@@ -189,6 +193,8 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
                 "reward": f"{counts.reward / max(counts.samples, 1):.4f}",
                 "episode_steps": f"{counts.episode_steps / counts.episodes:.2f}" if counts.episodes else "",
                 "std": f"{float(self.model.policy.log_std.exp()[0]):.3f}",
+                "policy_loss": "" if losses is None else f"{losses.policy_gradient_loss:.5g}",
+                "value_loss": "" if losses is None else f"{losses.value_loss:.5g}",
                 "check_success": "" if math.isnan(self._check_success) else f"{self._check_success:.4f}",
             }
         )
@@ -214,7 +220,7 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         """Measure the policy in last.zip, without its noise, and keep it as best.zip if none was better."""
         steps, seconds = self.num_timesteps, self.seconds
         try:
-            self._check_success = self._measure()
+            self._check_success = self._measure(steps, seconds)
         except _CheckStopped:
             self.stopped = True
             return
@@ -223,8 +229,8 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
             self.best_success = self._check_success
             save_policy(self._folder.best, self.model, self._header())
 
-    def _measure(self) -> float:
-        """Success of the noise-free policy on episodes spread evenly over the stage's pipes."""
+    def _measure(self, steps: int, seconds: float) -> float:
+        """Success of the noise-free policy on episodes spread evenly over the stage's pipes, kept pipe by pipe."""
         config, check = self._stage.checked, self._stage.checked.check
         pipes = task_of(config.task).parse_training_pipes(config.pipes)
         chosen = [pipes[i] for i in np.linspace(0, len(pipes) - 1, min(check.episodes, len(pipes))).astype(int)]
@@ -232,6 +238,10 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
         controller = _WatchedController(load_policy(self._folder.last), self._during_check)
         simulator = SimulatorSettings(config.backend, config.options)
         results = run_task(controller, chosen, each, config.seed + CHECK_SEED, simulator, config.randomise)
+        self._checks = self._checks.with_check(
+            chosen, results.outcome, steps=steps, seconds=round(seconds, 2), stage=self._stage.number
+        )
+        write_checks(self._folder.checks, self._checks)
         return float((results.outcome == Outcome.REACHED).mean())
 
     def _during_check(self) -> None:

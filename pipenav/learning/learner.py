@@ -39,7 +39,11 @@ class _Adam(torch.optim.Adam):
 
 
 class Learner(PPO):  # type: ignore[misc]  # Stable-Baselines3 is imported untyped
-    """PPO on a `TaskVecEnv`. It writes and reads the files of Stable-Baselines3's own PPO."""
+    """PPO on a `TaskVecEnv`. It writes and reads the files of Stable-Baselines3's own PPO.
+
+    Attributes:
+        losses: means of the last update's losses over its gradient steps; None before the first.
+    """
 
     rollout_buffer: DrivenRollouts
 
@@ -53,9 +57,10 @@ class Learner(PPO):  # type: ignore[misc]  # Stable-Baselines3 is imported untyp
         del self.policy_kwargs["optimizer_class"]
         self.rollout_buffer = DrivenRollouts(self)
         self._decisions: dict[int, Decision] = {}
+        self.losses: StepLosses | None = None
 
     def _excluded_save_params(self) -> list[str]:
-        return [*super()._excluded_save_params(), "_decisions", "_update"]
+        return [*super()._excluded_save_params(), "_decisions", "_update", "losses"]
 
     @cached_property
     def _update(self) -> FusedUpdate:
@@ -148,8 +153,9 @@ class Learner(PPO):  # type: ignore[misc]  # Stable-Baselines3 is imported untyp
     def _log(self, losses: list[StepLosses], clip: float) -> None:
         """Write the losses under the names of Stable-Baselines3."""
         record: Any = self.logger.record
-        for name, column in zip(StepLosses._fields, zip(*losses, strict=True), strict=True):
-            record(f"train/{name}", float(np.mean(column)))
+        self.losses = StepLosses(*(float(np.mean(column)) for column in zip(*losses, strict=True)))
+        for name, mean in self.losses._asdict().items():
+            record(f"train/{name}", mean)
         buffer = self.rollout_buffer
         record("train/explained_variance", explained_variance(buffer.values.flatten(), buffer.returns.flatten()))
         record("train/std", self.policy.log_std.exp().mean().item())

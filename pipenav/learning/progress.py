@@ -22,6 +22,8 @@ PROGRESS_COLUMNS = (
     "std",
     "check_success",
     "stage",
+    "policy_loss",
+    "value_loss",
 )
 
 MAX_ROWS, MAX_COLUMNS = 100_000, 50

@@ -24,6 +24,7 @@ class TrainingFolder:
         self.best, self.last = path / "best.zip", path / "last.zip"
         self.config, self.command = path / "config.json", path / "command.txt"
         self.progress, self.plot = path / "progress.csv", path / "training.png"
+        self.checks, self.page = path / "checks.json", path / "report.html"
         self.checkpoint, self.diverged = path / "resume.safetensors", path / "diverged.json"
         self._rows: list[dict[str, Any]] = []
 

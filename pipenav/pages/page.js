@@ -7,3 +7,4 @@ function sortable(id, heads, rows) { table(id, heads, rows.map(r => r.map(c => c
     lines.sort(([, x], [, y]) => { const p = x[i], q = y[i]; if (p === null || p === "") return q === null || q === "" ? 0 : 1; if (q === null || q === "") return -1; return (typeof p === "number" && typeof q === "number" ? p - q : String(p).localeCompare(String(q), "en", { numeric: true })) * (down ? -1 : 1); });
     lines.forEach(l => body.append(l[0])); [...t.tHead.rows[0].cells].forEach((h, j) => j === i ? h.setAttribute("aria-sort", down ? "descending" : "ascending") : h.removeAttribute("aria-sort")); }); }); }
 function facts(rows) { const dl = el("dl"); rows.forEach(([k, v]) => { dl.append(el("dt", k)); const dd = el("dd"); dd.append(v instanceof Node ? v : String(v)); dl.append(dd); }); return dl; }
+function totals(items) { items.forEach(([c, v, t]) => { const d = el("div", undefined, { class: c }); d.append(el("b", v), t); $("totals").append(d); }); }

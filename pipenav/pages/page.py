@@ -1,4 +1,4 @@
-"""A page from its template: the shared style and helpers put in, and the data, which cannot leave its element."""
+"""A page from its template: the shared head and helpers put in, and the data, which cannot leave its element."""
 
 from __future__ import annotations
 
@@ -6,8 +6,14 @@ import json
 from pathlib import Path
 from typing import Any
 
+HEAD, SCRIPTS = "<!--HEAD-->", "<!--DATA-->"
+"""Places in a template for all that comes before its title, and for the data with the shared functions."""
+
 STYLE, HELPERS, DATA = "/*STYLE*/", "/*HELPERS*/", "/*DATA*/"
-"""Places in a template for the shared style, the shared functions, and the data."""
+"""Places in the shared parts for the style, the functions, and the data."""
+
+FUNCTIONS = ("page.js", "chart.js", "robot.js", "map.js")
+"""Files with the shared functions."""
 
 HERE = Path(__file__).parent
 
@@ -16,17 +22,22 @@ def filled_page(template: Path, data: Any) -> str:
     """The page of a template, whole in itself.
 
     Names of strangers' files stand in the data, so no `<` of it reaches the page: it could end the element that the
-    data lies in. The page's script puts data into the document as text alone, never as markup.
+    data lies in. The page's script, which finds the data as `S`, puts it into the document as text alone, never as
+    markup.
 
     Args:
-        template: the template, with the three places.
+        template: the template, with its two places.
         data: what the page shows, as JSON can hold it.
 
     Raises:
         ValueError: a number in the data is not finite.
     """
     text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-    page = template.read_text(encoding="utf-8")
-    for place, name in ((STYLE, "page.css"), (HELPERS, "page.js")):
-        page = page.replace(place, (HERE / name).read_text(encoding="utf-8").rstrip("\n"), 1)
-    return page.replace(DATA, text, 1)
+    head = _shared("head.html").replace(STYLE, _shared("page.css"), 1)
+    helpers = "\n".join(map(_shared, FUNCTIONS))
+    scripts = _shared("data.html").replace(HELPERS, helpers, 1).replace(DATA, text, 1)
+    return template.read_text(encoding="utf-8").replace(HEAD, head, 1).replace(SCRIPTS, scripts, 1)
+
+
+def _shared(name: str) -> str:
+    return (HERE / name).read_text(encoding="utf-8").rstrip("\n")

@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from pipenav.backends import Recoder, Sent
+from pipenav.backends import Recoder, Sent, ServoHealth
 from pipenav.robots import RobotSpec
 from pipenav_hardware import packets
 from pipenav_hardware.arm_config import ArmConfig
 from pipenav_hardware.beam_filter import BeamFilter
 from pipenav_hardware.codec import Codec, Encoded, Raw
 from pipenav_hardware.ranging import RangeScan, RangeSensor
-from pipenav_hardware.table import Alarm
+from pipenav_hardware.table import SHARE_UNIT, Alarm, decode_state
 
 
 def sent_command(arm: ArmConfig, encoded: Encoded) -> Sent:
@@ -75,5 +75,13 @@ def recorded_arithmetic(robot: RobotSpec, description: Mapping[str, Any]) -> Rec
     if description["start_goals"] is not None:
         codec.last = np.array(description["start_goals"], float)
     return Recoder(
-        lambda record: codec.decode(recorded_raw(record)), lambda command: sent_command(arm, codec.encode(command))
+        lambda record: codec.decode(recorded_raw(record)),
+        lambda command: sent_command(arm, codec.encode(command)),
+        lambda record: [None if data is None else servo_health(data) for data in recorded_raw(record).states],
     )
+
+
+def servo_health(data: bytes) -> ServoHealth:
+    """Load, supply and temperature in the bytes of a servo's state."""
+    state = decode_state(data)
+    return ServoHealth(state.load * SHARE_UNIT, state.decivolts / 10, float(state.temperature))

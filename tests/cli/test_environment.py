@@ -41,8 +41,13 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "view": ("view", "--policy", "arm", *CORNER, "--out", "made.png", "--out", "front.csv"),
 }
 
-TIMED = ("command.txt", "progress.csv", "resume.safetensors", "training.png", "events.")
-"""Beginnings of names of files that hold times of day or durations."""
+TIMED = ("command.txt", "progress.csv", "checks.json", "resume.safetensors", "training.png", "events.")
+"""Beginnings of names of files that hold times of day or durations; a training's report.html holds them too."""
+
+
+def is_timed(file: Path) -> bool:
+    """Whether a file holds times of day or durations."""
+    return file.name.startswith(TIMED) or (file.name == "report.html" and (file.parent / "progress.csv").exists())
 
 
 def contents(file: Path) -> bytes:
@@ -62,10 +67,8 @@ class Ended:
         with TemporaryDirectory() as folder:
             command = [sys.executable, "-m", "pipenav", *args]
             done = subprocess.run(command, cwd=folder, env=environment, capture_output=True)
-            found = [file for file in Path(folder).rglob("*") if file.is_file() and not file.name.startswith(TIMED)]
-            self.files = {
-                str(file.relative_to(folder)): contents(file) for file in found if not file.name.startswith(TIMED)
-            }
+            found = [file for file in Path(folder).rglob("*") if file.is_file() and not is_timed(file)]
+            self.files = {str(file.relative_to(folder)): contents(file) for file in found}
         self.code = done.returncode
         self.out = done.stdout
         self.err = done.stderr.decode("ascii", errors="replace")

@@ -71,7 +71,7 @@ def test_an_emulated_mission_goes_around_the_corner_and_back(passage: Path, reco
     assert list(dict.fromkeys(stages)) == ["locate", "reach", "back", "passed"]
     assert not any(on for on, _ in byte_log.torque(passage / "bus.jsonl", (1, 2, 3, 4)).values())
     assert {path.name for path in passage.iterdir()} == {
-        *("telemetry.jsonl", "policy.zip", "run.png", "bus.jsonl", "locate.csv", "front.csv")
+        *("telemetry.jsonl", "policy.zip", "run.png", "report.html", "bus.jsonl", "locate.csv", "front.csv")
     }
     assert (passage / "run.png").read_bytes().startswith(b"\x89PNG")
 

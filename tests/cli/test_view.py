@@ -78,14 +78,14 @@ def test_the_same_seed_and_episode_are_the_same_recording(front: Path) -> None:
 @pytest.mark.parametrize(
     ("args", "message"),
     [
-        ((), "give one of --policy, --behaviour, --trajectory and --eval"),
+        ((), "give one of --policy, --behaviour, --trajectory, --eval and --telemetry"),
         (
             ("--policy", "arm", "--trajectory", "front.csv"),
-            "give one of --policy, --behaviour, --trajectory and --eval",
+            "give one of --policy, --behaviour, --trajectory, --eval and --telemetry",
         ),
         (
             ("--policy", "arm", "--behaviour", "locate:map"),
-            "give one of --policy, --behaviour, --trajectory and --eval",
+            "give one of --policy, --behaviour, --trajectory, --eval and --telemetry",
         ),
         (("--trajectory", "none.csv"), "cannot read none.csv: No such file"),
         (("--policy", "arm", "--out", "film.avi"), r"film.avi: its suffix must be one of"),
@@ -162,3 +162,20 @@ def test_pictures_that_nobody_named_do_not_replace_each_other(front: Path) -> No
     assert run("view", "--policy", "arm", *pipe, "--seed", "1") == 0
     assert run("view", "--trajectory", str(front)) == 0
     assert len(list(Path().glob("view-*.png"))) == 5
+
+
+@pytest.mark.slow
+def test_motions_and_missions_are_written_for_other_viewers(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("rerun")
+    pytest.importorskip("mcap")
+    monkeypatch.chdir(tmp_path)
+    log = Path(__file__).parents[1] / "data" / "0.1" / "mission" / "telemetry.jsonl"
+    assert run("view", "--policy", "arm", "--pipes", "d=100,angle=90", "--rerun", "arm.rrd") == 0
+    assert run("view", "--telemetry", str(log), "--rerun", "mission.rrd", "--mcap", "mission.mcap") == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"arm.rrd", "mission.rrd", "mission.mcap"}
+    assert (tmp_path / "arm.rrd").read_bytes()[:3] == b"RRF"
+    assert (tmp_path / "mission.mcap").read_bytes()[1:5] == b"MCAP"
+    said = capsys.readouterr().out
+    assert "written: arm.rrd" in said and "written: mission.mcap" in said

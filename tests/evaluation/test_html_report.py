@@ -14,6 +14,7 @@ from helpers.browser import opened, started_browser
 from pipenav.evaluation import Evaluation, EvaluationConfig, PipeRecord
 from pipenav.evaluation.failures import Failure, with_poses
 from pipenav.evaluation.html_report import Pictured, evaluation_page
+from pipenav.evaluation.passability_record import PipePassability
 from pipenav.evaluation.replay import Replayed
 from pipenav.pipes import Pipe, PipeCorner, parse_pipes
 from pipenav.robots import load_robot
@@ -169,6 +170,47 @@ def test_it_prints(browser: Any, file: Path, tmp_path: Path) -> None:
     assert (tmp_path / "report.pdf").stat().st_size > 10_000
     assert not trouble
     page.close()
+
+
+@pytest.mark.slow
+def test_cells_show_what_geometry_says(browser: Any, tmp_path: Path) -> None:
+    """A pipe each: all possible, some impossible, some undecided, none possible."""
+    evaluation, pictured = made(parse_pipes([f"d=90,angle={angle}" for angle in (60, 70, 80, 90)]))
+    chances = [(EACH, 0, 0), (EACH - 3, 3, 0), (EACH - 4, 0, 4), (0, EACH, 0)]
+    records = []
+    for record, (possible, impossible, undecided) in zip(evaluation.pipes, chances, strict=True):
+        verdict = "impossible" if not possible else "passable"
+        left = record.model_copy(update={"reach_successes": min(possible, record.successes)})
+        records.append(left.model_copy(update={"passability": passability(left, impossible, undecided, verdict)}))
+    certified = Evaluation.of(records, config=evaluation.config, robot="basic")
+    page_file = tmp_path / "report.html"
+    page_file.write_text(evaluation_page(certified, pictured), encoding="utf-8")
+    page, trouble = opened(browser, page_file)
+    classes = [page.locator(f'.map button[data-pipes="{n}"]').get_attribute("class") for n in range(4)]
+    assert classes == ["", "impossible", "undecided", "hopeless impossible"]
+    page.locator('.map button[data-pipes="3"]').click()
+    text = page.locator("#details").inner_text()
+    assert "impossible; with the allowed overlap impossible" in text and f"proven impossible\n{EACH}" in text
+    assert page.locator("#pipes tbody td:nth-child(11)").all_inner_texts() == ["passable"] * 3 + ["impossible"]
+    assert "Slanted lines" in page.locator("#note").inner_text()
+    assert not trouble
+    page.close()
+
+
+def passability(record: PipeRecord, impossible: int, undecided: int, verdict: Any) -> PipePassability:
+    """What geometry says of a pipe."""
+    possible = record.episodes - impossible - undecided
+    return PipePassability(
+        possible=possible,
+        possible_with_overlap=0,
+        undecided=undecided,
+        impossible=impossible,
+        gaps=possible - record.successes,
+        contradictions=0,
+        verdict=verdict,
+        verdict_with_overlap=verdict,
+        reason="",
+    )
 
 
 class Labelled:

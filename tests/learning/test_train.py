@@ -30,7 +30,16 @@ from pipenav.policies.policy import load_policy
 
 pytestmark = pytest.mark.slow
 
-FILES = {"best.zip", "last.zip", "config.json", "command.txt", "progress.csv", "training.png", "resume.safetensors"}
+MADE = {"training.png", "report.html"}
+FILES = MADE | {
+    "best.zip",
+    "last.zip",
+    "config.json",
+    "command.txt",
+    "progress.csv",
+    "checks.json",
+    "resume.safetensors",
+}
 
 
 def trained(path: Path, config: TrainConfig, **more: Any) -> tuple[TrainingFolder, TrainingSummary]:

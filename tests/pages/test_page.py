@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipenav.pages.page import DATA, HELPERS, STYLE, filled_page
+from pipenav.pages.page import DATA, HEAD, HELPERS, SCRIPTS, STYLE, filled_page
 
-TEMPLATE = (
-    f'<style>{STYLE}</style><script id="data" type="application/json">{DATA}</script><script>{HELPERS}</script>after'
+TEMPLATE = f"{HEAD}<title>Page</title>{SCRIPTS}after"
+EVIL = st.sampled_from(
+    ["</script>", "<!--", "<script>", "]]>", STYLE, HELPERS, DATA, HEAD, SCRIPTS, "\u2028", "\\", "'", '"', "&lt;"]
 )
-EVIL = st.sampled_from(["</script>", "<!--", "<script>", "]]>", STYLE, HELPERS, DATA, "\u2028", "\\", "'", '"', "&lt;"])
 
 data = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text() | EVIL,

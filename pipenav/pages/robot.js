@@ -1,0 +1,7 @@
+/* Links and wheels of a robot from above. f: two points of each link [mm]; robot: widths, and wheels as [link, place along it, diameter]. */
+function robotShape(f, robot, into, name) { const g = svg("g", { class: name }, into), ends = i => { const [a, b, c, d] = f.slice(2 * i, 2 * i + 4), l = Math.hypot(c - a, d - b); return [a, b, c, d, l]; };
+  robot.widths.forEach((width, i) => { const [a, b, c, d, l] = ends(i), r = Math.min(width / 2, l / 2), ux = (c - a) / (l || 1), uy = (d - b) / (l || 1); svg("line", { class: "link", x1: a + r * ux, y1: -(b + r * uy), x2: c - r * ux, y2: -(d - r * uy), "stroke-width": width }, g); });
+  robot.wheels.forEach(([i, at, size]) => { const [a, b, c, d, l] = ends(i); svg("circle", { class: "wheel", cx: a + at * (c - a) / (l || 1), cy: -(b + at * (d - b) / (l || 1)), r: size / 2 }, g); }); return g; }
+function targetCross(at, r, into) { const [x, y] = at; return svg("path", { class: "target", d: `M${x - r} ${-y}h${2 * r}M${x} ${-y - r}v${2 * r}` }, into); }
+/* The part of the plane around some points, [x, y, ...] [mm], as a view box. */
+function viewBox(points, margin) { let a = Infinity, b = Infinity, c = -Infinity, d = -Infinity; for (let i = 0; i < points.length; i += 2) { a = Math.min(a, points[i]); c = Math.max(c, points[i]); b = Math.min(b, -points[i + 1]); d = Math.max(d, -points[i + 1]); } return `${a - margin} ${b - margin} ${c - a + 2 * margin} ${d - b + 2 * margin}`; }
