@@ -50,6 +50,7 @@ class Verdict(NamedTuple):
         proof: proof, where it is impossible.
         motion: configurations of a motion in the robot's own frame, (rows, coordinates), where it is passable.
         base: x of the robot's frame in the pipe's frame, for the motion [m].
+        ends: starts and targets with the one that an arm's motion joins.
         finest: width of the smallest cells that were looked at, 0 where none were [rad].
     """
 
@@ -58,6 +59,7 @@ class Verdict(NamedTuple):
     proof: Proof | None = None
     motion: Floats | None = None
     base: float = 0.0
+    ends: Ends | None = None
     finest: float = 0.0
 
 
@@ -96,7 +98,8 @@ def motion_of(model: Model, ends: Ends | None) -> Floats | None:
     """
     if model.robot.free:
         return whole_motion(model, MARGIN, TraverseConfig(kind="traverse"))
-    return arm_path(ArmSpans(model, ends or Ends.of_task(model, ReachConfig()), MARGIN))
+    found = _arm_motion(model, ends or Ends.of_task(model, ReachConfig()))
+    return None if found is None else found.q
 
 
 def proof_of(model: Model, ends: Ends | None, resolution: float, most_work: int = MOST_WORK) -> Proof | None:
@@ -142,9 +145,10 @@ def _named(model: Model, proof: LinkProof) -> Proof:
 
 
 def _arm(model: Model, ends: Ends, resolution: float) -> Verdict:
+    if (motion := _arm_motion(model, ends)) is not None:
+        aimed = motion.ends
+        return Verdict("passable", "a motion brings the tip to a target", None, motion.q, aimed.base, aimed)
     spans = ArmSpans(model, ends, MARGIN)
-    if (motion := arm_path(spans)) is not None:
-        return Verdict("passable", "a motion brings the tip to a target", motion=motion, base=ends.base)
     found = search(spans, spans.axes, resolution)
     if not found.proven:
         width = rad_to_deg(found.finest)
@@ -153,10 +157,25 @@ def _arm(model: Model, ends: Ends, resolution: float) -> Verdict:
     return Verdict("impossible", _arm_reason(model, ends), proof, finest=found.finest)
 
 
+class _ArmMotion(NamedTuple):
+    """Configurations of a motion in the robot's own frame, (rows, joints), and the ends that it joins."""
+
+    q: Floats
+    ends: Ends
+
+
+def _arm_motion(model: Model, ends: Ends) -> _ArmMotion | None:
+    """A motion to the first of the targets to which there is one."""
+    for aimed in (ends, *ends.further):
+        if (q := arm_path(ArmSpans(model, aimed, MARGIN))) is not None:
+            return _ArmMotion(q, aimed)
+    return None
+
+
 def _arm_reason(model: Model, ends: Ends) -> str:
     """Limit without which there would be a motion: the slide's, a hinge's, or none, so that the pipe is too narrow."""
     for number, joint in enumerate(model.robot.joints):
-        if arm_path(ArmSpans(model._replace(freed=number), ends, MARGIN)) is None:
+        if _arm_motion(model._replace(freed=number), ends) is None:
             continue
         if not number:
             return f"reach: the slide {joint.name} is too short, with more travel there is a motion"

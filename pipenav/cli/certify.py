@@ -194,7 +194,10 @@ class _Wanted:
                         drawn = start(number * (self.episodes or 1) + episode)
                         ends = Ends.of_episode(model, task, drawn.q[0], float(drawn.base[0]), drawn.target[0])
                 found = verdict_of(model, ends, self.resolution)
-                yield name if start is None else f"{name}-{episode}", Certified(model, ends, self.resolution, found)
+                yield (
+                    name if start is None else f"{name}-{episode}",
+                    Certified(model, found.ends or ends, self.resolution, found),
+                )
 
     def cells(self, one: Certified, needed: bool) -> list[str]:
         """Row of the table."""
