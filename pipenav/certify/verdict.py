@@ -89,17 +89,21 @@ def not_covered(model: Model) -> str:
     return ""
 
 
-def motion_of(model: Model, ends: Ends | None) -> Floats | None:
-    """A motion that passes the corner, free by both tests, as `Verdict.motion`; None where none was found.
+def passable(model: Model, ends: Ends | None) -> Verdict | None:
+    """The verdict that a motion passes the corner, free by both tests; None where none was found.
 
     Args:
         model: what is certified, covered by the method.
         ends: starts and targets of an arm; by default all that the task draws. A whole robot has none.
     """
     if model.robot.free:
-        return whole_motion(model, MARGIN, TraverseConfig(kind="traverse"))
-    found = _arm_motion(model, ends or Ends.of_task(model, ReachConfig()))
-    return None if found is None else found.q
+        q = whole_motion(model, MARGIN, TraverseConfig(kind="traverse"))
+        return None if q is None else Verdict("passable", "a motion of the whole robot is free", motion=q)
+    ends = ends or Ends.of_task(model, ReachConfig())
+    for aimed in (ends, *ends.further):
+        if (q := arm_path(ArmSpans(model, aimed, MARGIN))) is not None:
+            return Verdict("passable", "a motion brings the tip to a target", None, q, aimed.base, aimed)
+    return None
 
 
 def proof_of(model: Model, ends: Ends | None, resolution: float, most_work: int = MOST_WORK) -> Proof | None:
@@ -122,8 +126,8 @@ def proof_of(model: Model, ends: Ends | None, resolution: float, most_work: int 
 def _whole(model: Model, resolution: float) -> Verdict:
     proof = prove_by_link(model)
     if proof is None:
-        if (motion := motion_of(model, None)) is not None:
-            return Verdict("passable", "a motion of the whole robot is free", motion=motion)
+        if (found := passable(model, None)) is not None:
+            return found
         proof = prove(model, resolution)
     if proof is None:
         why = "no motion was found among those tried, and no proof that one or two links cannot pass"
@@ -145,9 +149,8 @@ def _named(model: Model, proof: LinkProof) -> Proof:
 
 
 def _arm(model: Model, ends: Ends, resolution: float) -> Verdict:
-    if (motion := _arm_motion(model, ends)) is not None:
-        aimed = motion.ends
-        return Verdict("passable", "a motion brings the tip to a target", None, motion.q, aimed.base, aimed)
+    if (verdict := passable(model, ends)) is not None:
+        return verdict
     spans = ArmSpans(model, ends, MARGIN)
     found = search(spans, spans.axes, resolution)
     if not found.proven:
@@ -157,30 +160,30 @@ def _arm(model: Model, ends: Ends, resolution: float) -> Verdict:
     return Verdict("impossible", _arm_reason(model, ends), proof, finest=found.finest)
 
 
-class _ArmMotion(NamedTuple):
-    """Configurations of a motion in the robot's own frame, (rows, joints), and the ends that it joins."""
+class Freed(NamedTuple):
+    """A joint without whose limits there is a motion: its number, and the verdict with that motion."""
 
-    q: Floats
-    ends: Ends
+    number: int
+    verdict: Verdict
 
 
-def _arm_motion(model: Model, ends: Ends) -> _ArmMotion | None:
-    """A motion to the first of the targets to which there is one."""
-    for aimed in (ends, *ends.further):
-        if (q := arm_path(ArmSpans(model, aimed, MARGIN))) is not None:
-            return _ArmMotion(q, aimed)
+def freed_joint(model: Model, ends: Ends) -> Freed | None:
+    """The first joint of an arm whose limits alone keep it from a target; None where there is none such."""
+    for number in range(len(model.robot.joints)):
+        if (found := passable(model._replace(freed=number), ends)) is not None:
+            return Freed(number, found)
     return None
 
 
 def _arm_reason(model: Model, ends: Ends) -> str:
     """Limit without which there would be a motion: the slide's, a hinge's, or none, so that the pipe is too narrow."""
-    for number, joint in enumerate(model.robot.joints):
-        if _arm_motion(model._replace(freed=number), ends) is None:
-            continue
-        if not number:
-            return f"reach: the slide {joint.name} is too short, with more travel there is a motion"
-        return f"joint limit: {joint.name} does not turn far enough, without its limits there is a motion"
-    return f"width: the links of {model.robot.name} have no room to turn, also with other joints' limits"
+    found = freed_joint(model, ends)
+    if found is None:
+        return f"width: the links of {model.robot.name} have no room to turn, also with other joints' limits"
+    joint = model.robot.joints[found.number]
+    if not found.number:
+        return f"reach: the slide {joint.name} is too short, with more travel there is a motion"
+    return f"joint limit: {joint.name} does not turn far enough, without its limits there is a motion"
 
 
 def tightest(model: Model, motion: Floats, base: float) -> int:

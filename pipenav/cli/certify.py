@@ -230,14 +230,14 @@ def _table(wanted: _Wanted) -> Table:
 
 def _write(folder: Path, name: str, one: Certified) -> None:
     from pipenav.certify.certificate import write_certificate
-    from pipenav.certify.figure import stuck_figure, tightest_figure
+    from pipenav.certify.figure import impossible_figure, tightest_figure
     from pipenav.drawing.style import png
     from pipenav.storage.atomic_files import atomic_write
 
     write_certificate(folder, name, one)
     if one.verdict.motion is not None:
         atomic_write(folder / f"{name}.png", png(tightest_figure(one)))
-    elif (figure := stuck_figure(one)) is not None:
+    elif (figure := impossible_figure(one)) is not None:
         atomic_write(folder / f"{name}.png", png(figure))
 
 
