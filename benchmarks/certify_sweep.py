@@ -24,6 +24,7 @@ from pipenav.certify.model import Model
 from pipenav.certify.verdict import certify
 from pipenav.pipes import PipeCorner
 from pipenav.robots import load_robot
+from pipenav.storage.atomic_files import atomic_write
 
 ROBOTS = ("basic", "real-setup", "high-fidelity", "pirate")
 NEAR = 6.0
@@ -83,19 +84,21 @@ def main() -> None:
     parser.add_argument("--step", type=float, default=2.5, help="step of the diameter in mm")
     parser.add_argument("--degrees", type=float, default=10.0, help="step of the angle in deg")
     parser.add_argument("--processes", type=int, default=2, help="processes")
-    parser.add_argument("--out", type=Path, help="file for every verdict, as JSON")
+    parser.add_argument("--out", type=Path, help="file for every verdict, as JSON; rows in it count as done")
     given = parser.parse_args()
     diameters = np.arange(40.0, 130.0 + 1e-9, given.step).tolist()
     angles = np.arange(40.0, 140.0 + 1e-9, given.degrees).tolist()
-    found: list[Row] = []
+    kept = given.out is not None and given.out.is_file()
+    found = [Row(**one) for one in json.loads(given.out.read_text())] if kept else []
     with ProcessPoolExecutor(given.processes) as pool:
         for robot in given.robot or ROBOTS:
-            cases = list(itertools.product((0.0, 1.5), ("plane", "round"), angles))
-            waiting = [pool.submit(row, robot, *case, diameters) for case in cases]
-            found += [one.result() for one in waiting]
+            done = {one[:4] for one in found}
+            every = [(robot, *case) for case in itertools.product((0.0, 1.5), ("plane", "round"), angles)]
+            for waiting in [pool.submit(row, *case, diameters) for case in every if case not in done]:
+                found.append(waiting.result())
+                if given.out is not None:
+                    atomic_write(given.out, json.dumps([one._asdict() for one in found]) + "\n")
             print(told([one for one in found if one.robot == robot]), flush=True)
-            if given.out is not None:
-                given.out.write_text(json.dumps([one._asdict() for one in found]) + "\n")
 
 
 if __name__ == "__main__":

@@ -16,9 +16,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pipenav.certify import verdict
 from pipenav.certify.model import Model
 from pipenav.certify.needed_bore import narrowest
-from pipenav.certify.verdict import motion_of
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.pipe import Turn
 from pipenav.robots.robot import RobotSpec, load_robot
@@ -56,7 +56,7 @@ def symmetric(robot: RobotSpec) -> bool:
 def passable(robot: RobotSpec, diameter: float, angle: float) -> bool:
     """Whether there is a motion through the corner [mm, deg], to either side: in the mirror it is the same motion."""
     turns: tuple[Turn, ...] = ("left",) if symmetric(robot) else ("left", "right")
-    return all(motion_of(Model(robot, PipeCorner.of(diameter, angle, turn)), None) is not None for turn in turns)
+    return all(verdict.passable(Model(robot, PipeCorner.of(diameter, angle, turn)), None) is not None for turn in turns)
 
 
 def bores(robot: RobotSpec, angle: float, part: float, expected: float) -> list[float]:

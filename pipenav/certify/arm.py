@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import NamedTuple, Self
 
@@ -13,13 +14,13 @@ from pipenav.certify.model import Model
 from pipenav.certify.slide_interval import Interval, slide_interval
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.reach.config import ReachConfig
-from pipenav.tasks.reach.episode import sample
+from pipenav.tasks.reach.episode import spread_targets
 
-WITHIN = 0.7
-"""Share of the tolerance of a target: the square of half this width lies in the circle of the tolerance."""
+WITHIN = 0.99
+"""Share of a target's tolerance within which motions end."""
 
-DRAWN, AROUND_DRAWN = 2000, 0.005
-"""Targets that are drawn in a bend to see where the task's lie, and the room that is left around them [m]."""
+GAPS, AROUND = 101, 0.0005
+"""Number of starts whose targets say where those of a bend lie, and the room that is left around these [m]."""
 
 LIMIT_SPARE = 0.01
 """Share of a joint's travel by which motions stay off its limits: twice what ends an episode of the task."""
@@ -41,6 +42,7 @@ class Ends(NamedTuple):
         tolerance: distance of tip and target that counts as reached.
         base: x of the robot's frame in the episode that a motion is for, whose slide starts there.
         start: headings of the links with hinges at its start, (hinges,) [rad].
+        further: the same with other targets for a motion, to be tried where there is none to this one.
     """
 
     slide: tuple[float, float]
@@ -53,38 +55,45 @@ class Ends(NamedTuple):
     tolerance: float
     base: float
     start: Floats
+    further: tuple[Ends, ...] = ()
 
     @classmethod
     def of_task(cls, model: Model, config: ReachConfig) -> Self:
-        """All episodes that the task draws in a pipe; a motion is for the one in their middle, in a bend for the one
-        whose target is nearest to the corner."""
+        """All episodes that the task draws in a pipe; a motion is for the one in their middle, in a bend for one whose
+        target is nearest to the corner: in its middle, or to either side."""
         robot, inner = model.robot, model.pipe.inner_edge
         near, far = (-inner - gap - robot.length for gap in config.start_gap)
         lower, upper = model.limits
         half = config.target_lateral * model.pipe.diameter
         depth = (inner + config.target_depth[0], inner + config.target_depth[1])
-        along, left, aim_along, aim_left = depth, (-half, half), depth, (-half, half)
-        base = (near + far) / 2
-        if model.pipe.bend_radius:  # the task's targets lie along the bend, as far as the arm reaches
-            every, bases = _drawn_targets(model, config)
-            nearest = int(every[:, 0].argmin())
-            aim_along, aim_left = ((float(at), float(at)) for at in every[nearest])
-            base = float(bases[nearest])
-            low, high = every.min(axis=0) - AROUND_DRAWN, every.max(axis=0) + AROUND_DRAWN
-            along, left = (float(low[0]), float(high[0])), (float(low[1]), float(high[1]))
         hinges = len(robot.joints) - 1
-        return cls(
+        found = cls(
             (far + float(lower[0]), near + float(upper[0])),
             (far, near),
             np.asarray(config.start_bend * np.arange(1, hinges + 1), float),
-            along,
-            left,
-            aim_along,
-            aim_left,
+            depth,
+            (-half, half),
+            depth,
+            (-half, half),
             config.reach_tolerance,
-            base,
+            (near + far) / 2,
             np.zeros(hinges),
         )
+        return found._in_bend(model, config) if model.pipe.bend_radius else found
+
+    def _in_bend(self, model: Model, config: ReachConfig) -> Self:
+        """The same for a bend: the task's targets lie along it, as far as the arm reaches."""
+        bases, targets = spread_targets(model.robot, config, model.pipe, GAPS)
+        every = _in_second_leg(model, targets)
+        low, high = every.min(axis=0) - AROUND, every.max(axis=0) + AROUND
+        around = self._replace(along=(float(low[0]), float(high[0])), left=(float(low[1]), float(high[1])))
+        nearest = np.flatnonzero(every[:, 0] <= every[:, 0].min() + AROUND)
+        by_side = nearest[every[nearest, 1].argsort(kind="stable")]
+        first, *others = (
+            around._replace(aim_along=(float(a), float(a)), aim_left=(float(b), float(b)), base=float(bases[row]))
+            for row, (a, b) in ((row, every[row]) for row in by_side[[len(by_side) // 2, 0, -1]].tolist())
+        )
+        return first._replace(further=tuple(others))
 
     @classmethod
     def of_episode(cls, model: Model, config: ReachConfig, q: Floats, base: float, target: Floats) -> Self:
@@ -118,12 +127,6 @@ def _in_second_leg(model: Model, points: Floats) -> Floats:
     """Points of the pipe's canonical frame, (..., 2), as distances along the second leg and to its left [m]."""
     cos, sin = math.cos(model.turn), math.sin(model.turn)
     return np.asarray(points @ np.array([[cos, -sin], [sin, cos]]))
-
-
-def _drawn_targets(model: Model, config: ReachConfig) -> tuple[Floats, Floats]:
-    """Targets of many episodes that the task draws, along the second leg and to its left, (n, 2), and bases, (n,)."""
-    drawn = sample(model.robot, config, [model.pipe] * DRAWN, np.random.default_rng(0))
-    return _in_second_leg(model, drawn.target + np.stack([drawn.base, np.zeros(DRAWN)], axis=1)), drawn.base
 
 
 def can_be_certified(robot: RobotSpec) -> bool:
@@ -184,7 +187,7 @@ class ArmSpans:
         return self._within_limits(headings, -TURNED)
 
     def target_slides(self, headings: Floats) -> Interval:
-        """Slides at which the tip is on a target, in a square inside of the tolerance, (n,) each."""
+        """Slides at which the tip is on a target that a motion may end at, (n,) each."""
         return self._tip_slides(headings, WITHIN * self.ends.tolerance, self.ends.aim_along, self.ends.aim_left)
 
     def _empty(self, n: int) -> Span:
@@ -214,23 +217,47 @@ class ArmSpans:
     def _tip_slides(
         self, headings: Floats, tolerance: float, along: tuple[float, float], left: tuple[float, float]
     ) -> Interval:
-        """Slides at which the tip is in a rectangle of the second leg, made larger by a tolerance, (n,) each."""
-        turn, (least, most) = self.model.turn, zip(along, left, strict=True)
-        every = _with_base(headings)
-        x, y = np.cos(every) @ self._lengths, np.sin(every) @ self._lengths
-        low, high = np.full(len(headings), -np.inf), np.full(len(headings), np.inf)
-        for axis, (along_x, along_y) in enumerate(
-            ((math.cos(turn), math.sin(turn)), (-math.sin(turn), math.cos(turn)))
-        ):
-            at = x * along_x + y * along_y
-            if abs(along_x) < SQUARE:
-                outside = (at < least[axis] - tolerance - SQUARE) | (at > most[axis] + tolerance + SQUARE)
-                low[outside] = np.inf
-                continue
-            ends = np.stack([least[axis] - tolerance - at, most[axis] + tolerance - at]) / along_x
-            low, high = np.maximum(low, ends.min(axis=0)), np.minimum(high, ends.max(axis=0))
+        """Slides at which the tip is within a tolerance of a rectangle of the second leg, (n,) each.
+
+        Such places are two rectangles, made larger along one side each, and circles around the corners. Their union is
+        convex, so the slides are one interval.
+        """
+        turn, every = self.model.turn, _with_base(headings)
+        tip = np.stack([np.cos(every) @ self._lengths, np.sin(every) @ self._lengths])
+        more = np.array([-tolerance, tolerance])
+        parts = [_on_rectangle(tip, turn, along + more, left), _on_rectangle(tip, turn, along, left + more)]
+        parts += [_on_circle(tip, turn, tolerance, corner) for corner in sorted({*itertools.product(along, left)})]
+        low = np.min([np.where(part.low <= part.high, part.low, np.inf) for part in parts], axis=0)
+        high = np.max([np.where(part.low <= part.high, part.high, -np.inf) for part in parts], axis=0)
         return Interval(low, high)
 
+
+def _on_rectangle(tip: Floats, turn: float, along: Pair, left: Pair) -> Interval:
+    """Slides at which tips, (2, n) for a slide of 0, are in a rectangle of the second leg, (n,) each."""
+    low, high = np.full(tip.shape[1], -np.inf), np.full(tip.shape[1], np.inf)
+    axes = ((math.cos(turn), math.sin(turn)), (-math.sin(turn), math.cos(turn)))
+    for axis, (least, most) in zip(axes, (along, left), strict=True):
+        at = np.asarray(axis @ tip)
+        if abs(axis[0]) < SQUARE:
+            outside = (at < least - SQUARE) | (at > most + SQUARE)
+            low[outside] = np.inf
+            continue
+        ends = np.stack([least - at, most - at]) / axis[0]
+        low, high = np.maximum(low, ends.min(axis=0)), np.minimum(high, ends.max(axis=0))
+    return Interval(low, high)
+
+
+def _on_circle(tip: Floats, turn: float, radius: float, middle: Pair) -> Interval:
+    """Slides at which tips, (2, n) for a slide of 0, are in a circle around a place of the second leg, (n,) each."""
+    cos, sin = math.cos(turn), math.sin(turn)
+    x, y = middle[0] * cos - middle[1] * sin, middle[0] * sin + middle[1] * cos
+    square = radius**2 - (y - tip[1]) ** 2
+    half = np.where(square >= 0, np.sqrt(np.maximum(square, 0.0)), -np.inf)
+    return Interval(x - tip[0] - half, x - tip[0] + half)
+
+
+Pair = tuple[float, float] | Floats
+"""Smallest and largest of something [m], or a place: along the second leg and to its left."""
 
 SQUARE = 1e-9
 """Cosine below which a leg counts as square to the first one, times a metre far below the slack of a proof."""

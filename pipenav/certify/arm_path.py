@@ -187,6 +187,8 @@ def _motion(spans: ArmSpans, way: Floats) -> Floats | None:
     if (free.low > free.high).any() or apart.any() or not spans.within_limits(headings).all():
         return None
     at = spans.target_slides(headings[-1:])
+    if at.low[0] > at.high[0]:
+        return None
     end = float(np.clip((at.low[0] + at.high[0]) / 2, free.low[-1], free.high[-1]))
     if not at.low[0] <= end <= at.high[0]:
         return None

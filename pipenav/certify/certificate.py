@@ -77,7 +77,11 @@ class EndsInFile(BaseModel):
     @classmethod
     def of(cls, ends: Ends) -> EndsInFile:
         """The ends with lists in place of arrays."""
-        plain = {name: v.tolist() if isinstance(v, np.ndarray) else v for name, v in ends._asdict().items()}
+        plain = {
+            name: v.tolist() if isinstance(v, np.ndarray) else v
+            for name, v in ends._asdict().items()
+            if name != "further"
+        }
         return cls(**plain)
 
     @property

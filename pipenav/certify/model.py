@@ -13,6 +13,7 @@ from pipenav.certify.shapes import Shapes, shapes_of
 from pipenav.certify.slide_interval import SeenWalls
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import RobotSpec
+from pipenav.units import m_to_mm, rad_to_deg
 
 ANY_ANGLE = 10.0
 """Limit of a hinge without limits [rad]: more than a whole turn to either side."""
@@ -39,6 +40,13 @@ class Model(NamedTuple):
     def turn(self) -> float:
         """Change of heading in the canonical frame [rad]."""
         return math.pi - self.pipe.angle
+
+    def with_bore(self, diameter: float) -> Model:
+        """The same in another bore [m]; the bend keeps its radius in bores."""
+        pipe = self.pipe
+        bend = m_to_mm(pipe.bend_radius * diameter / pipe.diameter)
+        other = PipeCorner.of(m_to_mm(diameter), rad_to_deg(pipe.angle), pipe.turn, bend)
+        return self._replace(pipe=other)
 
     def shapes(self, proof: bool, margin: float = 0.0) -> Shapes:
         """Parts of the robot in the canonical frame, for a proof smaller by the overlap, for a motion with a margin."""

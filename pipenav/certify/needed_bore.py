@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from pipenav.certify.model import Model
-from pipenav.certify.verdict import motion_of, not_covered, proof_of
+from pipenav.certify.verdict import not_covered, passable, proof_of
 from pipenav.pipes.corner_checks import DIAMETER_RANGE_MM
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.reach.episode import START_WALL_DISTANCE
-from pipenav.units import m_to_mm, mm_to_m, rad_to_deg
+from pipenav.units import m_to_mm, mm_to_m
 
 STEP = 2.5e-4
 """Accuracy of a bore [m]: a quarter of a millimetre."""
@@ -20,6 +20,9 @@ LARGEST = 0.2
 BELOW = 2e-3
 """Distance below the smallest passable bore at which a proof is looked for first; it doubles from then on [m]."""
 
+
+AGAIN = (1e-3, 2e-3, 4e-3, 6e-3, 8e-3)
+"""Distances below the smallest passable bore that was found at which a motion is looked for once more [m]."""
 
 MOST_WORK = 250_000
 """Most cells of an arm that each proof looks at: a quarter of a single certificate's, as there are many."""
@@ -51,8 +54,8 @@ def needed_bore(model: Model, resolution: float) -> NeededBore:
     least = narrowest(model.robot)
     if not_covered(model):
         return NeededBore(None, None)
-    passable = _smallest_passable(model, least)
-    return NeededBore(_largest_impossible(model, resolution, least, passable or LARGEST), passable)
+    smallest = _smallest_passable(model, least)
+    return NeededBore(_largest_impossible(model, resolution, least, smallest or LARGEST), smallest)
 
 
 def narrowest(robot: RobotSpec) -> float:
@@ -61,39 +64,39 @@ def narrowest(robot: RobotSpec) -> float:
 
 
 def _smallest_passable(model: Model, least: float) -> float | None:
-    low, high = least, LARGEST
-    if motion_of(_with_bore(model, high), None) is None:
+    if passable(model.with_bore(LARGEST), None) is None:
         return None
-    if motion_of(_with_bore(model, low), None) is not None:
-        return low
-    while high - low > STEP:
-        middle = (low + high) / 2
-        if motion_of(_with_bore(model, middle), None) is None:
-            low = middle
-        else:
-            high = middle
-    return high
-
-
-def _largest_impossible(model: Model, resolution: float, least: float, passable: float) -> float | None:
-    high, below = passable, BELOW
+    if passable(model.with_bore(least), None) is not None:
+        return least
+    low, high = least, LARGEST
     while True:
-        low = max(least, passable - below)
-        if proof_of(_with_bore(model, low), None, resolution, MOST_WORK) is not None:
+        while high - low > STEP:
+            middle = (low + high) / 2
+            if passable(model.with_bore(middle), None) is None:
+                low = middle
+            else:
+                high = middle
+        # Motions are found with luck: a bore without one may lie above others that have one.
+        narrower = (high - below for below in AGAIN if high - below > least)
+        found = next((bore for bore in narrower if passable(model.with_bore(bore), None) is not None), None)
+        if found is None:
+            return high
+        low, high = least, found
+
+
+def _largest_impossible(model: Model, resolution: float, least: float, smallest: float) -> float | None:
+    high, below = smallest, BELOW
+    while True:
+        low = max(least, smallest - below)
+        if proof_of(model.with_bore(low), None, resolution, MOST_WORK) is not None:
             break
         if low <= least:
             return None
         high, below = low, 2 * below
     while high - low > STEP:
         middle = (low + high) / 2
-        if proof_of(_with_bore(model, middle), None, resolution, MOST_WORK) is None:
+        if proof_of(model.with_bore(middle), None, resolution, MOST_WORK) is None:
             high = middle
         else:
             low = middle
     return low
-
-
-def _with_bore(model: Model, diameter: float) -> Model:
-    pipe = model.pipe
-    bend = m_to_mm(pipe.bend_radius * diameter / pipe.diameter)
-    return model._replace(pipe=type(pipe).of(m_to_mm(diameter), rad_to_deg(pipe.angle), pipe.turn, bend))

@@ -50,6 +50,7 @@ class Verdict(NamedTuple):
         proof: proof, where it is impossible.
         motion: configurations of a motion in the robot's own frame, (rows, coordinates), where it is passable.
         base: x of the robot's frame in the pipe's frame, for the motion [m].
+        ends: starts and targets with the one that an arm's motion joins.
         finest: width of the smallest cells that were looked at, 0 where none were [rad].
     """
 
@@ -58,6 +59,7 @@ class Verdict(NamedTuple):
     proof: Proof | None = None
     motion: Floats | None = None
     base: float = 0.0
+    ends: Ends | None = None
     finest: float = 0.0
 
 
@@ -87,16 +89,21 @@ def not_covered(model: Model) -> str:
     return ""
 
 
-def motion_of(model: Model, ends: Ends | None) -> Floats | None:
-    """A motion that passes the corner, free by both tests, as `Verdict.motion`; None where none was found.
+def passable(model: Model, ends: Ends | None) -> Verdict | None:
+    """The verdict that a motion passes the corner, free by both tests; None where none was found.
 
     Args:
         model: what is certified, covered by the method.
         ends: starts and targets of an arm; by default all that the task draws. A whole robot has none.
     """
     if model.robot.free:
-        return whole_motion(model, MARGIN, TraverseConfig(kind="traverse"))
-    return arm_path(ArmSpans(model, ends or Ends.of_task(model, ReachConfig()), MARGIN))
+        q = whole_motion(model, MARGIN, TraverseConfig(kind="traverse"))
+        return None if q is None else Verdict("passable", "a motion of the whole robot is free", motion=q)
+    ends = ends or Ends.of_task(model, ReachConfig())
+    for aimed in (ends, *ends.further):
+        if (q := arm_path(ArmSpans(model, aimed, MARGIN))) is not None:
+            return Verdict("passable", "a motion brings the tip to a target", None, q, aimed.base, aimed)
+    return None
 
 
 def proof_of(model: Model, ends: Ends | None, resolution: float, most_work: int = MOST_WORK) -> Proof | None:
@@ -119,8 +126,8 @@ def proof_of(model: Model, ends: Ends | None, resolution: float, most_work: int 
 def _whole(model: Model, resolution: float) -> Verdict:
     proof = prove_by_link(model)
     if proof is None:
-        if (motion := motion_of(model, None)) is not None:
-            return Verdict("passable", "a motion of the whole robot is free", motion=motion)
+        if (found := passable(model, None)) is not None:
+            return found
         proof = prove(model, resolution)
     if proof is None:
         why = "no motion was found among those tried, and no proof that one or two links cannot pass"
@@ -142,9 +149,9 @@ def _named(model: Model, proof: LinkProof) -> Proof:
 
 
 def _arm(model: Model, ends: Ends, resolution: float) -> Verdict:
+    if (verdict := passable(model, ends)) is not None:
+        return verdict
     spans = ArmSpans(model, ends, MARGIN)
-    if (motion := arm_path(spans)) is not None:
-        return Verdict("passable", "a motion brings the tip to a target", motion=motion, base=ends.base)
     found = search(spans, spans.axes, resolution)
     if not found.proven:
         width = rad_to_deg(found.finest)
@@ -153,15 +160,30 @@ def _arm(model: Model, ends: Ends, resolution: float) -> Verdict:
     return Verdict("impossible", _arm_reason(model, ends), proof, finest=found.finest)
 
 
+class Freed(NamedTuple):
+    """A joint without whose limits there is a motion: its number, and the verdict with that motion."""
+
+    number: int
+    verdict: Verdict
+
+
+def freed_joint(model: Model, ends: Ends) -> Freed | None:
+    """The first joint of an arm whose limits alone keep it from a target; None where there is none such."""
+    for number in range(len(model.robot.joints)):
+        if (found := passable(model._replace(freed=number), ends)) is not None:
+            return Freed(number, found)
+    return None
+
+
 def _arm_reason(model: Model, ends: Ends) -> str:
     """Limit without which there would be a motion: the slide's, a hinge's, or none, so that the pipe is too narrow."""
-    for number, joint in enumerate(model.robot.joints):
-        if arm_path(ArmSpans(model._replace(freed=number), ends, MARGIN)) is None:
-            continue
-        if not number:
-            return f"reach: the slide {joint.name} is too short, with more travel there is a motion"
-        return f"joint limit: {joint.name} does not turn far enough, without its limits there is a motion"
-    return f"width: the links of {model.robot.name} have no room to turn, also with other joints' limits"
+    found = freed_joint(model, ends)
+    if found is None:
+        return f"width: the links of {model.robot.name} have no room to turn, also with other joints' limits"
+    joint = model.robot.joints[found.number]
+    if not found.number:
+        return f"reach: the slide {joint.name} is too short, with more travel there is a motion"
+    return f"joint limit: {joint.name} does not turn far enough, without its limits there is a motion"
 
 
 def tightest(model: Model, motion: Floats, base: float) -> int:

@@ -194,7 +194,10 @@ class _Wanted:
                         drawn = start(number * (self.episodes or 1) + episode)
                         ends = Ends.of_episode(model, task, drawn.q[0], float(drawn.base[0]), drawn.target[0])
                 found = verdict_of(model, ends, self.resolution)
-                yield name if start is None else f"{name}-{episode}", Certified(model, ends, self.resolution, found)
+                yield (
+                    name if start is None else f"{name}-{episode}",
+                    Certified(model, found.ends or ends, self.resolution, found),
+                )
 
     def cells(self, one: Certified, needed: bool) -> list[str]:
         """Row of the table."""
@@ -227,14 +230,14 @@ def _table(wanted: _Wanted) -> Table:
 
 def _write(folder: Path, name: str, one: Certified) -> None:
     from pipenav.certify.certificate import write_certificate
-    from pipenav.certify.figure import stuck_figure, tightest_figure
+    from pipenav.certify.figure import impossible_figure, tightest_figure
     from pipenav.drawing.style import png
     from pipenav.storage.atomic_files import atomic_write
 
     write_certificate(folder, name, one)
     if one.verdict.motion is not None:
         atomic_write(folder / f"{name}.png", png(tightest_figure(one)))
-    elif (figure := stuck_figure(one)) is not None:
+    elif (figure := impossible_figure(one)) is not None:
         atomic_write(folder / f"{name}.png", png(figure))
 
 

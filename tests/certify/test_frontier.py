@@ -17,7 +17,7 @@ from pipenav.certify.frontier import (
     write_frontier,
 )
 from pipenav.certify.model import Model
-from pipenav.certify.verdict import motion_of, proof_of
+from pipenav.certify.verdict import passable, proof_of
 from pipenav.errors import PipenavError
 from pipenav.pipes import PipeCorner
 from pipenav.robots import load_robot
@@ -48,7 +48,7 @@ def model_at(name: str, bore: str, bend: float, angle: float, diameter: float) -
 def test_a_shipped_point_has_a_motion_above_and_a_proof_below(name: str, bore: str, bend: float) -> None:
     point = shipped(name, bore, bend).points[2]
     if point.passable_mm is not None:
-        assert motion_of(model_at(name, bore, bend, point.angle_deg, point.passable_mm), None) is not None
+        assert passable(model_at(name, bore, bend, point.angle_deg, point.passable_mm), None) is not None
     if point.impossible_mm is not None:
         below = model_at(name, bore, bend, point.angle_deg, point.impossible_mm)
         assert proof_of(below, None, math.radians(0.25)) is not None

@@ -6,7 +6,7 @@ import pytest
 
 from pipenav.certify.frontier import shipped_frontier
 from pipenav.certify.model import Model
-from pipenav.certify.verdict import motion_of
+from pipenav.certify.verdict import passable
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.corner_sets import corner_set_names, parse_corners
 from pipenav.robots import load_robot
@@ -31,7 +31,7 @@ def test_every_shipped_shape_has_a_set_to_evaluate_and_one_to_train_in() -> None
 @pytest.mark.parametrize("name", NAMES)
 def test_pipes_of_a_set_have_a_motion(name: str) -> None:
     for pipe in parse_corners([name])[::EVERY]:
-        assert motion_of(Model(load_robot(robot_of(name)), pipe), None) is not None, pipe.label
+        assert passable(Model(load_robot(robot_of(name)), pipe), None) is not None, pipe.label
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -78,20 +78,63 @@ def sample(
     numbers = chain.from_iterable(map(_corner, pipes))  # a list of tuples would take numpy ten times as long
     turn_sign, turn_angle, radius, inner, bend_radius = np.fromiter(numbers, float, 5 * k).reshape(k, 5).T
     q = bend * _bend_factor(robot, bend, radius)[:, None]
-    base = -inner - gap - robot.length
-    leg = _second_leg(turn_angle)
-    aside = 2 * radius * lateral
-    target = (inner + depth)[:, None] * leg.along + aside[:, None] * leg.left
-    if (bent := bend_radius > 0).any():
-        bends, start = Bends(radius, bend_radius, turn_angle).part(bent), -inner[bent]
-        reach = bend_reach.reach_along(robot, bends, base[bent] - start)
-        short = reach < bends.end + depth[bent]
-        inside = frames.robot_to_pipe(bends.points(reach, aside[bent]), start)
-        target[bent] = np.where(short[:, None], inside, target[bent])
+    base, target = _targets(robot, _Corners(turn_angle, radius, inner, bend_radius), _Drawn(gap, depth, lateral))
     edge = np.stack([-inner, radius], axis=1)
     return ReachEpisodes(
         tuple(pipes), q, base, turn_sign, frames.pipe_to_robot(target, base), frames.pipe_to_robot(edge, base)
     )
+
+
+class _Corners(NamedTuple):
+    """Numbers of k corners as in `_CornerNumbers`, (k,) each."""
+
+    turn_angle: Floats
+    radius: Floats
+    inner_edge: Floats
+    bend_radius: Floats
+
+
+class _Drawn(NamedTuple):
+    """Drawn numbers of k episodes: distance of the tip before the inner wall's bend, depth and side, (k,) each."""
+
+    gap: Floats
+    depth: Floats
+    lateral: Floats
+
+
+def _targets(robot: RobotSpec, corners: _Corners, drawn: _Drawn) -> tuple[Floats, Floats]:
+    """Bases, (k,), and targets in the canonical frame of the pipe, (k, 2) [m]."""
+    turn_angle, radius, inner, bend_radius = corners
+    base = -inner - drawn.gap - robot.length
+    leg = _second_leg(turn_angle)
+    aside = 2 * radius * drawn.lateral
+    target = (inner + drawn.depth)[:, None] * leg.along + aside[:, None] * leg.left
+    if (bent := bend_radius > 0).any():
+        bends, start = Bends(radius, bend_radius, turn_angle).part(bent), -inner[bent]
+        reach = bend_reach.reach_along(robot, bends, base[bent] - start)
+        short = reach < bends.end + drawn.depth[bent]
+        inside = frames.robot_to_pipe(bends.points(reach, aside[bent]), start)
+        target[bent] = np.where(short[:, None], inside, target[bent])
+    return base, target
+
+
+def spread_targets(robot: RobotSpec, config: ReachConfig, pipe: PipeCorner, gaps: int) -> tuple[Floats, Floats]:
+    """Bases, (k,), and targets, (k, 2) [m], of episodes spread evenly over all that `sample` may draw in a pipe.
+
+    Both in the canonical frame of the pipe. Gaps of the start are combined with the ends of the depths and of the
+    sides, and the middles of the sides: targets at other depths and sides lie between these.
+
+    Args:
+        robot: the arm.
+        config: the task.
+        pipe: the pipe.
+        gaps: number of gaps, their ends included.
+    """
+    side = config.target_lateral
+    grid = np.meshgrid(np.linspace(*config.start_gap, gaps), config.target_depth, (-side, 0.0, side), indexing="ij")
+    every = np.stack(grid).reshape(3, -1)
+    numbers = np.repeat(np.array(_corner(pipe)[1:])[:, None], every.shape[1], axis=1)
+    return _targets(robot, _Corners(*numbers), _Drawn(*every))
 
 
 @lru_cache(maxsize=4096)  # every pipe of the largest shipped training set
