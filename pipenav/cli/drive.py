@@ -45,7 +45,7 @@ def drive(
 
     Without a person: pipenav drive --operator scripted --pipes working-range --episodes 10
 
-    An arm made of software, over its bus: pipenav drive --emulate --d 130
+    An arm made of software, over its bus, alone or with a policy: pipenav drive --emulate --policy real-setup
     """
     from pipenav.driving.plans import free_drive_folder, make_plan
     from pipenav.driving.records import write_records
