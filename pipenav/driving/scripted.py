@@ -13,8 +13,8 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.driving.ask import NOTHING, Ask, Seen
+from pipenav.driving.route_steps import order_after
 from pipenav.driving.scan_match import ScanMatch
-from pipenav.driving.steps import STEPS
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.centreline_plan import follow_line
 from pipenav.policies.baselines.guide_line import guide_line
@@ -88,15 +88,14 @@ class StepScript(Scripted):
             return Ask(active=True)
         if not seen.step:
             return self._press("a")
-        self._in_b += seen.step == "b"
+        self._in_b = 0 if seen.step == "a" else self._in_b + (seen.step == "b")
         if seen.step == "b" and self._in_b == self._pause:
             self._paused, self._resumed = 10, seen.step
             return Ask(active=True, quiet=True)
         if seen.step == "b" and self._early and self._in_b > 20:
             return self._press("c")
-        if seen.done and seen.step != "e":
-            order = "".join(STEPS)
-            return self._press(order[order.index(seen.step) + 1])
+        if seen.done:
+            return self._press(order_after(seen.step))
         return Ask(active=True)
 
     def _press(self, step: str) -> Ask:
