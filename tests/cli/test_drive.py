@@ -48,7 +48,7 @@ REFUSED = {
     "two arms": (("--emulate", "--arm", "arm.toml"), "leave out --arm"),
     "a policy alone on the arm": (("--emulate", "--policy", "arm", "--operator", "none"), "pipenav run-real"),
     "a policy that is not told the way": (("--arm", "arm.toml", "--policy", "arm"), "which way the pipe turns"),
-    "a whole robot's policy on the arm": (("--emulate", "--policy", "pirate"), "arm"),
+    "a whole robot's policy on the arm": (("--emulate", "--policy", "pirate"), "approach I"),
     "delayed stops": (("--arm", "arm.toml", "--patience", "2"), "delay the stops"),
 }
 
