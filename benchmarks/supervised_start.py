@@ -1,7 +1,7 @@
 """How much sooner an arm's training is good with a supervised start: steps and seconds to 99 % in held-out pipes.
 
     pipenav drive --robot basic --operator scripted --pipes taught.toml --episodes 3 --out taught
-    python benchmarks/supervised_start.py taught --seeds 3
+    python benchmarks/supervised_start.py taught --set learner.noise_start=0.1 learner.learning_rate=3e-4
 
 Trains the preset `arm` once without the recordings and once with them, for each seed in turn, and measures the policy
 in the set `working-range` after every 3,000 steps. Times are those of the
@@ -76,12 +76,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("recordings", nargs="+")
     parser.add_argument("--seeds", type=int, default=3)
+    parser.add_argument("--first", type=int, default=0, help="first seed")
     parser.add_argument("--set", nargs="*", default=[], help="settings of the training with recordings alone")
     parser.add_argument("--only", choices=["with", "without"])
     arguments = parser.parse_args()
     kinds = {"without": {}, "with": {"recordings.folders": arguments.recordings}}
     results = {}
-    for seed in range(arguments.seeds):
+    for seed in range(arguments.first, arguments.first + arguments.seeds):
         for name, more in kinds.items():
             if arguments.only in (None, name):
                 print(f"seed {seed}, {name} recordings", flush=True)
