@@ -57,6 +57,8 @@ def arm_path(spans: ArmSpans) -> Floats | None:
     """
     every = _Lattice.over_all(spans)
     for halved in range(HALVED + 1):
+        if not len(every.place):  # a part is wider than the pipe at any heading
+            return None
         if halved:
             every = every.finer(spans, every.place, 1)
         if (motion := _refined(spans, every)) is not None:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from pipenav.certify.model import Model
 from pipenav.certify.verdict import motion_of, not_covered, proof_of
 from pipenav.pipes.corner_checks import DIAMETER_RANGE_MM
+from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.reach.episode import START_WALL_DISTANCE
 from pipenav.units import m_to_mm, mm_to_m, rad_to_deg
 
@@ -47,11 +48,16 @@ def needed_bore(model: Model, resolution: float) -> NeededBore:
         model: what is certified.
         resolution: width of the smallest cells [rad].
     """
-    least = max(mm_to_m(DIAMETER_RANGE_MM[0]), model.robot.width + 2 * START_WALL_DISTANCE)
+    least = narrowest(model.robot)
     if not_covered(model):
         return NeededBore(None, None)
     passable = _smallest_passable(model, least)
     return NeededBore(_largest_impossible(model, resolution, least, passable or LARGEST), passable)
+
+
+def narrowest(robot: RobotSpec) -> float:
+    """Smallest bore that a pipe may have and in which a robot fits at rest [m]."""
+    return max(mm_to_m(DIAMETER_RANGE_MM[0]), robot.width + 2 * START_WALL_DISTANCE)
 
 
 def _smallest_passable(model: Model, least: float) -> float | None:

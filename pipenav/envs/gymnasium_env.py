@@ -130,6 +130,7 @@ class TraverseEnv(TaskEnv):
     | laser, from right to left | m | b | 1 |
     | last action | 1 | j + w | 1 |
     | turns of the corners before and after, +1 for the same turn, 0 for none | 1 | 2 | 1 |
+    | straight on, with `task.exit_told` only: 1 where the route goes straight on | 1 | 1 | 1 |
     | down, with `task.inclination_deg` only: share of the weight forwards and to the left | 1 | 2 | 1 |
 
     Action, float32 in [-1, 1]: for every bending joint the change of its set-point, in `task.alpha` [rad], then for

@@ -6,6 +6,7 @@ actions of the policy before the update, an eighth of a rollout, learned measura
 
 from __future__ import annotations
 
+import inspect
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -29,6 +30,14 @@ class _CutOff(NamedTuple):
     observations: np.ndarray
 
 
+class _Adam(torch.optim.Adam):
+    """PyTorch's Adam, whose book-keeping does not load PyTorch's compiler only to tell it to keep away: 1.5 s."""
+
+    add_param_group = inspect.unwrap(torch.optim.Adam.add_param_group)
+    state_dict = inspect.unwrap(torch.optim.Adam.state_dict)
+    load_state_dict = inspect.unwrap(torch.optim.Adam.load_state_dict)
+
+
 class Learner(PPO):  # type: ignore[misc]  # Stable-Baselines3 is imported untyped
     """PPO on a `TaskVecEnv`. It writes and reads the files of Stable-Baselines3's own PPO."""
 
@@ -38,7 +47,10 @@ class Learner(PPO):  # type: ignore[misc]  # Stable-Baselines3 is imported untyp
     _last_episode_starts: np.ndarray
 
     def _setup_model(self) -> None:
+        # Files of this learner name no class of ours, so that Stable-Baselines3 alone can read them.
+        self.policy_kwargs |= {"optimizer_class": _Adam}
         super()._setup_model()
+        del self.policy_kwargs["optimizer_class"]
         self.rollout_buffer = DrivenRollouts(self)
         self._decisions: dict[int, Decision] = {}
 

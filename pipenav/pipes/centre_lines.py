@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from pipenav.pipes.pipe import Pipe
 
 
+STRAIGHT = 1e-6
+"""Difference of 1 and the cosine of a turn that counts as none: less than 0.1 deg."""
+
+
 class LegCoordinates(NamedTuple):
     """Points of n pipes' frames, m of each, seen from the legs that they belong to.
 
@@ -102,6 +106,17 @@ class CentreLines(NamedTuple):
         """
         around = np.pad(self.turn_sign, [(0, 0), (1, 0)])  # the last leg's 0 stands behind the last corner
         return np.asarray(np.take_along_axis(around, corner[:, None] + np.array([1, 0, 2]), axis=1))
+
+    def straight_on(self, corner: Ints) -> Floats:
+        """1 where the pipe goes straight on at one corner of each, else 0, (n,).
+
+        Args:
+            corner: corner of each pipe, counted from 0, (n,).
+        """
+        every, direction = np.arange(len(corner)), self.axes[..., 0]
+        following = np.minimum(corner + 1, direction.shape[1] - 1)
+        parallel = (direction[every, corner] * direction[every, following]).sum(axis=-1)
+        return np.where(parallel > 1 - STRAIGHT, 1.0, 0.0)
 
     @property
     def turned(self) -> Floats:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 from typing import Self
 
@@ -12,7 +13,7 @@ from pydantic_core import PydanticCustomError
 from pipenav.errors import ConfigError, PipenavError, UnknownName, shown
 from pipenav.pipes.bend_radius import bend_radius_mm
 from pipenav.pipes.corner import PipeCorner
-from pipenav.pipes.set_file import MAX_CORNERS, MAX_TURNS, Values, read_as, too_large, values_of
+from pipenav.pipes.set_file import MAX_CORNERS, MAX_TURNS, Range, Values, read_as, too_large, values_of
 from pipenav.pipes.tee import TeePassage, TeeSetFile, tee
 from pipenav.storage import shipped
 from pipenav.storage.text_files import read_toml
@@ -60,6 +61,32 @@ class CornerSetFile(BaseModel):
         ]
 
 
+class CornersOfAngle(BaseModel):
+    """Corners of one angle: every diameter that is named with it."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    angle_deg: float
+    diameters_mm: Values
+
+
+class CornerListFile(BaseModel):
+    """A set of corners as TOML: for each angle diameters of its own, each with every turn."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    description: str
+    rows: list[CornersOfAngle] = Field(min_length=1, max_length=MAX_CORNERS)
+    turns: list[str] = Field(["left"], min_length=1, max_length=MAX_TURNS)
+
+    def make(self) -> list[PipeCorner]:
+        """The corners in the order of the rows, first to one side, then to the other."""
+        rows = [(row.angle_deg, values_of(row.diameters_mm)) for row in self.rows]
+        if (count := len(self.turns) * sum(len(diameters) for _, diameters in rows)) > MAX_CORNERS:
+            raise too_large(count)
+        return [PipeCorner.of(d, angle, turn) for turn in self.turns for angle, diameters in rows for d in diameters]
+
+
 def corner_set_names() -> list[str]:
     """Names of the shipped sets of corners."""
     return sorted(path.stem for path in shipped.pipes_dir().glob("*.toml"))
@@ -90,7 +117,12 @@ def _parse_one(text: str) -> list[PipeCorner]:
         if (shipped.pipes_dir() / "runs" / f"{text.partition(':')[0]}.toml").is_file():
             raise PipenavError(f"{shown(text)} names routes: {SINGLE}.")
         raise UnknownName("pipe set", text, [*corner_set_names(), "FILE.toml", "d=90,angle=60"])
-    return _read(shipped.pipes_dir() / f"{text}.toml")
+    return _shipped_set(text)
+
+
+@cache  # a training reads each of its sets a dozen times
+def _shipped_set(name: str) -> list[PipeCorner]:
+    return _read(shipped.pipes_dir() / f"{name}.toml")
 
 
 def _typed_corner(text: str) -> PipeCorner:
@@ -130,8 +162,12 @@ def _read(path: Path) -> list[PipeCorner]:
     table = read_toml(path)
     if ROUTE_KEYS & table.keys():
         raise ConfigError(f"{path} holds routes: {SINGLE}.")
-    kind: type[CornerSetFile | TeeSetFile] = TeeSetFile if "tee_angles_deg" in table else CornerSetFile
-    file = read_as(kind, path)
+    kind: type[CornerSetFile | CornerListFile | TeeSetFile] = CornerSetFile
+    if "tee_angles_deg" in table:
+        kind = TeeSetFile
+    elif "rows" in table:
+        kind = CornerListFile
+    file = read_as(kind, path, CornersOfAngle if kind is CornerListFile else Range)
     try:
         return file.make()
     except PipenavError as error:

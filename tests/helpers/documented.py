@@ -24,6 +24,7 @@ CORNERS = {
     "thesis-real": "d=130,angle=90",
     "elbows": "d=100,angle=90,bend_radius=1.5D",
     "tees": "d=100,tee=90,way=into",
+    "frontier-pirate": "d=70,angle=90",
 }
 """Corners that stand for sets of many."""
 

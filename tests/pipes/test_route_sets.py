@@ -249,9 +249,18 @@ def test_sets_to_train_in_share_no_fitting_with_the_evaluated_ones(trained: str)
 
 
 def test_no_set_to_train_in_has_a_pipe_of_another_set() -> None:
-    names = [*route_set_names(), "elbows", "elbows-train", "tees", "tees-train"]
+    frontier = [name for name in corner_set_names() if name.startswith("frontier-")]
+    names = [*route_set_names(), "elbows", "elbows-train", "tees", "tees-train", *frontier]
     trained, evaluated = ([name for name in names if name.endswith("-train") == is_one] for is_one in (True, False))
     assert not set(parse_routes(trained)) & set(parse_routes(evaluated))
+
+
+def test_no_pipe_near_a_frontier_is_in_another_set_of_corners() -> None:
+    frontier = [name for name in corner_set_names() if name.startswith("frontier-")]
+    near = {train: {name for name in frontier if name.endswith("-train") == train} for train in (True, False)}
+    others = set(parse_routes([*({*corner_set_names()} - {*frontier})]))
+    for names in near.values():
+        assert names and not set(parse_routes(sorted(names))) & others
 
 
 def test_a_town_has_the_proportions_of_a_real_one() -> None:

@@ -159,8 +159,9 @@ class RollingBatch(TrainingBatch):
 
     def _observe(self, reading: SpaceReading) -> Floats:
         down = None if self.config.inclination_deg is None else reading.down[:, FRONT, :2]
-        turns = self._pilot.turn_sign, self._pilot.neighbours
-        seen = observation.observe(self.robot, reading.body, self._action, *turns, down)
+        pilot, told = self._pilot, self.config.exit_told
+        route = observation.RouteAhead(pilot.turn_sign, pilot.neighbours, pilot.straight_on if told else None)
+        seen = observation.observe(self.robot, reading.body, self._action, route, down)
         return np.asarray(seen / self._scale)
 
     def _distances(self, truth: SpaceTruth) -> Floats:

@@ -34,6 +34,7 @@ class Drawings:
     Attributes:
         corners: number of corners, (n,).
         reducer: whether each corner is a reducer, (n, corners).
+        straight_on: whether the route goes straight on at each corner, (n, corners).
         inside: direction of each corner's inside, counted around the straights without twist, (n, corners) [rad].
         axes: directions along the straight before each corner, to its left and upwards as columns,
             (n, corners, 3, 3).
@@ -49,7 +50,7 @@ class Drawings:
     def __init__(self, robot: RobotSpec, n: int) -> None:
         self._robot = robot
         self.corners = np.ones(n, np.intp)
-        self.reducer = np.zeros((n, MAX_CORNERS), bool)
+        self.reducer, self.straight_on = np.zeros((2, n, MAX_CORNERS), bool)
         self.inside, self.radius = np.zeros((2, n, MAX_CORNERS))
         self.axes = np.zeros((n, MAX_CORNERS, 3, 3))
         self.room, self.reach, self.begin, self.end, self.net_turn = np.zeros((5, n, MAX_CORNERS))
@@ -61,6 +62,7 @@ class Drawings:
             legs, corners = route.legs, len(route.corners)
             used = row, slice(corners)
             self.corners[row], self.reducer[used], self.inside[used] = corners, ~np.isnan(legs.taper), legs.inside
+            self.straight_on[used] = [corner.straight_on for corner in route.corners]
             self.axes[used], self.radius[used] = legs.axes[:-1], legs.radius[:-1]
             steep, lengths = steepness(self._robot, self.radius[used]), self._robot.lengths
             self.room[used] = lengths[0] + 2 * lengths[HALF] * (1 - np.cos(steep)) + MARGIN

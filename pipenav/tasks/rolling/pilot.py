@@ -129,6 +129,11 @@ class Pilot:
         return np.stack([before, after], axis=1)
 
     @property
+    def straight_on(self) -> Floats:
+        """1 where a robot's route goes straight on at its corner, else 0, (n,)."""
+        return self._drawings.straight_on[self._every, self.corner].astype(float)
+
+    @property
     def busy(self) -> Flags:
         """Whether each robot is busy with something other than to advance, (n,)."""
         return np.asarray((self.mode == Mode.ROLL) | (self.mode == Mode.BACK_OUT))

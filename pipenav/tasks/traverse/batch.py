@@ -164,9 +164,10 @@ class TraverseBatch(TrainingBatch):
 
     def _observe(self, reading: Reading, indices: Ints) -> Floats:
         """Scaled observations of some robots, (k, size), from the readings of their sensors."""
-        turn_sign, neighbours = self._turn_signs[indices, 0], self._turn_signs[indices, 1:]
+        straight_on = self._lines.straight_on(self._corner)[indices] if self.config.exit_told else None
+        route = observation.RouteAhead(self._turn_signs[indices, 0], self._turn_signs[indices, 1:], straight_on)
         down = None if self.config.inclination_deg is None else self._down(indices)
-        observed = observation.observe(self.robot, reading, self._action[indices], turn_sign, neighbours, down)
+        observed = observation.observe(self.robot, reading, self._action[indices], route, down)
         return np.asarray(observed / self._scale)
 
     def _down(self, indices: Ints) -> Floats:

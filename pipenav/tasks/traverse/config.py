@@ -97,5 +97,10 @@ class TraverseConfig(Table):
         description="range of gravity's direction in the pipe's plane, from the first leg's direction towards the "
         "left [deg]; none: the plane is level and carries the robot",
     )
+    exit_told: bool = Field(
+        False,
+        description="each robot is told where its route goes straight on, past a branch or into another bore; which "
+        "way it turns elsewhere every robot is told",
+    )
     tether: TetherConfig | None = Field(None, description="cable that the robot drags; none: it has none")
     reward: TraverseReward = TraverseReward()

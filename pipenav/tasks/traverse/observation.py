@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from pipenav.arrays import Floats
@@ -18,6 +20,20 @@ SLIGHT = 0.05
 """Share of a wheel's full direction below which its speed says nothing about the action behind it."""
 
 
+class RouteAhead(NamedTuple):
+    """Knowledge that n robots have of their routes.
+
+    Attributes:
+        turn_sign: +1 where the fitting turns left, or its branch lies to the left of a way straight on, else -1, (n,).
+        neighbours: turn signs of the fittings before and after, 0 where there is none, (n, 2).
+        straight_on: 1 where the route goes straight on at the fitting, else 0, (n,); None: robots are not told.
+    """
+
+    turn_sign: Floats
+    neighbours: Floats
+    straight_on: Floats | None = None
+
+
 def layout(robot: RobotSpec, config: TraverseConfig) -> list[ObservationField]:
     """Parts of the observation, in order."""
     actuators, lidar = len(robot.driven_actuators), robot.laser
@@ -30,6 +46,7 @@ def layout(robot: RobotSpec, config: TraverseConfig) -> list[ObservationField]:
         ObservationField("ranges", "m", np.full(lidar.beams, lidar.range_max)),
         ObservationField("action_before", "1", np.ones(actuators)),
         ObservationField("turns_beside", "1", np.ones(2)),
+        *([ObservationField("straight_on", "1", np.ones(1))] if config.exit_told else []),
         *([ObservationField("down", "1", np.ones(2))] if weighs else []),
     ]
 
@@ -77,8 +94,7 @@ def observe(
     robot: RobotSpec,
     reading: Reading,
     action_before: Floats,
-    turn_sign: Floats,
-    neighbours: Floats,
+    route: RouteAhead,
     down: Floats | None = None,
 ) -> Floats:
     """Unscaled observation, (n, size).
@@ -87,8 +103,7 @@ def observe(
         robot: the robot.
         reading: readings of the sensors, in the robot's own frame.
         action_before: the last action in the canonical frame, zero at the first step, (n, actuators).
-        turn_sign: +1 for a left turn, -1 for a right one, (n,).
-        neighbours: turn signs of the corners before and after the robot's, 0 where there is none, (n, 2).
+        route: what the robots know of their routes.
         down: direction of down by the accelerometer, as a share of the weight, forwards along its link and to its left,
             (n, 2); None in a level plane.
 
@@ -97,12 +112,15 @@ def observe(
     """
     if reading.wheel_speeds is None or reading.loads is None:
         raise TypeError("the traverse task needs a backend that measures wheel speeds and loads")
+    turn_sign = route.turn_sign
     signs, joints = actuator_signs(robot, turn_sign), len(robot.joints)
     ranges = np.where(turn_sign[:, None] > 0, reading.ranges, reading.ranges[:, ::-1])
     own = (reading.q * signs[:, :joints], reading.qd * signs[:, :joints], reading.wheel_speeds * signs[:, joints:])
     felt = [] if down is None else [down[:, :1], down[:, 1:] * turn_sign[:, None]]
-    turns = neighbours * turn_sign[:, None]
-    return np.concatenate([*own, reading.loads * signs, ranges, action_before, turns, *felt], axis=1)
+    told = [route.neighbours * turn_sign[:, None]]
+    if route.straight_on is not None:
+        told.append(route.straight_on[:, None])
+    return np.concatenate([*own, reading.loads * signs, ranges, action_before, *told, *felt], axis=1)
 
 
 def to_command(

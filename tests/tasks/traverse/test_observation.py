@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import get_args
+
 import numpy as np
 import pytest
 from helpers.traversing import CONFIG, ROBOT, episodes, seeds, started
@@ -10,6 +12,7 @@ from hypothesis import strategies as st
 
 from pipenav.backends.messages import Reading
 from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.tee import TeePassage, Way, tee
 from pipenav.tasks.registry import task_of
 from pipenav.tasks.traverse import observation
 from pipenav.tasks.traverse.episode import GRAVITY
@@ -60,9 +63,27 @@ def test_the_observation_has_the_size_and_the_order_that_its_layout_says() -> No
         np.full((n, 6), 3.0),
         np.ones((n, 12)),
     )
-    seen = observation.observe(ROBOT, reading, np.full((n, 12), 5.0), np.ones(n), np.array([[0.0, -1.0]] * n))
+    route = observation.RouteAhead(np.ones(n), np.array([[0.0, -1.0]] * n))
+    seen = observation.observe(ROBOT, reading, np.full((n, 12), 5.0), route)
     assert seen.shape == (n, len(task_of(CONFIG).observation_scale(ROBOT)))
     assert list(seen[0]) == [1.0] * 6 + [2.0] * 6 + [3.0] * 6 + [1.0] * 12 + [4.0] * 10 + [5.0] * 12 + [0.0, -1.0]
+
+
+def test_a_robot_is_told_where_its_route_goes_straight_on_and_nothing_more() -> None:
+    config = CONFIG.model_copy(update={"exit_told": True})
+    pipes = [
+        tee(90, angle, TeePassage(way, turn))
+        for angle in (60, 90)
+        for way in get_args(Way)
+        for turn in ("left", "right")
+    ]
+    names = [part.name for part in observation.layout(ROBOT, config)]
+    assert names[-1] == "straight_on"
+    with started(episodes(config, 3, pipes), config) as batch, started(episodes(CONFIG, 3, pipes), CONFIG) as untold:
+        seen, other = (one.step(np.zeros((len(pipes), one.action_size))).observation for one in (batch, untold))
+    assert seen[:, :-1] == pytest.approx(other)
+    assert list(seen[:, -1]) == [float(pipe.as_route_corner.straight_on) for pipe in pipes]
+    assert set(seen[:, -1]) == {0.0, 1.0}
 
 
 @given(seeds, st.sampled_from(["measured", "held"]))
