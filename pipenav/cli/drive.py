@@ -45,7 +45,7 @@ def drive(
 
     Without a person: pipenav drive --operator scripted --pipes working-range --episodes 10
 
-    An arm made of software, over its bus: pipenav drive --emulate --d 130
+    An arm made of software, over its bus, alone or with a policy: pipenav drive --emulate --policy real-setup
     """
     from pipenav.driving.plans import free_drive_folder, make_plan
     from pipenav.driving.records import write_records
@@ -90,12 +90,16 @@ def _operators(
 ) -> tuple[Callable[[int], Operator] | None, Mapping[str, str]]:
     """Operators of the robots by index, and the mapping that the screen shows."""
     from pipenav.cli.drive_devices import person
+    from pipenav.driving.route_steps import require_room
     from pipenav.driving.scripted import script_for
 
     if driver.operator == "none":
         return None, {}
     if driver.operator == "scripted":
         shared = plan.controller is not None
+        if plan.robot.free and not shared:
+            for pipe in plan.pipes:
+                require_room(plan.robot, pipe)
         return (lambda _: script_for(plan.robot, plan.seed, shared)), {}
     operator, mapping = person(opened, driver, plan.robot)
     return (lambda _: operator), mapping

@@ -30,19 +30,24 @@ DEFAULT_ROBOT, DEFAULT_PIPE = "real-setup", "d=130,angle=90"
 
 
 def drive_arm(driver: DriverOptions, where: DrivePipeOptions, given: ArmDriveOptions, out: Path | None) -> None:
-    """Drive an arm by hand until the person ends it, or something stops it.
+    """Drive an arm by hand, or beside a policy, until the person or the mission ends it, or something stops it.
 
     Raises:
         Stopped: something stopped the arm; its torque is off.
         PipenavError: the arm cannot be driven; nothing has moved.
     """
+    from pipenav.cli.drive_view import DriveView
+    from pipenav.deployment.arm_policy import policy_for
+    from pipenav.driving.arm_session import Beside, HandMission, drive_by_hand
+    from pipenav.driving.door import Door
     from pipenav.driving.plans import free_drive_folder
     from pipenav.locating.locator import require_arm
     from pipenav.robots.robot import load_robot
     from pipenav.storage.atomic_files import used_folder
 
     _refuse(driver, where, given)
-    robot = load_robot(where.robot or DEFAULT_ROBOT)
+    policy = None if driver.policy is None else policy_for(driver.policy, where.robot)
+    robot = load_robot(where.robot or DEFAULT_ROBOT) if policy is None else policy.header.robot
     require_arm(robot)
     pipe = _pipe(where, given.emulate)
     folder = free_drive_folder(out)
@@ -50,7 +55,9 @@ def drive_arm(driver: DriverOptions, where: DrivePipeOptions, given: ArmDriveOpt
     with contextlib.ExitStack() as opened:
         operator, mapping = _operator(opened, driver, robot, where.seed)
         opened.enter_context(used_folder(folder))
-        scene, emulation = _scene(robot, pipe, where.seed, given, folder, driver.operator == "scripted")
+        scene, emulation = _scene(
+            robot, pipe, where.seed, given, folder, driver.operator == "scripted" and policy is None
+        )
         arm = _connected(console, opened, robot, given, emulation, folder)
         say(
             f"The arm is going to move as you drive it. Keep clear of it. The stop key, Ctrl-C, SIGUSR1 or the file "
@@ -59,7 +66,11 @@ def drive_arm(driver: DriverOptions, where: DrivePipeOptions, given: ArmDriveOpt
         )
         if not (given.yes or given.emulate) and not typer.confirm("Move the arm?"):
             raise PipenavError("not started: nothing has moved.")
-        ending = _carry_out(opened, console, arm, robot, operator, scene, mapping, driver)
+        beside = None if policy is None or pipe is None else Beside(policy, _settings(pipe))
+        mission = HandMission(robot, Door(robot, operator, beside is not None), scene, beside)
+        view = opened.enter_context(DriveView(console, mapping, sleep=lambda _: None))
+        header = {"robot": robot.name, "operator": driver.operator, "input": driver.input}
+        ending = drive_by_hand(arm, mission, scene, _shower(view, mission, robot, scene), header)
     _conclude(console, ending, folder)
 
 
@@ -68,11 +79,8 @@ def _refuse(driver: DriverOptions, where: DrivePipeOptions, given: ArmDriveOptio
         raise PipenavError("--emulate needs no real arm: leave out --arm.")
     if driver.operator == "none":
         raise PipenavError("a policy alone drives the arm by pipenav run-real: leave out --operator none.")
-    if driver.policy is not None:
-        raise PipenavError(
-            "on the arm a policy drives its own missions by pipenav run-real: leave out --policy, or leave out "
-            "--emulate and --arm to share control in a simulator."
-        )
+    if driver.policy is not None and not given.emulate and where.pipes is None:
+        raise PipenavError("the policy must be told which way the pipe turns: name the pipe with --pipes.")
     if where.episodes > 1 or where.disturb is not None:
         raise PipenavError("--episodes and --disturb are for simulators: leave them out.")
     if driver.operator == "scripted" and not given.emulate:
@@ -97,10 +105,10 @@ def _operator(
     opened: contextlib.ExitStack, driver: DriverOptions, robot: RobotSpec, seed: int
 ) -> tuple[Operator, dict[str, str]]:
     from pipenav.cli.drive_devices import person
-    from pipenav.driving.scripted import TipScript
+    from pipenav.driving.scripted import script_for
 
     if driver.operator == "scripted":
-        return TipScript(robot, seed), {}
+        return script_for(robot, seed, driver.policy is not None), {}
     operator, mapping = person(opened, driver, robot)
     return operator, dict(mapping)
 
@@ -158,24 +166,12 @@ def _connected(
     return arm
 
 
-def _carry_out(
-    opened: contextlib.ExitStack,
-    console: Console,
-    arm: RealRobot,
-    robot: RobotSpec,
-    operator: Operator,
-    scene: ArmScene,
-    mapping: dict[str, str],
-    driver: DriverOptions,
-) -> Ending:
-    from pipenav.cli.drive_view import DriveView
-    from pipenav.driving.arm_session import HandMission, drive_by_hand
-    from pipenav.driving.door import Door
+def _settings(pipe: PipeCorner) -> dict[str, Any]:
+    """Settings of the policy's mission: it looks for its target, and is told which way the pipe goes."""
+    from pipenav.deployment.mission import mission_settings
+    from pipenav.locating.locator import Exit
 
-    mission = HandMission(robot, Door(robot, operator, False), scene, None)
-    view = opened.enter_context(DriveView(console, mapping, sleep=lambda _: None))
-    header = {"robot": robot.name, "operator": driver.operator, "input": driver.input}
-    return drive_by_hand(arm, mission, scene, _shower(view, mission, robot, scene), header)
+    return mission_settings(Exit.of(pipe), None, False)
 
 
 def _shower(
@@ -187,7 +183,7 @@ def _shower(
     from pipenav.driving.sessions import Shown
     from pipenav.robots import frames, kinematics
 
-    pipe, target = scene.scene.pipe, scene.scene.target
+    pipe = scene.scene.pipe
     base = 0.0 if pipe is None else -pipe.inner_edge - scene.scene.tip_gap - robot.length
 
     def show(record: dict[str, Any]) -> None:
@@ -195,7 +191,7 @@ def _shower(
             return
         q = np.array(record["q"])
         points = frames.robot_to_pipe(kinematics.waypoints(robot, q[None])[0], base)
-        seen = None if target is None else frames.robot_to_pipe(target, base)
+        seen = None if mission.target is None else frames.robot_to_pipe(mission.target, base)
         reading = _reading(record)
         view(Shown(0, pipe, points, seen, reading, mission.door, record["tick"] / 10, 0.0))
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
 import shlex
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -18,6 +16,7 @@ from pipenav.cli.progress_bars import percentage_bar
 from pipenav.cli.signals import Interrupted, StopRequest, stop_signals
 from pipenav.cli.terminal import progress_console, refuse_ignored, say
 from pipenav.cli.train_options import FolderOptions, SeedsOptions
+from pipenav.cli.train_progress import TrainingRows
 from pipenav.cli.train_seeds import train_seeds
 from pipenav.errors import PipenavError, shown
 from pipenav.learning.config import DEFAULT_PRESET, TrainConfig, load_config, preset_below
@@ -25,15 +24,11 @@ from pipenav.learning.config import DEFAULT_PRESET, TrainConfig, load_config, pr
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from pipenav.learning.progress import TrainingProgress
     from pipenav.learning.train import TrainingSummary
     from pipenav.learning.training_folder import TrainingFolder
 
 CONFIG_HELP = 'TOML file whose keys override the preset; extends = "PRESET" in it stands for --preset.'
 RECIPE = "Recipe"
-SECONDS_BETWEEN_LINES = 10
-"""Time between two lines of progress where the output is no terminal [s]."""
-
 
 BackendOption = Annotated[
     str | None, typer.Option(help="Backend to train on; see `pipenav backends`.", rich_help_panel=RECIPE)
@@ -85,10 +80,12 @@ def train(
         pipenav train --preset thesis-position --seed 1 --out runs/position-1
         pipenav train --pipes d=90,angle=60 --steps 50000 --set learner.epochs=4
         pipenav train --from runs/arm --pipes d=75,angle=58 --out runs/mine
+        pipenav train --from-recordings runs/drive-1,runs/drive-2 --out runs/taught
         pipenav train --resume runs/arm
         pipenav train --preset thesis-position --seeds 8 --jobs 4 --out runs/position
     """
     several.refuse_place_alone()
+    folders.refuse_two_starts()
     options = {
         "backend": backend,
         "steps": steps,
@@ -96,6 +93,7 @@ def train(
         "robot": robot,
         "task.control": control,
         "pipes": pipes,
+        "recordings.folders": folders.recordings,
     }
     recipe = _Recipe(preset, config, set_ or [], options)
     if several.seeds is None:
@@ -130,6 +128,7 @@ def _train_seeds(recipe: _Recipe, out: Path | None, several: SeedsOptions) -> No
 
     config = recipe.config()
     _check_names(config)
+    _check_recordings(config)
     rehearse(config)
     train_seeds(config, out or Path("runs") / f"{recipe.name}-seeds", several)
 
@@ -191,6 +190,7 @@ def _new_path(recipe: _Recipe, out: Path | None, start: Path | None) -> Path:
     _check_names(config)
     if start is not None:
         _check_start(start, config)
+    _check_recordings(config)
     path = out or default_training_path(recipe.name)
     TrainingFolder(path).refuse_other_training()
     rehearse(config)
@@ -204,6 +204,15 @@ def _new_training(recipe: _Recipe, path: Path, start: Path | None) -> _Training:
 
     config = recipe.config()
     return _Training(recipe.name, TrainingFolder.create(path, config, current_command()), config, start=start)
+
+
+def _check_recordings(config: TrainConfig) -> None:
+    """Refuse recordings that cannot be learned from, before a folder is made, and say how many there are."""
+    if config.recordings.folders:
+        from pipenav.learning.recordings import load_lessons
+
+        lessons = load_lessons(config)
+        say(f"a supervised start from {lessons.episodes:,} episodes, {len(lessons.actions):,} control steps")
 
 
 def _steps_in_words(config: TrainConfig) -> str:
@@ -273,28 +282,11 @@ def _check_start(start: Path, config: TrainConfig) -> None:
 def _run(console: Console, training: _Training, stopped: StopRequest) -> TrainingSummary:
     config = training.config
     with _removed_if_unsaved(training.folder), percentage_bar(console) as bar:
-        task = bar.add_task("loading the learner", total=config.steps)
+        rows = TrainingRows(bar, config.steps)
         from pipenav.learning.train import train as run_training
 
-        bar.update(task, description="starting")
-        last_line = [0.0]
-
-        def report(progress: TrainingProgress) -> None:
-            text = progress_text(progress)
-            bar.update(task, completed=progress.steps, description=text)
-            if not console.is_terminal and time.monotonic() - last_line[0] > SECONDS_BETWEEN_LINES:
-                last_line[0] = time.monotonic()
-                say(f"{progress.steps:>9,} of {config.steps:,} steps: {text}", console=console)
-
-        return run_training(config, training.folder, training.resumed, report, stopped, training.start)
-
-
-def progress_text(progress: TrainingProgress) -> str:
-    """The progress of a training in words."""
-    success = "no episode has ended yet" if math.isnan(progress.success) else f"success {progress.success:.1%}"
-    stage = f"{progress.stage}: " if progress.stage else ""
-    least = f"least laser reading {progress.min_range * 1e3:.0f} mm"
-    return f"{stage}{progress.steps_per_s:,.0f} steps/s, {success}, {least}"
+        rows.loaded()
+        return run_training(config, training.folder, training.resumed, rows.report, stopped, training.start)
 
 
 @contextmanager

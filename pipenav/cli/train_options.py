@@ -10,7 +10,7 @@ import typer
 
 from pipenav.cli.option_groups import OptionGroup
 from pipenav.cli.place_options import PlaceOptions
-from pipenav.errors import PipenavError
+from pipenav.errors import PipenavError, shown
 
 MOST_SEEDS = 1000
 
@@ -24,7 +24,35 @@ class FolderOptions(OptionGroup):
     start: Annotated[
         Path | None, typer.Option("--from", help="Training folder whose weights the new training starts from.")
     ] = None
+    from_recordings: Annotated[
+        str | None,
+        typer.Option(
+            metavar="DIR[,DIR...]",
+            help="Drive folders: before PPO, learn what their successful episodes show.",
+        ),
+    ] = None
     resume: Annotated[Path | None, typer.Option(help="Training folder to continue.")] = None
+
+    @property
+    def recordings(self) -> list[str] | None:
+        """Drive folders to learn from; None where none are given."""
+        if self.from_recordings is None:
+            return None
+        return [name.strip() for name in self.from_recordings.split(",")]
+
+    def refuse_two_starts(self) -> None:
+        """Refuse recordings beside another training's weights, and names of folders that are empty.
+
+        Raises:
+            PipenavError: both are given, or a name is missing.
+        """
+        if self.recordings is not None and self.start is not None:
+            raise PipenavError("--from and --from-recordings are two beginnings of one training: give one of them.")
+        if self.recordings is not None and not all(self.recordings):
+            raise PipenavError(
+                f"--from-recordings names folders with commas between them, given {shown(self.from_recordings)}: "
+                "for example runs/drive-1,runs/drive-2."
+            )
 
 
 @dataclass(frozen=True)

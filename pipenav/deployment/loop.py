@@ -144,7 +144,7 @@ def decision_record(reading: Reading, decision: Decision) -> dict[str, Any]:
     def numbers(values: Any) -> list[float] | None:
         return None if values is None else np.asarray(values, float).tolist()
 
-    asked = {} if decision.asked is None else {"asked": decision.asked}
+    asked = {} if decision.asked is None else {"asked": decision.asked, "step": decision.step}
     return asked | {
         "stage": decision.stage,
         "q": numbers(reading.q[0]),

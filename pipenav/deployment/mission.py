@@ -46,6 +46,8 @@ class Mission:
         self._policy, self._turn_sign, self._period = policy, exit_.turn_sign, period
         self._robot, self._retreat = policy.header.robot, retreat
         self._path: list[Floats] = []
+        self._detour: list[Floats] = []  # way that someone else has taken the arm while it looked or went back
+        self._undo: Back | None = None
         self.target, self.outcome, self._failure = target, "", ""
         self._stage: Locate | Reach | Back | None = Locate(self._robot, locate, exit_)
         if target is not None:
@@ -53,6 +55,15 @@ class Mission:
 
     def decide(self, reading: Reading) -> Decision:
         """Decide what to do after a reading."""
+        if self._detour:
+            self._undo, self._detour = Back(self._robot, self._detour, self._period), []
+        if self._undo is not None:
+            undone = self._undo.decide(reading)
+            if isinstance(undone, Decision):
+                return undone
+            self._undo = None
+            if undone != "home":
+                self._stage, self.outcome = None, undone
         if not isinstance(self._stage, Back):
             self._path.append(reading.q[0].copy())
         while self._stage is not None:
@@ -61,6 +72,25 @@ class Mission:
                 return made
             self._finish(made)
         return Decision(self.outcome, None)
+
+    def watch(self, reading: Reading, told: Floats) -> None:
+        """Take in a tick in which someone else drove.
+
+        While the arm reaches, the way that it was taken belongs to the path along which it backs out later. While it
+        looks for a target or goes back, it returns along that way first, and then goes on where it was.
+
+        Args:
+            reading: readings of the sensors, rows of one.
+            told: set-points that were sent, (joints,) [rad or m].
+        """
+        q = reading.q[0].copy()
+        if isinstance(self._stage, Reach):
+            self._path.append(q)
+            self._stage.watch(reading, told)
+            return
+        if self._undo is not None:
+            self._detour, self._undo = self._undo.left, None
+        self._detour.append(q)
 
     def back_out(self, why: str) -> bool:
         """Leave the present stage and back out; False where that is not wanted or already under way."""

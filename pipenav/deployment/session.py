@@ -86,12 +86,18 @@ def _end(telemetry: Telemetry, stopped: Stopped) -> None:
 def switch_on(arm: RealRobot, policy: Policy, settings: dict[str, Any]) -> None:
     """Read, rehearse, and switch torque on where the arm is."""
     first = arm.read()
-    _rehearse(policy, settings, first)
+    rehearse(policy, settings, first)
     arm.reset(np.array([0]), [], first.q, np.zeros(1))
 
 
-def _rehearse(policy: Policy, settings: dict[str, Any], reading: Reading) -> None:
-    """Decide once in every stage, before torque is on: what a first time takes would make a tick late."""
+def rehearse(policy: Policy, settings: dict[str, Any], reading: Reading) -> None:
+    """Decide once in every stage, before torque is on: what a first time takes would make a tick late.
+
+    Args:
+        policy: the policy.
+        settings: settings of the mission, see `mission_settings`.
+        reading: readings of the sensors now, rows of one.
+    """
     tip = kinematics.forward(policy.header.robot, reading.q).tip[0]
     for target in (None, [float(tip[0]) + 0.1, float(tip[1]) + 0.1]):
         mission_of(policy, settings | {"goal_m": target}).decide(reading)
@@ -103,9 +109,22 @@ def _header(arm: RealRobot, policy: Policy, policy_bytes: bytes, settings: dict[
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "backend": "hardware",
         "robot": policy.header.robot.name,
+        **policy_record(policy, policy_bytes, settings),
+        "machine": arm.description(),
+        "versions": installed_versions(),
+    }
+
+
+def policy_record(policy: Policy, policy_bytes: bytes, settings: dict[str, Any]) -> dict[str, Any]:
+    """Part of a telemetry's header about the policy and its mission.
+
+    Args:
+        policy: the policy.
+        policy_bytes: content of its file.
+        settings: settings of the mission, see `mission_settings`.
+    """
+    return {
         "policy": str(policy.path),
         "policy_sha256": hashlib.sha256(policy_bytes).hexdigest(),
         "run": settings,
-        "machine": arm.description(),
-        "versions": installed_versions(),
     }

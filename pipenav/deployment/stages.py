@@ -46,6 +46,7 @@ class Decision(NamedTuple):
         command: set-points; None where the mission is over.
         observation, action: what the policy saw and did, (size,), (joints,); None in other stages.
         asked: what a person asked for; None where nobody drives by hand.
+        step: by hand, the stage of the policy's mission that drove; empty where the person did.
     """
 
     stage: str
@@ -53,6 +54,7 @@ class Decision(NamedTuple):
     observation: Floats | None = None
     action: Floats | None = None
     asked: dict[str, Any] | None = None
+    step: str = ""
 
 
 class Locate:
@@ -112,6 +114,11 @@ class Reach:
         command = actions.to_command(self._robot, self._task, self._action, reading.q, self._turn_sign)
         return Decision("reach", command, seen[0], self._action[0])
 
+    def watch(self, reading: Reading, told: Floats) -> None:
+        """Take in a tick in which someone else drove: the readings, and the set-points that were sent, (joints,)."""
+        self._before = observation.canonical(self._robot, reading, self._turn_sign)
+        self._action = actions.of_set_points(self._robot, self._task, told[None], reading.q, self._turn_sign)
+
 
 class Back:
     """The recorded path backwards (thesis 3.5: the same joint positions, reversed in time), see `Follower`.
@@ -120,10 +127,15 @@ class Back:
     """
 
     def __init__(self, robot: RobotSpec, path: list[Floats], period: float) -> None:
-        self._follower = Follower(robot, 1, period)
-        self._follower.start(np.arange(1), [np.array(path[::-1])])
+        self._follower, self._path = Follower(robot, 1, period), path[::-1]
+        self._follower.start(np.arange(1), [np.array(self._path)])
         self._home = HOME_TOLERANCE * robot.speed_limits * period
         self._steps = 0
+
+    @property
+    def left(self) -> list[Floats]:
+        """Part of the path that still lies between the arm and its beginning, in the order in which it was taken."""
+        return self._path[int(self._follower.rows[0]) :][::-1]
 
     def decide(self, reading: Reading) -> Decision | str:
         """A command, or the outcome: `home` or `back-timeout`."""

@@ -19,7 +19,12 @@ from typing import Any, NamedTuple, Self
 from pipenav.errors import ConfigError, FileProblem, PipenavError
 from pipenav.storage.text_files import as_text, parse_json, read_bytes
 
-SCHEMA = 1
+SCHEMA = 2
+"""Version of the format; in version 2 the sessions of `pipenav drive` hold observations, actions and rewards."""
+
+READABLE = (1, 2)
+"""Versions that are read."""
+
 REMEMBERED = 50
 """Number of ticks kept at hand for a message about a stop."""
 
@@ -160,6 +165,6 @@ def _record(path: Path, number: int, line: bytes) -> dict[str, Any]:
 
 def _header(path: Path, record: dict[str, Any]) -> dict[str, Any]:
     """The first line of a log of the version that can be read."""
-    if record.get("pipenav_telemetry") != SCHEMA:
-        raise TelemetryFileError(path, f"does not begin with a header of version {SCHEMA}")
+    if record.get("pipenav_telemetry") not in READABLE:
+        raise TelemetryFileError(path, f"does not begin with a header of version {' or '.join(map(str, READABLE))}")
     return record

@@ -16,17 +16,19 @@ from pipenav.backends.real_robot import RealRobot
 from pipenav.backends.safety import Stopped
 from pipenav.deployment.guard import guarded
 from pipenav.deployment.loop import control_loop
-from pipenav.deployment.mission import Mission
-from pipenav.deployment.plan import TELEMETRY
-from pipenav.deployment.session import Ending
+from pipenav.deployment.mission import mission_of
+from pipenav.deployment.plan import POLICY_COPY, TELEMETRY
+from pipenav.deployment.session import Ending, policy_record, rehearse
 from pipenav.deployment.stages import Decision
 from pipenav.deployment.telemetry import Telemetry
-from pipenav.driving.ask import POLICY, OperatorLost
+from pipenav.driving.ask import PERSON, POLICY, OperatorLost
 from pipenav.driving.door import Door, Scene
 from pipenav.errors import FileProblem
 from pipenav.policies.header import installed_versions
+from pipenav.policies.policy import Policy
 from pipenav.robots import kinematics
 from pipenav.robots.robot import RobotSpec
+from pipenav.storage.atomic_files import atomic_write
 
 LOST_TICKS = 2
 """Ticks for which the arm holds when a person's device is gone, before it is stopped: as when a servo is silent."""
@@ -50,6 +52,13 @@ class ArmScene(NamedTuple):
     most_ticks: int | None
 
 
+class Beside(NamedTuple):
+    """A policy that drives while the person does not, and its mission's settings, see `mission_settings`."""
+
+    policy: Policy
+    settings: dict[str, Any]
+
+
 class HandMission:
     """A mission that a person carries out, with a policy's mission beside where there is one.
 
@@ -57,14 +66,17 @@ class HandMission:
         robot: the robot.
         door: the door.
         given: surroundings and ends.
-        policy: the mission that goes on while the person does not drive; None without one.
+        beside: the policy whose mission goes on while the person does not drive; None without one.
 
     Attributes:
+        beside: the same.
         outcome: empty while it goes on.
     """
 
-    def __init__(self, robot: RobotSpec, door: Door, given: ArmScene, policy: Mission | None) -> None:
-        self._robot, self._door, self._given, self._policy = robot, door, given, policy
+    def __init__(self, robot: RobotSpec, door: Door, given: ArmScene, beside: Beside | None) -> None:
+        self._robot, self._door, self._given, self.beside = robot, door, given, beside
+        self._policy = None if beside is None else mission_of(beside.policy, beside.settings)
+        self._made = Decision("", None)
         self._begun = False
         self._lost = 0
         self._over: Decision | None = None
@@ -72,8 +84,8 @@ class HandMission:
 
     @property
     def target(self) -> Floats | None:
-        """Target in the robot's own frame, (2,) [m]."""
-        return self._given.scene.target
+        """Target in the robot's own frame, (2,) [m]: the policy's where one drives; None before one is known."""
+        return self._given.scene.target if self._policy is None else self._policy.target
 
     @property
     def door(self) -> Door:
@@ -107,7 +119,13 @@ class HandMission:
         wished = {key: value for key, value in asked._asdict().items() if value}
         if self.outcome:
             return Decision(self.outcome, None, asked=wished)
-        return Decision(self._door.who, Command("position", self._door.command[None]), asked=wished)
+        command = Command("position", self._door.command[None])
+        if self._door.who == POLICY:
+            made = self._made
+            return Decision(POLICY, command, made.observation, made.action, wished, made.stage)
+        if self._policy is not None:
+            self._policy.watch(reading, self._door.command)
+        return Decision(PERSON, command, asked=wished)
 
     def _ask(self, reading: Reading) -> bool:
         """Ask the person; False where the device is gone."""
@@ -124,7 +142,7 @@ class HandMission:
             return None
 
         def command() -> Floats:
-            decision = policy.decide(reading)
+            self._made = decision = policy.decide(reading)
             if decision.command is None:
                 self._over = decision
                 return self._door.command
@@ -169,13 +187,16 @@ def drive_by_hand(
     """
     with Telemetry(given.folder / TELEMETRY) as telemetry:
         try:
+            about_policy = _kept(mission.beside, given.folder)
             with guarded(arm):
                 first = arm.read()
+                if mission.beside is not None:
+                    rehearse(*mission.beside, first)
                 arm.reset(np.array([0]), [], first.q, np.zeros(1))
                 try:
                     started = datetime.now(UTC).isoformat(timespec="seconds")
                     machine = {"machine": arm.description(), "versions": installed_versions()}
-                    telemetry.begin({"started": started, "backend": "hardware", **header, **machine})
+                    telemetry.begin({"started": started, "backend": "hardware", **header, **about_policy, **machine})
                     outcome = control_loop(arm, mission, telemetry, show, given.stop_file, given.most_ticks)
                 except FileProblem as problem:
                     raise Stopped("telemetry", str(problem).rstrip("."), "make room, then start again") from problem
@@ -185,3 +206,16 @@ def drive_by_hand(
             return Ending(stopped.cause, stopped, list(telemetry.last))
         telemetry.end(outcome, None, "")
         return Ending(outcome, None, list(telemetry.last))
+
+
+def _kept(beside: Beside | None, folder: Path) -> dict[str, Any]:
+    """Keep a copy of the policy in the session's folder, and say in the telemetry's header which one it is.
+
+    Raises:
+        FileProblem: it cannot be written.
+    """
+    if beside is None:
+        return {}
+    content = beside.policy.path.read_bytes()
+    atomic_write(folder / POLICY_COPY, content)
+    return policy_record(beside.policy, content, beside.settings)

@@ -11,8 +11,9 @@ from pipenav.arrays import Floats
 from pipenav.backends.messages import Reading
 from pipenav.driving.ask import NOTHING, PERSON, POLICY, Ask, Operator, Seen
 from pipenav.driving.primitives import AS_STEPS, DIRECTIONS, FRONT_FIRST, NO_ROLL, Clamped
+from pipenav.driving.route_steps import CornerRow, RouteSteps
 from pipenav.driving.slew import Slew, SlewLimits
-from pipenav.driving.steps import STEPS, StepDriver
+from pipenav.driving.steps import STEPS
 from pipenav.driving.tip import TipDriver
 from pipenav.pipes.corner import PipeCorner
 from pipenav.robots import kinematics
@@ -23,7 +24,7 @@ TURNING_LEASH, SLIDING_LEASH = 0.25, 0.025
 """Largest distance of a person's set-point from its joint [rad, m]: enough for its full effort, little to spring back
 from."""
 
-STEPS_ONLY = "steps are for a whole robot in a single corner"
+STEPS_ONLY = "steps are for a whole robot in corners that lie in one plane"
 """Why a step that was asked for did not begin."""
 
 
@@ -31,14 +32,16 @@ class Scene(NamedTuple):
     """Knowledge at the start of an episode: the pipe as it is drawn, and about where the robot lies.
 
     Attributes:
-        pipe: the pipe; None where it is no single corner.
+        pipe: the pipe as a single corner; None where it is none.
         tip_gap: distance of the tip before the inner wall's bend, about [m].
         target: target of the tip in the robot's own frame, (2,) [m]; None where there is none.
+        row: the pipe's corners one after another, if it is no more than that; None where it is something else.
     """
 
     pipe: PipeCorner | None
     tip_gap: float
     target: Floats | None
+    row: CornerRow | None = None
 
 
 class Door:
@@ -64,7 +67,7 @@ class Door:
         self._leash = np.where(robot.hinges, TURNING_LEASH, SLIDING_LEASH)
         self._names = [joint.name for joint in robot.joints]
         self._wheels = SlewLimits.of(robot).upper[self._joints :]
-        self._steps: StepDriver | None = None
+        self._steps: RouteSteps | None = None
         self._clamped: Clamped | None = None
         self._tip: TipDriver | None = None
         self._steering = False
@@ -92,9 +95,9 @@ class Door:
         """Begin an episode; readings are rows of one."""
         self._slew.start(reading.q[0])
         self._steps = self._tip = self._clamped = None
-        if self.robot.free and scene.pipe is not None:
-            self._steps = StepDriver(self.robot, scene.pipe, scene.tip_gap, reading)
-            self._clamped = Clamped(self.robot, scene.pipe.radius)
+        if self.robot.free and scene.row is not None:
+            self._steps = RouteSteps(self.robot, scene.row, scene.tip_gap, reading)
+            self._clamped = Clamped(self.robot, self._steps.pipe.radius)
         if not self.robot.free:
             self._tip = TipDriver(self.robot, reading.q[0])
         self._steering, self._under_way = False, ""

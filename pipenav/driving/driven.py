@@ -12,6 +12,7 @@ from pipenav.backends.backend import Simulator
 from pipenav.backends.messages import Command, Reading
 from pipenav.backends.wrapper import WrappedSimulator
 from pipenav.driving.door import Door, Scene
+from pipenav.driving.route_steps import corner_row
 from pipenav.pipes.pipe import Pipe
 
 
@@ -55,7 +56,7 @@ class DrivenSimulator(WrappedSimulator):
             if i in self._begins:
                 pipe = self._pipes[i]
                 corner = None if pipe is None else pipe.corner
-                door.start(row, Scene(corner, self._tip_gap, self.target(i)))
+                door.start(row, Scene(corner, self._tip_gap, self.target(i), corner_row(pipe)))
             values[i] = door.next(row, partial(np.copy, command.values[i]) if self._has_policy else None)
         self._begins.clear()
         self._inner.step(Command("position", values))

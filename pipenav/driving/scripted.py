@@ -13,8 +13,8 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.driving.ask import NOTHING, Ask, Seen
+from pipenav.driving.route_steps import order_after
 from pipenav.driving.scan_match import ScanMatch
-from pipenav.driving.steps import STEPS
 from pipenav.pipes.corner import PipeCorner
 from pipenav.policies.baselines.centreline_plan import follow_line
 from pipenav.policies.baselines.guide_line import guide_line
@@ -46,11 +46,12 @@ class Scripted(ABC):
     Args:
         robot: the robot.
         seed: seed of all noise; that of an episode depends on it, on the pipe and on the robot's first scan alone.
+        rng: source of the noise where the script is part of another one.
     """
 
-    def __init__(self, robot: RobotSpec, seed: int) -> None:
+    def __init__(self, robot: RobotSpec, seed: int, rng: np.random.Generator | None = None) -> None:
         self._robot, self._seed = robot, seed
-        self._rng = np.random.default_rng(seed)
+        self._rng = rng or np.random.default_rng(seed)
 
     def ask(self, seen: Seen) -> Ask:
         """The script's wish for the control step that begins now."""
@@ -88,15 +89,14 @@ class StepScript(Scripted):
             return Ask(active=True)
         if not seen.step:
             return self._press("a")
-        self._in_b += seen.step == "b"
+        self._in_b = 0 if seen.step == "a" else self._in_b + (seen.step == "b")
         if seen.step == "b" and self._in_b == self._pause:
             self._paused, self._resumed = 10, seen.step
             return Ask(active=True, quiet=True)
         if seen.step == "b" and self._early and self._in_b > 20:
             return self._press("c")
-        if seen.done and seen.step != "e":
-            order = "".join(STEPS)
-            return self._press(order[order.index(seen.step) + 1])
+        if seen.done:
+            return self._press(order_after(seen.step))
         return Ask(active=True)
 
     def _press(self, step: str) -> Ask:
@@ -169,33 +169,42 @@ def _dense_line(robot: RobotSpec, pipe: PipeCorner, base: float, target: Floats)
 
 
 STUCK = 20
-"""Control steps without motion after which a person helps a policy."""
+"""Control steps in which a robot does not get on, after which a person helps a policy."""
 
-STILL = 0.01
-"""Largest motion of a joint within that time that counts as none [rad or m]."""
+STILL = 0.015
+"""Largest distance of a joint's mean position from that of a second before that counts as not getting on [rad or m]:
+whoever looks at a robot sees through its wagging and the noise of its sensors."""
 
 HELP = (8, 25)
 """Least and most control steps for which a person helps."""
 
 
 class HelpScript(Scripted):
-    """Watches a policy, and where the robot does not move any more, takes it back a little and hands it back."""
+    """Watches a policy, and helps where the robot does not get on: it takes the robot back a little and hands it back.
 
-    def begin(self, seen: Seen) -> None:  # noqa: ARG002  # the signature of a script
+    Where that was not enough it steers an arm's tip on, every other time, if it knows the way.
+    """
+
+    def begin(self, seen: Seen) -> None:
         self._past: list[Floats] = []
-        self._helps = 0
+        self._left = self._helps = 0
+        self._way = None if self._robot.free else TipScript(self._robot, self._seed, self._rng)
+        if self._way is not None:
+            self._way.begin(seen)
 
     def answer(self, seen: Seen) -> Ask:
-        q = seen.reading.q[0].copy()
-        if self._helps > 0:
-            self._helps -= 1
+        if self._left > 0:
+            self._left -= 1
             self._past = []
+            if self._helps % 2 == 0 and self._way is not None and seen.target is not None:
+                return self._way.answer(seen)
             strength = -float(np.clip(1.0 + self._rng.normal(0.0, TREMOR), 0.3, 1.0))
             return Ask(active=True, wheels=strength) if self._robot.free else Ask(active=True, tip=(strength, 0.0))
-        self._past = [*self._past[-STUCK:], q]
-        moved = np.ptp(np.array(self._past), axis=0).max()
-        if len(self._past) > STUCK and moved < STILL and self._rng.random() < 0.3:
-            self._helps = int(self._rng.integers(*HELP))
+        self._past = [*self._past[1 - STUCK :], seen.reading.q[0].copy()]
+        if len(self._past) == STUCK and self._rng.random() < 0.3:
+            before, after = np.array(self._past).reshape(2, STUCK // 2, -1).mean(axis=1)
+            if np.abs(after - before).max() < STILL:
+                self._left, self._helps = int(self._rng.integers(*HELP)), self._helps + 1
         return NOTHING
 
 

@@ -25,7 +25,7 @@ from pipenav.evaluation.episode_runner import EpisodeQueue, joined, random_start
 from pipenav.pipes.pipe import Pipe
 from pipenav.policies.controller import actions_of
 from pipenav.robots import frames
-from pipenav.tasks.batch import TaskBatch
+from pipenav.tasks.batch import TrainingBatch
 from pipenav.tasks.outcome import Outcome
 from pipenav.tasks.reach.batch import ReachBatch
 from pipenav.tasks.registry import task_of
@@ -62,6 +62,20 @@ class Shown(NamedTuple):
     seconds: float
     force: float
     world: HasWindow | None = None
+
+
+class Lesson(NamedTuple):
+    """Lesson of a control step for a policy: what it sees before it, what was done, and what that was worth.
+
+    Attributes:
+        observation: scaled observation, (size,).
+        action: canonical action in [-1, 1], (action_size,).
+        reward: reward of the step.
+    """
+
+    observation: Floats
+    action: Floats
+    reward: float
 
 
 class _Episode:
@@ -124,7 +138,7 @@ class Session:
             driven.target = _targets(batch)
             self._loop(batch, driven, queue)
 
-    def _loop(self, batch: TaskBatch, driven: DrivenSimulator, queue: EpisodeQueue[Any]) -> None:
+    def _loop(self, batch: TrainingBatch, driven: DrivenSimulator, queue: EpisodeQueue[Any]) -> None:
         plan = self._plan
         observation = batch.reset()
         running = [self._begun(int(job)) for job in queue.running]
@@ -132,14 +146,17 @@ class Session:
         try:
             while len(self.records) < plan.total:
                 action = idle if plan.controller is None else actions_of(plan.controller, observation, batch)
-                before = driven.read()
-                result = batch.step(action)
+                before, seen = driven.read(), observation
+                batch.begin(action)()
+                acted = self._acted(batch, action)
+                result = batch.end()
                 if any(door.asked.end or door.asked.stop for door in self._doors):
                     raise EndedByPerson
                 observation = result.observation
                 for i, episode in enumerate(running):
                     if queue.running[i] >= 0:
-                        self._note(episode, self._doors[i], before.part(np.array([i])), result.truth, i)
+                        lesson = Lesson(seen[i], acted[i], float(result.reward[i]))
+                        self._note(episode, i, before.part(np.array([i])), lesson, result.truth)
                 self._look(batch, driven, queue, running[0])
                 ended = np.flatnonzero(result.outcome != Outcome.RUNNING)
                 for i in ended[queue.running[ended] >= 0].tolist():
@@ -160,6 +177,19 @@ class Session:
                 if episode.telemetry is not None:
                     episode.telemetry.__exit__(None, None, None)
 
+    def _acted(self, batch: TrainingBatch, action: Floats) -> Floats:
+        """Actions that were carried out, (n, action_size): the policy's, and what comes nearest to a person's commands.
+
+        Args:
+            batch: the robots, which have moved.
+            action: the policy's actions, (n, action_size).
+        """
+        by_hand = np.array([i for i, door in enumerate(self._doors) if door.who == PERSON], np.intp)
+        acted = np.clip(action, -1.0, 1.0)
+        if len(by_hand):
+            acted[by_hand] = batch.carried_out(by_hand, np.stack([self._doors[i].command for i in by_hand]))
+        return acted
+
     def _begun(self, job: int) -> _Episode:
         plan = self._plan
         if plan.folder is None or job < 0:
@@ -173,12 +203,15 @@ class Session:
                 "pipe": plan.names[pipe],
                 "episode": number,
                 "seed": plan.seed,
+                "robot_file": plan.robot.model_dump(mode="json"),
+                "task": plan.task.model_dump(mode="json"),
             }
         )
         return _Episode(telemetry)
 
-    def _note(self, episode: _Episode, door: Door, reading: Reading, truth: Any, i: int) -> None:
+    def _note(self, episode: _Episode, i: int, reading: Reading, lesson: Lesson, truth: Any) -> None:
         """Note a control step of a running episode."""
+        door = self._doors[i]
         command = door.command
         if episode.before is not None:
             jump = np.abs(command - episode.before) / self._step_limits
@@ -190,7 +223,9 @@ class Session:
             episode.force = max(episode.force, force)
             episode.penetration = max(episode.penetration, penetration)
         if episode.telemetry is not None:
-            episode.telemetry.tick(tick_record(episode.steps, door, reading, force))
+            taught = {"observation": lesson.observation.tolist(), "action": lesson.action.tolist()}
+            record = tick_record(episode.steps, door, reading, force)
+            episode.telemetry.tick({**record, **taught, "reward": lesson.reward})
         episode.steps += 1
 
     def _finish(self, episode: _Episode, job: int, door: Door, outcome: str) -> None:
@@ -215,7 +250,7 @@ class Session:
             episode.telemetry.end(outcome, None, "")
             episode.telemetry.__exit__(None, None, None)
 
-    def _look(self, batch: TaskBatch, driven: DrivenSimulator, queue: EpisodeQueue[Any], episode: _Episode) -> None:
+    def _look(self, batch: TrainingBatch, driven: DrivenSimulator, queue: EpisodeQueue[Any], episode: _Episode) -> None:
         pipe = batch.pipes[0]
         if self._show is None or pipe is None:
             return
@@ -260,7 +295,7 @@ def tick_record(tick: int, door: Door, reading: Reading, force: float | None) ->
     return record
 
 
-def _targets(batch: TaskBatch) -> Callable[[int], Floats | None]:
+def _targets(batch: TrainingBatch) -> Callable[[int], Floats | None]:
     """Target of a robot in its own frame, by the robot's index."""
 
     def target(i: int) -> Floats | None:

@@ -116,6 +116,12 @@ class StepDriver:
             self._where.clamp_front(state)
 
     @property
+    def tip(self) -> float:
+        """Distance of the tip along the pipe from the corner, after `see` [m]."""
+        assert self._state is not None, "the robot is seen before it is driven"
+        return self._state.tip
+
+    @property
     def done(self) -> bool:
         """Whether the step that is under way is done."""
         return self._state is not None and bool(self.step) and self._turn.done(self._course, self._state)

@@ -138,6 +138,9 @@ class TrainingCallback(BaseCallback):  # type: ignore[misc]  # Stable-Baselines3
 
     def _on_training_start(self) -> None:
         self.save()  # from here on there is a training to resume, whatever happens
+        if self._stage.config.recordings.folders and not self.num_timesteps:
+            self.check()  # what the supervised start has taught
+            self.save()
 
     def finish(self) -> None:
         """Leave the folder whole. A training that was asked to stop is not checked: that may take long.

@@ -106,6 +106,21 @@ class CheckConfig(Table):
     )
 
 
+class RecordingsConfig(Table):
+    """A supervised start: before PPO, the policy learns to do what recordings of `pipenav drive` show."""
+
+    folders: tuple[str, ...] = Field(
+        (),
+        strict=False,
+        max_length=100,
+        description="drive folders whose episodes are learned from; none: no such start",
+    )
+    failed: bool = Field(False, description="whether episodes that failed are learned from as well")
+    epochs: int = Field(60, ge=1, le=10_000, description="passes over all recorded control steps")
+    batch_size: int = Field(256, ge=1, le=MOST_SAMPLES, description="control steps of a gradient step")
+    learning_rate: float = Field(2e-3, ge=1e-12, le=10, description="learning rate at the start; falls linearly to 0")
+
+
 class TrainConfig(Table):
     """Everything that decides what a training computes."""
 
@@ -123,6 +138,7 @@ class TrainConfig(Table):
     learner: LearnerConfig = LearnerConfig()
     check: CheckConfig = CheckConfig()
     randomise: Disturbance = UNDISTURBED
+    recordings: RecordingsConfig = RecordingsConfig()
     stages: tuple[StageConfig, ...] = Field(
         (), strict=False, max_length=MOST_STAGES, description="parts with other settings, one after the other"
     )

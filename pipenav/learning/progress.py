@@ -44,6 +44,7 @@ class TrainingProgress(NamedTuple):
         min_range: mean over steps of the smallest laser reading [m].
         check_success: success of the last noise-free check; NaN before the first.
         check_steps, check_seconds: control steps, and seconds of training, at the beginning of that check.
+        imitated: share of the supervised start that is done; NaN after it, and where there is none.
     """
 
     stage: str
@@ -54,6 +55,7 @@ class TrainingProgress(NamedTuple):
     check_success: float
     check_steps: int = 0
     check_seconds: float = math.nan
+    imitated: float = math.nan
 
 
 def read_progress(path: Path) -> str:

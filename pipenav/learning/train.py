@@ -19,8 +19,10 @@ from pipenav.learning.callback import TrainingCallback
 from pipenav.learning.checkpoint import Checkpoint, load_checkpoint, load_weights, steps_done
 from pipenav.learning.config import TrainConfig
 from pipenav.learning.environment import open_training_batches
+from pipenav.learning.imitation import imitate
 from pipenav.learning.learner import Learner
 from pipenav.learning.progress import TrainingProgress
+from pipenav.learning.recordings import load_lessons
 from pipenav.learning.schedule import LearningRate
 from pipenav.learning.stages import TrainingStage, stage_at, training_stages
 from pipenav.learning.training_folder import TrainingFolder
@@ -112,6 +114,8 @@ def _train_stage(
         checkpoint = load_checkpoint(folder.checkpoint, model, stage.number) if resumed else Checkpoint()
         if start is not None:
             load_weights(TrainingFolder.open(start).folder.checkpoint, model)
+        if config.recordings.folders and not resumed:
+            imitate(model, load_lessons(config), config, report)
         if resumed:  # other episodes than those that the training has had already
             rng.bit_generator.state = np.random.default_rng([config.seed, checkpoint.steps]).bit_generator.state
         should_stop()  # who is asked knows from here on that a stop is saved

@@ -101,6 +101,12 @@ class Exit(NamedTuple):
     straight: bool = False
     bend: bool = False
 
+    @classmethod
+    def of(cls, pipe: PipeCorner) -> Exit:
+        """Exit of an arm that takes a pipe's second leg."""
+        tee = bool(pipe.branches)
+        return cls(pipe.turn, tee, tee and pipe.as_route_corner.straight_on, pipe.bend_radius > 0)
+
     @property
     def turn_sign(self) -> float:
         """+1 for left, -1 for right."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pipenav.arrays import Flags, Floats, Ints
 from pipenav.backends.messages import Truth
 from pipenav.backends.spatial import SpaceTruth
+from pipenav.errors import PipenavError
 from pipenav.pipes.pipe import Pipe
 from pipenav.robots.robot import RobotSpec
 
@@ -128,6 +129,22 @@ class TrainingBatch(TaskBatch):
         Args:
             action: canonical actions in [-1, 1], (n, action_size).
         """
+
+    def carried_out(self, rows: Ints, told: Floats) -> Floats:  # noqa: ARG002  # the signature of the interface
+        """Take in that some robots were told something else than their actions, between the call of what `begin` gave
+        and `end`: observations that hold the last action hold what was really done.
+
+        Args:
+            rows: which robots, sorted and unique, (k,).
+            told: set-points of joints, then speeds of wheels, in the robots' own frames, (k, actuators).
+
+        Returns:
+            Canonical actions in [-1, 1] that come nearest to it, (k, action_size).
+
+        Raises:
+            PipenavError: the task has no such actions.
+        """
+        raise PipenavError("robots of this task are told nothing but their actions.")
 
     @abstractmethod
     def end(self) -> StepResult:

@@ -46,7 +46,9 @@ REFUSED = {
     "no mapping": (("--mapping", "none.toml"), "none.toml"),
     "a script on the real arm": (("--operator", "scripted", "--arm", "arm.toml"), "never drives the real arm"),
     "two arms": (("--emulate", "--arm", "arm.toml"), "leave out --arm"),
-    "a policy on the arm": (("--emulate", "--policy", "arm"), "pipenav run-real"),
+    "a policy alone on the arm": (("--emulate", "--policy", "arm", "--operator", "none"), "pipenav run-real"),
+    "a policy that is not told the way": (("--arm", "arm.toml", "--policy", "arm"), "which way the pipe turns"),
+    "a whole robot's policy on the arm": (("--emulate", "--policy", "pirate"), "approach I"),
     "delayed stops": (("--arm", "arm.toml", "--patience", "2"), "delay the stops"),
 }
 

@@ -17,7 +17,7 @@ from rich.progress import Task, TaskID
 import pipenav.cli
 from pipenav.cli.progress_bars import FINALISING, TimeLeftColumn, percentage_bar
 from pipenav.cli.terminal import say
-from pipenav.cli.train import progress_text
+from pipenav.cli.train_progress import progress_text
 from pipenav.learning.progress import TrainingProgress
 
 COMMANDS = Path(pipenav.cli.__file__).parent

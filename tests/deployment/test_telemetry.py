@@ -57,7 +57,7 @@ def test_a_last_line_that_was_cut_short_is_left_out(tmp_path: Path) -> None:
     ("line", "content", "words"),
     [
         (0, "{}", "does not begin with a header"),
-        (0, json.dumps({"pipenav_telemetry": 99}), "does not begin with a header of version 1"),
+        (0, json.dumps({"pipenav_telemetry": 99}), "does not begin with a header of version 1 or 2"),
         (1, "not json", "is damaged in line 2"),
         (1, "[1, 2]", "is damaged in line 2"),
         (1, json.dumps({"tick": 7, "raw": {}}), "misses tick 0"),

@@ -39,6 +39,7 @@ FRAGMENTS = {
     ("list", "[KIND]"),
     ("run-real", "--emulate"),
     ("train", "--config"),
+    ("train", "--from-recordings"),
     ("view", "--live"),
 }
 """Parts of commands that the text speaks of: their options must exist. A command alone, `pipenav eval`, is another."""

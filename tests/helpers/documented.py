@@ -170,7 +170,7 @@ def _train(options: Options) -> Options:
         return options.plus(("--steps", "128"))
     given = {value.partition("=")[0] for option, value in options.given if option == "--set" and value}
     settings = [("--set", setting) for setting in TRAINING if setting.partition("=")[0] not in given]
-    return options.without(DROPPED).plus(("--steps", "64"), *settings, ("--out", "trained"))
+    return options.without({*DROPPED, "--from-recordings"}).plus(("--steps", "64"), *settings, ("--out", "trained"))
 
 
 def _eval(options: Options) -> Options:

@@ -17,10 +17,16 @@ CALM = 5
 
 
 class RandomHands:
-    """Takes over at random moments, moves something at random for a while, and hands back."""
+    """Takes over at random moments, moves something at random for a while, and hands back.
 
-    def __init__(self, robot: RobotSpec, seed: int) -> None:
-        self._robot, self._rng = robot, np.random.default_rng(seed)
+    Args:
+        robot: the robot.
+        seed: seed of all that is random.
+        strength: largest speed that is asked for, as a share of the fastest.
+    """
+
+    def __init__(self, robot: RobotSpec, seed: int, strength: float = 1.0) -> None:
+        self._robot, self._rng, self._strength = robot, np.random.default_rng(seed), strength
         self._left, self._wish = -CALM, NOTHING
 
     def ask(self, seen: Seen) -> Ask:  # noqa: ARG002  # the signature of an operator
@@ -31,12 +37,13 @@ class RandomHands:
         if self._left <= -CALM and rng.random() < 0.2:
             self._left = int(rng.integers(1, 12))
             names = [joint.name for joint in self._robot.joints]
+            s = self._strength
             moved = rng.choice(names, size=2, replace=False)
-            joints = {str(name): float(rng.uniform(-1, 1)) for name in moved}
-            wheels = float(rng.uniform(-1, 1)) if self._robot.wheels else 0.0
+            joints = {str(name): float(rng.uniform(-s, s)) for name in moved}
+            wheels = float(rng.uniform(-s, s)) if self._robot.wheels else 0.0
             self._wish = Ask(active=True, joints=joints, wheels=wheels)
             if not self._robot.free and rng.random() < 0.5:
-                self._wish = Ask(active=True, tip=(float(rng.uniform(-1, 1)), float(rng.uniform(-1, 1))))
+                self._wish = Ask(active=True, tip=(float(rng.uniform(-s, s)), float(rng.uniform(-s, s))))
             return self._wish
         return NOTHING
 
@@ -58,7 +65,7 @@ class Changes(NamedTuple):
 
 def changes(path: Path, robot: RobotSpec) -> Changes:
     """Changes of driver in an episode's telemetry."""
-    ticks = read_telemetry(path).ticks
+    ticks = [tick for tick in read_telemetry(path).ticks if tick.get("command")]
     limits, joints = SlewLimits.of(robot), len(robot.joints)
     commands = np.array([tick["command"] for tick in ticks])
     by_hand = np.array([tick["stage"] == PERSON for tick in ticks])

@@ -91,7 +91,7 @@ def workshop(shown_files: Path, tmp_path_factory: pytest.TempPathFactory) -> Pat
         tiny_eval = ("eval", "--policy", "arm", "--pipes", "d=100,angle=90", "--episodes", "1")
         assert pipenav(*tiny_eval, "--out", "evaluation") == 0
         assert pipenav("mirror-rear", "--trajectory", "front.csv", "--out", "rear.csv") == 0
-        for place in ("alone", "shared", "composed"):
+        for place in ("alone", "shared", "composed", "by-hand"):
             script = ("--robot", "basic", "--operator", "scripted", "--pipes", "d=100,angle=90", "--no-record")
             assert pipenav("drive", *script, "--out", place) == 0
     return folder

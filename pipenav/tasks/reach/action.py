@@ -28,6 +28,20 @@ def to_command(robot: RobotSpec, config: ReachConfig, action: Floats, q: Floats,
     return Command("position", np.clip(set_points, robot.lower, robot.upper))
 
 
+def of_set_points(robot: RobotSpec, config: ReachConfig, set_points: Floats, q: Floats, turn_sign: Floats) -> Floats:
+    """Canonical actions whose command comes nearest to set-points, (n, joints): `to_command` the other way round.
+
+    Args:
+        robot: the robot.
+        config: step size, with position control.
+        set_points: set-points in the robot's own frame, (n, joints) [rad or m].
+        q: measured joint positions in that frame, (n, joints).
+        turn_sign: +1 for a left turn, -1 for a right one, (n,).
+    """
+    own = (set_points - q) / position_step(robot, config)
+    return np.clip(own * joint_signs(robot, turn_sign), -1.0, 1.0)
+
+
 def full_action(robot: RobotSpec, config: ReachConfig) -> Floats:
     """Physical size of a full action: effort at standstill, or set-point step, (joints,) [N and N m, or m and rad]."""
     return robot.effort_limits if config.control == "torque" else position_step(robot, config)

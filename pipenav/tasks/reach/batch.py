@@ -105,6 +105,11 @@ class ReachBatch(TrainingBatch):
         command = actions.to_command(self.robot, self.config, self._action, self._own_q, self._turn_sign)
         return partial(self._simulator.step, command)
 
+    def carried_out(self, rows: Ints, told: Floats) -> Floats:
+        acted = actions.of_set_points(self.robot, self.config, told, self._own_q[rows], self._turn_sign[rows])
+        self._action[rows] = acted
+        return acted
+
     def end(self) -> StepResult:
         self.steps += 1
         reading = self._simulator.read()

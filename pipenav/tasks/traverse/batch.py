@@ -63,7 +63,7 @@ class TraverseBatch(TrainingBatch):
         self._gravity = np.zeros((n, 2))
         self._tracker = OutcomeTracker(robot, config, n)
         self._action, self._q = np.zeros((n, len(robot.driven_actuators))), np.zeros((n, robot.coordinates))
-        self._set_points = np.zeros((n, len(robot.joints)))
+        self._set_points = self._start = np.zeros((n, len(robot.joints)))
         self._limit = np.zeros(n)
         self._tethers = None if config.tether is None else Tethers(config.tether, n)
         self._observation = np.zeros((n, len(self._scale)))
@@ -125,11 +125,19 @@ class TraverseBatch(TrainingBatch):
         command = observation.to_command(
             self.robot, self.config, action, joints, self._set_points, self._turn_signs[:, 0]
         )
+        self._start = joints if self.config.set_points == "measured" else self._set_points
         self._set_points = command.values[:, : joints.shape[1]].copy()
         self._action = np.clip(action, -1.0, 1.0)
         if self._tethers is not None:
             self._simulator.pull(self._tethers.forces(self._lines, self.points[:, 0]))
         return partial(self._simulator.step, command)
+
+    def carried_out(self, rows: Ints, told: Floats) -> Floats:
+        joints = self._set_points.shape[1]
+        q, start, signs = self._q[rows, -joints:], self._start[rows], self._turn_signs[rows, 0]
+        acted = observation.of_command(self.robot, self.config, told, q, start, signs)
+        self._action[rows], self._set_points[rows] = acted, told[:, :joints]
+        return acted
 
     def end(self) -> StepResult:
         self.steps += 1

@@ -16,6 +16,9 @@ STRAIGHT = 0.1
 """Bend below which a wheel rolls more slowly than asked, and at a straight joint not at all [rad]: there it moves from
 one wall to the other, and its forward direction turns round."""
 
+SLIGHT = 0.05
+"""Share of a wheel's full direction below which its speed says nothing about the action behind it."""
+
 
 class RouteAhead(NamedTuple):
     """Knowledge that n robots have of their routes.
@@ -140,7 +143,35 @@ def to_command(
     bends = asked[:, :joints] * actuator_signs(robot, turn_sign)[:, :joints]
     bends += q if config.set_points == "measured" else set_points
     bends = np.clip(np.clip(bends, q - config.alpha, q + config.alpha), robot.lower, robot.upper)
-    # A bend to the right presses its wheel on the left wall, where turning to the left rolls forwards.
-    forwards = -np.clip(q[:, robot.wheel_joints] / STRAIGHT, -1.0, 1.0)
-    rolls = asked[:, joints:] * forwards
+    rolls = asked[:, joints:] * _forwards(robot, q)
     return Command("position", np.concatenate([bends, rolls], axis=1))
+
+
+def of_command(
+    robot: RobotSpec, config: TraverseConfig, told: Floats, q: Floats, start: Floats, signs: Floats
+) -> Floats:
+    """Canonical actions whose command comes nearest to what robots were told, (n, actuators): `to_command` backwards.
+
+    The wheel of a straight joint rolls for no action: 0 stands for whatever it was told.
+
+    Args:
+        robot: the robot.
+        config: size of a full action.
+        told: set-points of joints, then speeds of wheels, in the robot's own frame, (n, actuators).
+        q: measured joint positions in that frame, (n, joints).
+        start: positions or set-points that set-point changes start from, (n, joints).
+        signs: +1 for a left turn, -1 for a right one, (n,).
+    """
+    joints = q.shape[1]
+    bends = (told[:, :joints] - start) * actuator_signs(robot, signs)[:, :joints]
+    forwards = _forwards(robot, q)
+    rolls = np.divide(told[:, joints:], forwards, out=np.zeros_like(forwards), where=np.abs(forwards) > SLIGHT)
+    return np.clip(np.concatenate([bends, rolls], axis=1) / action_scale(robot, config), -1.0, 1.0)
+
+
+def _forwards(robot: RobotSpec, q: Floats) -> Floats:
+    """Direction in which each wheel rolls forwards, in [-1, 1], (n, wheels), by the bends of the joints, (n, joints).
+
+    A bend to the right presses its wheel on the left wall, where turning to the left rolls forwards.
+    """
+    return np.asarray(-np.clip(q[:, robot.wheel_joints] / STRAIGHT, -1.0, 1.0))

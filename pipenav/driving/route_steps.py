@@ -1,0 +1,169 @@
+"""The steps (a) to (e) on each corner of a route in one plane, one corner after the other.
+
+After (e) the robot drives on, clamped, until it is near the next corner; there (e) is done, and (a) begins anew. How
+far the next corner is, the drawing and the wheels say, until the laser sees that corner.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from pipenav.backends.messages import Reading
+from pipenav.driving.steps import STEPS, StepDriver, StepGoal
+from pipenav.errors import PipenavError
+from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.pipe import Pipe
+from pipenav.pipes.route import PipeRoute
+from pipenav.robots.robot import RobotSpec
+from pipenav.units import m_to_mm, rad_to_deg
+
+NEAR = 0.09
+"""Distance of the tip before the next corner's inner edge at which a robot has driven on far enough [m]: a counted
+distance is wrong by a tenth."""
+
+
+class CornerRow(NamedTuple):
+    """Corners of a pipe in one plane, as a person reads them from its drawing.
+
+    Attributes:
+        corners: the corners, each as a pipe of its own.
+        spacing: distances from each corner to the next one along the centre line [m].
+    """
+
+    corners: tuple[PipeCorner, ...]
+    spacing: tuple[float, ...]
+
+
+def corner_row(pipe: Pipe | None) -> CornerRow | None:
+    """Corners of a pipe; None where it is not known, leaves the plane, or has other fittings than corners."""
+    if pipe is None or pipe.in_space:
+        return None
+    if pipe.corner is not None:
+        return CornerRow((pipe.corner,), ())
+    if not isinstance(pipe, PipeRoute) or pipe.has_fittings:
+        return None
+    corners = tuple(
+        PipeCorner.of(
+            m_to_mm(pipe.diameter),
+            rad_to_deg(corner.angle),
+            "left" if sign > 0 else "right",
+            m_to_mm(corner.bend_radius),
+        )
+        for corner, sign in zip(pipe.corners, pipe.turn_signs, strict=True)
+    )
+    return CornerRow(corners, tuple(float(straight) for straight in pipe.straights[1:-1]))
+
+
+def least_spacing(robot: RobotSpec, before: PipeCorner, after: PipeCorner) -> float:
+    """Distance of two corners from which on a robot has room for its steps between them [m].
+
+    All its wheels are past one corner before its tip comes to the next.
+    """
+    return before.inner_edge + float(robot.lengths[1:].sum()) + after.inner_edge
+
+
+def require_room(robot: RobotSpec, pipe: Pipe) -> None:
+    """Refuse a pipe that cannot be driven through by steps alone.
+
+    Raises:
+        PipenavError: it leaves the plane, has other fittings than corners, or corners too close to each other.
+    """
+    row = corner_row(pipe)
+    if row is None:
+        raise PipenavError(
+            f"{pipe.label} is not a row of corners in one plane, which steps are for: name another pipe."
+        )
+    for number, spacing in enumerate(row.spacing, 1):
+        least = least_spacing(robot, *row.corners[number - 1 : number + 1])
+        if spacing < least:
+            raise PipenavError(
+                f"{pipe.label} has {m_to_mm(spacing):.0f} mm between its corners {number} and {number + 1}, and steps "
+                f"take at least {m_to_mm(least):.0f} mm there: name another pipe, or let a policy drive."
+            )
+
+
+class RouteSteps:
+    """Carries out the steps on one robot, corner after corner; other arguments and attributes as `StepDriver`.
+
+    Args:
+        robot: the robot.
+        row: the corners.
+        tip_gap: distance of the tip before the first inner wall's bend at the start, about [m].
+        reading: readings at the start, rows of one.
+
+    Attributes:
+        corner: number of the corner that the steps are about, from 0.
+        refusal: why the last step that was asked for did not begin; empty where it did.
+
+    Raises:
+        PipenavError: the robot is built otherwise.
+    """
+
+    def __init__(self, robot: RobotSpec, row: CornerRow, tip_gap: float, reading: Reading) -> None:
+        self._robot, self._row, self._reading = robot, row, reading
+        self._steps = StepDriver(robot, row.corners[0], tip_gap, reading)
+        self.corner, self.refusal = 0, ""
+
+    @property
+    def step(self) -> str:
+        """The step that is under way; empty before the first one."""
+        return self._steps.step
+
+    @property
+    def pipe(self) -> PipeCorner:
+        """The corner that the steps are about."""
+        return self._row.corners[self.corner]
+
+    @property
+    def last(self) -> bool:
+        """Whether no other corner follows."""
+        return self.corner + 1 == len(self._row.corners)
+
+    @property
+    def done(self) -> bool:
+        """Whether the step that is under way is done: (e) is where the next corner is near, and never in the last."""
+        if self.step == "e":
+            return not self.last and self._ahead() <= NEAR
+        return self._steps.done
+
+    def see(self, reading: Reading) -> None:
+        """Take in the readings after a control period, whoever drove in it; rows of one."""
+        self._reading = reading
+        self._steps.see(reading)
+
+    def begin(self, step: str) -> None:
+        """Begin a step, if it is the next one or the one before; `refusal` says why not."""
+        self.refusal = ""
+        if step == "a" and self.step == "e" and not self.last:
+            if not self.done:
+                self.refusal = "the next corner is not near yet: (a) comes when (e) is done"
+                return
+            self._next_corner()
+        self._steps.begin(step)
+        self.refusal = self._steps.refusal
+
+    def goal(self) -> StepGoal:
+        """The step's goal for this control step, after `see`."""
+        goal = self._steps.goal()
+        if self.step != "e" or not self.done:
+            return goal
+        return goal._replace(wheels=np.zeros_like(goal.wheels), done=True)
+
+    def _ahead(self) -> float:
+        """Distance of the tip before the next inner wall's bend, by the wheels [m]."""
+        following = self._row.corners[self.corner + 1]
+        return self._row.spacing[self.corner] - following.inner_edge - self._steps.tip
+
+    def _next_corner(self) -> None:
+        gap = max(self._ahead(), 0.0)
+        self.corner += 1
+        self._steps = StepDriver(self._robot, self.pipe, gap, self._reading)
+        self._steps.see(self._reading)
+
+
+def order_after(step: str) -> str:
+    """The step after another one; after (e) comes (a) again."""
+    order = "".join(STEPS)
+    return order[(order.index(step) + 1) % len(order)]
