@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
 from pipenav.deployment.picture import drawable
 from pipenav.deployment.plan import POLICY_COPY
@@ -19,7 +21,7 @@ from pipenav.robots.robot import BASE, RobotSpec, load_robot
 
 
 def robot_of(path: Path, header: Mapping[str, Any]) -> RobotSpec | None:
-    """Robot of a telemetry: that of the policy beside it, or the one that it names; None where there is none.
+    """Robot of a telemetry: the one in it, that of the policy beside it, or the one that it names; None without any.
 
     Args:
         path: file of the telemetry.
@@ -27,8 +29,10 @@ def robot_of(path: Path, header: Mapping[str, Any]) -> RobotSpec | None:
     """
     copy = path.with_name(POLICY_COPY)
     try:
+        if "robot_file" in header:
+            return RobotSpec.model_validate_json(json.dumps(header["robot_file"]))
         return load_policy(copy).header.robot if copy.exists() else load_robot(str(header.get("robot")))
-    except PipenavError:
+    except (PipenavError, ValidationError):
         return None
 
 
