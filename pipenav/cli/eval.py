@@ -42,6 +42,9 @@ PIPES_HELP = (
 TETHER_HELP = "Length of cable behind a whole robot at the start, in straight, level pipe [m]: 0-100000."
 CABLE_HELP = "Friction of that cable in the pipe: 0.3 for PVC, 0.6 for corroded steel."
 FORCE_HELP = "Largest contact force on any one link [N]: an episode with more has failed."
+SENSORS_HELP = (
+    "Sensors of a whole robot: ideal, or mems with the errors of a consumer part. Default: as it was trained."
+)
 DISTURB_HELP = "Disturbances, by name or as FILE.toml; see `pipenav list disturbances`."
 AUDIT_HELP = "Replay this share of the successful episodes, 10% or 0.1, by geometry alone, without the simulator."
 CERTIFY_HELP = "Decide by geometry which episodes were possible at all, as `pipenav certify` does, in the plane."
@@ -66,6 +69,9 @@ CableOption = Annotated[
     float | None, typer.Option(help=CABLE_HELP, min=0, max=3, show_default="0.3", rich_help_panel=EPISODES)
 ]
 ForceOption = Annotated[float | None, typer.Option(help=FORCE_HELP, min=0.001, max=1e6, rich_help_panel=EPISODES)]
+SensorsOption = Annotated[
+    Literal["ideal", "mems"] | None, typer.Option(help=SENSORS_HELP, metavar="GRADE", rich_help_panel=EPISODES)
+]
 OutOption = Annotated[Path | None, typer.Option(help="Evaluation folder; default beside the policy.")]
 RequireOption = Annotated[str | None, typer.Option(metavar="PERCENT", help="Exit code 1 below this success, for CI.")]
 AuditOption = Annotated[str | None, typer.Option(metavar="SHARE", help=AUDIT_HELP)]
@@ -90,6 +96,7 @@ class LoadOptions(OptionGroup):
     tether: TetherOption = None
     cable_friction: CableOption = None
     max_force: ForceOption = None
+    sensors: SensorsOption = None
 
 
 @dataclass(frozen=True)

@@ -66,7 +66,7 @@ class CheckedEvaluation:
         self._controller = None if config.policy is None else open_controller(config.policy, config.robot, config.seed)
         self._robot = load_robot(config.robot or "basic") if self._controller is None else self._controller.robot
         self._config: TaskConfig = ReachConfig() if self._controller is None else self._controller.task
-        self._config = _tethered(self._config, config)
+        self._config = _with_sensors(_tethered(self._config, config), config)
         self._task = task_of(self._config)
         self.config = config.model_copy(update={"stage": self._stage_of(config)})
         pipes = self._task.parse_pipes(config.pipes)
@@ -211,3 +211,19 @@ def _tethered(task: TaskConfig, config: EvaluationConfig) -> TaskConfig:
     friction = {} if config.cable_friction is None else {"friction": config.cable_friction}
     tether = TetherConfig(length=(config.tether, config.tether), **friction)
     return task.model_copy(update={"tether": tether})
+
+
+def _with_sensors(task: TaskConfig, config: EvaluationConfig) -> TaskConfig:
+    """The task with the sensors that an evaluation asks for.
+
+    Raises:
+        PipenavError: the task is none of a whole robot.
+    """
+    if config.sensors is None:
+        return task
+    if not isinstance(task, TraverseConfig):
+        raise PipenavError(
+            "gyroscopes, accelerometers and wheels are a whole robot's: give a policy such as pirate, or leave out "
+            "--sensors."
+        )
+    return task.model_copy(update={"sensors": config.sensors})
