@@ -62,6 +62,9 @@ class EvaluationConfig(Table):
         exclude_if=not_given,
         description="contact force on any one link beyond which an episode fails [N]; none: no limit",
     )
+    starts: str | None = Field(
+        None, exclude_if=not_given, description="set of starts, by name or as FILE.json; none: drawn from the seed"
+    )
     sensors: SensorsName | None = Field(
         None, exclude_if=not_given, description="grade of a whole robot's sensors; none: as its policy was trained"
     )

@@ -119,7 +119,7 @@ class RollingBatch(TrainingBatch):
         self._lines = self._lines.put(indices, CentreLines.of(routes, 3))
         self._branches = self._branches.put(indices, Branches.of(routes))
         q = reading.body.q
-        self._pilot.start(indices, routes, q + self.config.start_press * np.sign(q))
+        self._pilot.start(indices, routes, q + episodes.press)
         for i, route in zip(indices, routes, strict=True):
             self._routes[i] = route
             self._end[i] = route.distances[-2] + route.inner_edges[-1]

@@ -95,6 +95,11 @@ class TraverseBatch(TrainingBatch):
         return frames.robot_to_pipe(kinematics.waypoints(self.robot, self._q), self._base[:, None])
 
     @property
+    def set_points(self) -> Floats:
+        """Set-points of the joints in the last control step, in the robot's own frame, (n, joints) [rad]."""
+        return self._set_points.copy()
+
+    @property
     def distances(self) -> Floats:
         """Distances of `points` along the pipe, 0 at the first corner, (n, links + 1) [m]."""
         return self._lines.distance(self.points)
@@ -110,7 +115,7 @@ class TraverseBatch(TrainingBatch):
         self.steps[indices], self._ages[indices] = self._ages[indices], 0
         self._base[indices], self._q[indices], self._action[indices] = episodes.base, episodes.q, 0.0
         self._gravity[indices], self._ranges[indices] = episodes.gravity, reading.ranges
-        self._set_points[indices] = reading.q + self.config.start_press * np.sign(reading.q)
+        self._set_points[indices] = reading.q + episodes.press
         self._lines, self._corner[indices] = self._lines.put(indices, CentreLines.of(episodes.pipes)), 0
         self._branches = self._branches.put(indices, Branches.of(episodes.pipes))
         self._turn_signs[indices] = self._lines.turn_signs(self._corner)[indices]

@@ -29,6 +29,7 @@ class TraverseEpisodes(NamedTuple):
         pipes: pipe of each episode, with ends long enough for the robot, k of them.
         q: start configurations in the robot's own frame, (k, coordinates).
         base: x of the robot's frame in the pipe's frame, (k,) [m].
+        press: distances of the joints' set-points from the joints, (k, joints) [rad].
         gravity: gravity's part in the pipe's plane, where robots move in it, axes of the pipe's frame, (k, 2) [m/s^2].
         gravity_in_space: gravity where robots move in space, axes of the route's frame, (k, 3) [m/s^2].
         cable: length of the cable behind each robot, 0 without a tether, (k,) [m].
@@ -38,6 +39,7 @@ class TraverseEpisodes(NamedTuple):
     pipes: tuple[Pipe, ...]
     q: Floats
     base: Floats
+    press: Floats
     gravity: Floats
     gravity_in_space: Floats
     cable: Floats
@@ -80,7 +82,8 @@ def sample(
         in_space = GRAVITY * np.array([pipe.down for pipe in pipes]).reshape(k, 3)
     cable = np.zeros(k) if config.tether is None else rng.uniform(*config.tether.length, k)
     seeds = np.zeros(k, np.intp) if config.sensors == "ideal" else rng.integers(2**62, size=k)
-    return TraverseEpisodes(roomy, q, base, gravity, in_space, cable, seeds)
+    press = config.start_press * np.sign(pose.bends)
+    return TraverseEpisodes(roomy, q, base, press, gravity, in_space, cable, seeds)
 
 
 def check_robot(robot: RobotSpec) -> None:
