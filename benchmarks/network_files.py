@@ -44,9 +44,17 @@ def by_the_toolkit(library: str, file: Path) -> Pipes:
             toolkit.ENgetlinkid(i, name)
             toolkit.ENgetlinkvalue(i, LENGTH, ctypes.byref(values, 0))
             toolkit.ENgetlinkvalue(i, DIAMETER, ctypes.byref(values, 4))
-            found[name.value.decode("latin-1")] = (values[0] * length, values[1] * bore)
+            found[_text(name.value)] = (values[0] * length, values[1] * bore)
         toolkit.ENclose()
     return found
+
+
+def _text(name: bytes) -> str:
+    """A name as its file spells it, which is UTF-8 or, in older files, Latin-1."""
+    try:
+        return name.decode("utf-8")
+    except UnicodeDecodeError:
+        return name.decode("latin-1")
 
 
 def compared(library: str, file: Path) -> str:

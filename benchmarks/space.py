@@ -6,7 +6,7 @@
 
 64 robots move in the 24 routes of `runs-rolled`, driven by the shipped policy `pirate-strong`, whose own time does not
 count.
-In every control step (a) steps the states from which (b) and (c) go on, so that all three share the machine alike.
+In every control step (a) steps the states from which (b) and (c) went on, so that all three share the machine alike.
 """
 
 from __future__ import annotations
@@ -45,10 +45,12 @@ class Timed(SpaceBackend):
 
     Attributes:
         seconds: duration of all calls so far [s].
+        before: state of the batch before the last step, with the commands of that step.
     """
 
     def __init__(self, inner: SpaceBackend) -> None:
         self.inner, self.seconds = inner, 0.0
+        self.before = np.zeros(0)
 
     def incline(self, indices: Ints, gravity: Floats) -> None:
         self.inner.incline(indices, gravity)
@@ -56,7 +58,13 @@ class Timed(SpaceBackend):
     def reset(self, indices: Ints, routes: Sequence[PipeRoute], q: Floats, base: Floats, plane: Floats) -> SpaceReading:
         return self.inner.reset(indices, routes, q, base, plane)
 
+    def pull(self, forces: Floats) -> None:
+        self.inner.pull(forces)
+
     def step(self, set_points: Floats, roll: Floats) -> None:
+        live: Any = self.inner._batch.views  # type: ignore[attr-defined]
+        live.ctrl[:, :-1], live.ctrl[:, -1] = set_points, roll
+        self.before = live.batch.state.copy()
         begin = time.perf_counter()
         self.inner.step(set_points, roll)
         self.seconds += time.perf_counter() - begin
@@ -83,14 +91,14 @@ class Bare:
     def __init__(self, backend: Any) -> None:
         self._live, self._batch = backend._batch, None
 
-    def seconds(self, substeps: int) -> float:
-        """Duration of a control period from where the robots are now [s]."""
+    def seconds(self, substeps: int, state: Floats) -> float:
+        """Duration of a control period from a state [s]."""
         live = self._live.views.batch
         if self._batch is None or self._batch.nstate != live.nstate:
             self._batch = mujoco.batch.Batch(live.model, live.nsim, persistent=True)  # as the models' sleep asks for
         self._batch.set_models(live.models)
         self._batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)  # places the walls
-        self._batch.state[:] = live.state
+        self._batch.state[:] = state
         begin = time.perf_counter()
         self._batch.rollout(substeps, record=())
         return time.perf_counter() - begin
@@ -123,13 +131,14 @@ def measure(steps: int) -> dict[str, float]:
     substeps = backend.inner._settings.substeps  # type: ignore[attr-defined]
     for _ in range(steps):
         actions = actions_of(controller, observation, batch)
-        alone, before = bare.seconds(substeps), backend.seconds
-        begin = time.perf_counter()
+        before, begin = backend.seconds, time.perf_counter()
         step = batch.step(actions)
+        taken = time.perf_counter() - begin
+        alone, begin = bare.seconds(substeps, backend.before), time.perf_counter()
         observation, ended = step.observation, np.flatnonzero(step.outcome != Outcome.RUNNING)
         if len(ended):
             observation = batch.reset(ended)
-        seconds.append((alone, backend.seconds - before, time.perf_counter() - begin))
+        seconds.append((alone, backend.seconds - before, taken + time.perf_counter() - begin))
     batch.close()
     a, b, c = (ROBOTS / statistics.median(column) for column in zip(*seconds[10:], strict=True))
     whole = sum(row[0] for row in seconds[10:]) / sum(row[2] for row in seconds[10:])

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pipenav.cli.option_groups import takes_option_groups
+from pipenav.cli.place_options import PlaceOptions
 from pipenav.cli.signals import Interrupted
 from pipenav.cli.survey_options import MapOptions, ResultOptions, TrialOptions, WayOptions
 from pipenav.cli.terminal import progress_console, refuse_ignored, say, show
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
     from pipenav.networks.fields import ReadOptions
     from pipenav.networks.model import NetworkMap, Note
     from pipenav.survey.entries import Goal
-    from pipenav.survey.survey import Progress, Survey, SurveyConfig
+    from pipenav.survey.findings import Findings, Progress
+    from pipenav.survey.survey import Survey, SurveyConfig
 
 FileArgument = Annotated[
     Path, typer.Argument(metavar="FILE", help="A map: EPANET .inp, pandapipes .json, .geojson, .csv, .shp or .pcf.")
@@ -29,15 +31,24 @@ FileArgument = Annotated[
 
 
 @takes_option_groups
-def survey(file: FileArgument, map: MapOptions, way: WayOptions, trial: TrialOptions, result: ResultOptions) -> None:
+def survey(
+    file: FileArgument,
+    map: MapOptions,
+    way: WayOptions,
+    trial: TrialOptions,
+    where: PlaceOptions,
+    result: ResultOptions,
+) -> None:
     """Find out which part of a pipe network a robot can inspect, from which entry points, and what stops it.
 
-    Every kind of fitting is simulated once with the policy; trials are kept for later surveys, also after Ctrl-C.
+    Every kind of fitting is certified by geometry and simulated once with the policy; both are kept for later surveys,
+    also after Ctrl-C. Simulations run in this process, in several (--jobs), or on a Ray cluster (--cluster).
 
     Examples:
 
         pipenav survey examples/schutterwald/network.json --check
         pipenav survey examples/schutterwald/network.json
+        pipenav survey examples/schutterwald/network.json --jobs 2 --ideal
         pipenav survey my-pipes.geojson --diameter bore:mm --from K12,K40 --cable 500
         pipenav survey my-pipes.shp --diameter DIAM:in --entries 12 --untethered --routes my-routes
     """
@@ -46,10 +57,10 @@ def survey(file: FileArgument, map: MapOptions, way: WayOptions, trial: TrialOpt
     network = read_network_map(file, _read_options(map))
     if result.check:
         refuse_ignored({"--routes": result.routes, "--out": result.out}, "--check only reads the map")
-        _show_notes(network)
+        _show_notes(file, network)
         return
     config = _config(map, way)
-    _survey(file, network, config, trial, result)
+    _survey(file, network, config, _findings(trial, where), result)
 
 
 def _read_options(map: MapOptions) -> ReadOptions:
@@ -105,29 +116,35 @@ def _goal(text: str) -> Goal:
     raise PipenavError(f"--entries {text} is neither a number up to {MOST_ENTRIES} nor a share: write 12 or 80%.")
 
 
-def _survey(file: Path, network: NetworkMap, config: SurveyConfig, trial: TrialOptions, result: ResultOptions) -> None:
-    """Survey a network, write the folder and say what came out."""
+def _findings(trial: TrialOptions, where: PlaceOptions) -> Findings:
     from pipenav.cli.options import checked_options
+    from pipenav.survey.class_store import default_cache
+    from pipenav.survey.findings import Findings
+    from pipenav.survey.trial_jobs import TrialConfig
+
+    options = checked_options(trial.backend, trial.option or [])
+    config = TrialConfig(trial.policy, trial.backend, options, trial.episodes, trial.seed, trial.ideal)
+    return Findings(config, trial.cache or default_cache(), where.place())
+
+
+def _survey(file: Path, network: NetworkMap, config: SurveyConfig, findings: Findings, result: ResultOptions) -> None:
+    """Survey a network, write the folder and say what came out."""
     from pipenav.storage.lock import one_writer
     from pipenav.survey.folder import FILES, write_survey
     from pipenav.survey.record import Subject, survey_record
     from pipenav.survey.sensitivity import sensitivities
     from pipenav.survey.survey import survey as survey_of
-    from pipenav.survey.trials import TrialConfig, Trials, default_cache
 
-    options = checked_options(trial.backend, trial.option or [])
-    cache = trial.cache or default_cache()
-    trials = Trials(TrialConfig(trial.policy, trial.backend, options, trial.episodes, trial.seed), cache)
     out = result.out or Path("runs") / f"survey-{file.stem}"
     with one_writer(out) as folder, ExitStack() as stack:
         progress = _progress(stack)
         try:
-            surveyed = survey_of(network, trials, config, progress)
-            rows = sensitivities(surveyed, network, trials, progress)
+            surveyed = survey_of(network, findings, config, progress)
+            rows = sensitivities(surveyed, network, findings, progress)
         except Interrupted:
-            say(f"stopped; finished trials are kept in {cache}, and the same command goes on from there")
+            say(f"stopped; finished trials are kept in {findings.folder}, and the same command goes on from there")
             raise
-        write_survey(folder, survey_record(surveyed, Subject(file.name, trials, rows)))
+        write_survey(folder, survey_record(surveyed, Subject(file.name, findings.trials, rows)))
         stack.close()
     if result.routes is not None:
         _write_routes(surveyed, result.routes)
@@ -153,13 +170,14 @@ def _progress(stack: ExitStack) -> Progress:
 def _report(surveyed: Survey) -> None:
     totals = surveyed.totals
     say(f"mains        {totals.mains / 1e3:8.2f} km, {totals.in_range / 1e3:.2f} km of them in the robot's bores")
-    say(f"inspectable  {totals.seen / 1e3:8.2f} km from {len(surveyed.entries)} entries")
+    entries = f"{len(surveyed.entries)} {'entry' if len(surveyed.entries) == 1 else 'entries'}"
+    say(f"inspectable  {totals.seen / 1e3:8.2f} km from {entries}")
     say(f"unknown      {totals.unknown / 1e3:8.2f} km")
     say(f"blocked      {totals.blocked / 1e3:8.2f} km, or out of the cable's reach")
     proposal = surveyed.proposal
     if proposal is not None and not proposal.reached and proposal.target is not None:
         say(f"no choice of entries sees the {proposal.target / 1e3:.2f} km that were asked for", "yellow")
-    costly = {name: more for name, more in surveyed.without.items() if name != "unknown"}
+    costly = {name: more for name, more in surveyed.without.items() if name not in ("unknown", "policy")}
     name = max(costly, key=lambda key: costly[key])
     if costly[name] > totals.seen + 1:
         say(f"the limit that costs most is {name}: without it {(costly[name] - totals.seen) / 1e3:.2f} km more")
@@ -178,7 +196,7 @@ def _write_routes(surveyed: Survey, folder: Path) -> None:
         say(f"             none for {route.name}: {route.problem}", "yellow")
 
 
-def _show_notes(network: NetworkMap) -> None:
+def _show_notes(file: Path, network: NetworkMap) -> None:
     """Show what is doubtful in a map.
 
     Raises:
@@ -207,9 +225,9 @@ def _show_notes(network: NetworkMap) -> None:
     endings = {kind: "" if n == 1 else "es" if kind == "cross" else "s" for kind, n in kinds.items()}
     words = [f"{n} {kind}{endings[kind]}" for kind, n in sorted(kinds.items())]
     say(f"fittings: {', '.join(words)}")
-    _refuse(notes)
+    _refuse(file, notes)
 
 
-def _refuse(notes: list[Note]) -> None:
+def _refuse(file: Path, notes: list[Note]) -> None:
     if refused := [note.text for note in notes if note.kind == "no-diameter" and note.severity == "refused"]:
-        raise PipenavError(f"{refused[0]}.")
+        raise PipenavError(f"{file.name}: {refused[0]}.")

@@ -20,6 +20,10 @@ CONFIDENCE_HELP = "Least probability of passing a fitting, and of coming to a pl
 FROM_HELP = "Nodes by which the robot goes in, separated by commas; without it, entries are proposed."
 ENTRIES_HELP = "Entries to propose: a number, or the share of the length in the robot's bores that they should see."
 
+IDEAL_HELP = (
+    "Take a perfect policy in place of trials: it passes all that the robot's shape can, in the policy's bores."
+)
+
 
 @dataclass(frozen=True)
 class MapOptions(OptionGroup):
@@ -65,6 +69,7 @@ class TrialOptions(OptionGroup):
     seed: Annotated[int, typer.Option(min=0, help="Seed of the starts.")] = 0
     backend: Annotated[str, typer.Option(help="Simulator backend; see `pipenav backends`.")] = "mujoco"
     option: Annotated[list[str] | None, typer.Option("--option", help="Backend setting, key=value; repeatable.")] = None
+    ideal: Annotated[bool, typer.Option("--ideal", help=IDEAL_HELP)] = False
     cache: Annotated[
         Path | None,
         typer.Option(metavar="FOLDER", help="Where trials are kept.", show_default="pipenav/trials in ~/.cache"),

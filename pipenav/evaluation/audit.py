@@ -45,6 +45,8 @@ class AuditRows(NamedTuple):
         overlap: deepest overlap with a wall in the recorded poses, (k,) [m].
         between: deepest overlap between recorded poses, (k,) [m].
         speed: largest speed of a joint between recorded poses, as a multiple of its motor's no-load speed, (k,).
+        power: largest share that braking a joint against its motor's no-load speed takes of the power that all other
+            motors and the falling weight can give, (k,).
         arrived: whether the tip is on the target at the end, or the tail through, (k,).
     """
 
@@ -52,12 +54,13 @@ class AuditRows(NamedTuple):
     overlap: Floats
     between: Floats
     speed: Floats
+    power: Floats
     arrived: Flags
 
     @classmethod
     def empty(cls) -> Self:
         """No audits."""
-        return cls(np.zeros(0, np.intp), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0, bool))
+        return cls(np.zeros(0, np.intp), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0, bool))
 
     def of_jobs(self, first: int, end: int) -> AuditRows:
         """Audits of the episodes from `first` to the one before `end`."""
@@ -78,7 +81,7 @@ class Auditor:
     def __init__(self, robot: RobotSpec, task: TaskConfig, share: float, begin: int) -> None:
         self._robot, self._task, self._share, self._begin = robot, task, share, begin
         self._shapes = shapes_of(robot)
-        self._found: dict[int, tuple[float, float, float, bool]] = {}
+        self._found: dict[int, tuple[float, float, float, float, bool]] = {}
 
     def wants(self, job: int) -> bool:
         """Whether an episode, by its number in the part, is to be audited if it succeeds."""
@@ -97,7 +100,8 @@ class Auditor:
         self._found[job] = (
             float(self._overlaps(pipe, base, q).max()),
             float(between.max(initial=0.0)),
-            self._speed(q),
+            float(self._speeds(q).max(initial=0.0)),
+            float(self._powers(episode, q).max(initial=0.0)),
             self._arrived(episode, q[-1:]),
         )
 
@@ -107,14 +111,8 @@ class Auditor:
         jobs = sorted(self._found)
         if not jobs:
             return AuditRows.empty()
-        overlap, between, speed, arrived = zip(*(self._found[job] for job in jobs), strict=True)
-        return AuditRows(
-            np.array(jobs, np.intp) + self._begin,
-            np.array(overlap),
-            np.array(between),
-            np.array(speed),
-            np.array(arrived, bool),
-        )
+        overlap, between, speed, power, arrived = map(np.array, zip(*(self._found[job] for job in jobs), strict=True))
+        return AuditRows(np.array(jobs, np.intp) + self._begin, overlap, between, speed, power, arrived)
 
     def _overlaps(self, pipe: Pipe, base: float, q: Floats) -> Floats:
         pose = kinematics.forward(self._robot, q)
@@ -125,10 +123,28 @@ class Auditor:
         found = self._overlaps(pipe, base, curve.reshape(-1, q.shape[1]))
         return np.asarray(found.reshape(-1, BETWEEN).max(axis=1))
 
-    def _speed(self, q: Floats) -> float:
+    def _speeds(self, q: Floats) -> Floats:
+        """Mean speeds of joints between recorded poses, multiples of their no-load speeds, (rows - 1, joints)."""
         joints = q[:, q.shape[1] - len(self._robot.joints) :]
-        speeds = np.abs(np.diff(joints, axis=0)) / CONTROL_PERIOD
-        return float((speeds / self._robot.speed_limits).max(initial=0.0))
+        return np.asarray(np.abs(np.diff(joints, axis=0)) / CONTROL_PERIOD / self._robot.speed_limits)
+
+    def _powers(self, episode: ReachEpisodes | TraverseEpisodes, q: Floats) -> Floats:
+        """Shares of the power at hand that joints take which are faster than their motors turn alone.
+
+        A motor that is pushed past its no-load speed s brakes: at r times that speed, even under full voltage, it takes
+        the power e s r (r - 1), with its stall effort e. The push comes from other motors through the walls, a quarter
+        of e s each at most (at half of its no-load speed), and from the weight as it falls. (rows - 1, joints).
+        """
+        robot, speeds = self._robot, self._speeds(q)
+        own = robot.effort_limits[: len(robot.joints)] * robot.speed_limits
+        others = sum(one.effort_limit * one.speed_limit for one in robot.driven_actuators) - own
+        fallen = np.zeros(len(speeds))
+        if isinstance(episode, TraverseEpisodes):
+            points = kinematics.waypoints(robot, q)
+            weight = sum(body.mass for link in robot.links for body in (link, link.wheel) if body) * episode.gravity[0]
+            fallen = np.maximum((np.diff(points, axis=0) @ weight).max(axis=1), 0.0) / CONTROL_PERIOD
+        braking = own * speeds * np.maximum(speeds - 1.0, 0.0)
+        return np.asarray(braking / (others / 4 + fallen[:, None]))
 
     def _arrived(self, episode: ReachEpisodes | TraverseEpisodes, last: Floats) -> bool:
         if isinstance(episode, ReachEpisodes):

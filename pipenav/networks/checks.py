@@ -108,9 +108,22 @@ def _connections(network: NetworkMap) -> Iterator[Note]:
     if found:
         text = f"ends that meet nothing lie within {NEAR:g} m of another line: tees without a node, left as ends"
         yield Note("end-on-line", "info", text, len(found), tuple(names[end.other] for end in found[:5]))
-    cells = np.unique(np.round(network.position / NEAR).astype(np.int64), axis=0)
-    if same := len(network.position) - len(cells):
-        yield Note("same-place", "info", f"nodes that lie within {NEAR:g} m of another one", same)
+    yield from _same_places(network)
+
+
+def _same_places(network: NetworkMap) -> Iterator[Note]:
+    """Nodes in one place that no line joins: in files of EPANET's, mostly the two sides of a pump or a valve."""
+    cells = np.unique(np.round(network.position / NEAR).astype(np.int64), axis=0, return_inverse=True)[1].ravel()
+    joined = set(cells[network.ends[cells[network.ends[:, 0]] == cells[network.ends[:, 1]], 0]].tolist())
+    counts = np.bincount(cells)
+    shared = [cell for cell in np.flatnonzero(counts > 1).tolist() if cell not in joined]
+    if shared:
+        names = [" and ".join(network.node_names[i] for i in np.flatnonzero(cells == cell)[:4]) for cell in shared[:5]]
+        text = (
+            f"nodes lie within {NEAR:g} m of another one that no pipe joins to them: taken for sides of a pump or a "
+            "valve, which no robot passes; give them one name where they are one"
+        )
+        yield Note("same-place", "assumed", text, int(counts[shared].sum()), tuple(names))
 
 
 def _services(network: NetworkMap) -> Iterator[Note]:

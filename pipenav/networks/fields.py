@@ -80,7 +80,9 @@ def facts_of(draft: MapDraft, fields: dict[str, object], options: ReadOptions, p
         chosen = None if usual is None else DiameterField(usual, USUAL_FIELDS[usual.lower()])
     elif chosen.name not in fields:
         known = ", ".join(list(fields)[:20]) or "none"
-        raise draft.refuse(place, f"there is no field {shown(chosen.name)} for --diameter; fields are: {known}.")
+        raise draft.refuse(
+            place, f"there is no field {shown(chosen.name)} for --diameter; choose one of the fields {known}."
+        )
     words = " ".join(str(value) for name, value in fields.items() if name.lower() in TYPE_FIELDS).lower()
     service = "service" in words or "house" in words
     if chosen is None:

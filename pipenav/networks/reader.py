@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pipenav.errors import ConfigError
+from pipenav.errors import ConfigError, shown
 from pipenav.networks.csv_lines import read_csv_lines
 from pipenav.networks.epanet import read_epanet
 from pipenav.networks.fields import ReadOptions
@@ -49,7 +49,9 @@ def read_network_map(path: Path, options: ReadOptions | None = None) -> NetworkM
     elif ending == ".pcf":
         made = read_pcf(path)
     else:
-        raise ConfigError(f"{shown_path(path)} is of an unknown format: give a file that ends in {', '.join(ENDINGS)}.")
+        raise ConfigError(
+            f"{shown(shown_path(path))} is of an unknown format: give a file that ends in {', '.join(ENDINGS)}."
+        )
     return _with_services(made, options.service_bore)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 from typing import Self
 
@@ -116,7 +117,12 @@ def _parse_one(text: str) -> list[PipeCorner]:
         if (shipped.pipes_dir() / "runs" / f"{text.partition(':')[0]}.toml").is_file():
             raise PipenavError(f"{shown(text)} names routes: {SINGLE}.")
         raise UnknownName("pipe set", text, [*corner_set_names(), "FILE.toml", "d=90,angle=60"])
-    return _read(shipped.pipes_dir() / f"{text}.toml")
+    return _shipped_set(text)
+
+
+@cache  # a training reads each of its sets a dozen times
+def _shipped_set(name: str) -> list[PipeCorner]:
+    return _read(shipped.pipes_dir() / f"{name}.toml")
 
 
 def _typed_corner(text: str) -> PipeCorner:

@@ -11,7 +11,9 @@ from typing import Literal, NamedTuple
 
 from pipenav.networks.model import BORE_STEP, Origin
 from pipenav.pipes.branch_pipes import BRANCH_ANGLE_RANGE_DEG
+from pipenav.pipes.corner_checks import ANGLE_RANGE_DEG
 from pipenav.survey.classes import (
+    ANGLE_STEP_DEG,
     TEE_STEP_DEG,
     FittingClass,
     angles_within,
@@ -237,6 +239,8 @@ def _two_pipes(at: _At, feature: Feature, way: tuple[int, int], angle: float) ->
     before, after = (at.bores[i] for i in way)
     if math.isnan(before) or math.isnan(after):
         return (), "its bore is not known"
+    if angle + feature.error_deg < ANGLE_RANGE_DEG[0] - ANGLE_STEP_DEG / 2:
+        return (), f"a corner of {angle:.0f} deg cannot be tried, only {ANGLE_RANGE_DEG[0]:g} deg and more"
     incline, narrow = nominal_incline(feature.incline_deg), nominal_bore(min(before, after))
     radius = nominal_radius(feature.radius / min(before, after))
     bends = _bends(narrow, tuple(angles_within(angle, feature.error_deg)), radius, incline)

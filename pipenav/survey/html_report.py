@@ -33,6 +33,7 @@ def html_report(record: dict[str, Any]) -> str:
                 "incline": feature["incline_deg"],
                 "taps": feature["taps"],
                 "verdict": feature["verdict"],
+                "cause": feature["cause"],
                 "distance": feature["distance_m"],
                 "entry": feature["entry"],
                 "passages": feature["passages"],
@@ -49,6 +50,7 @@ def html_report(record: dict[str, Any]) -> str:
                 "bore_origin": segment["bore"],
                 "seen": segment["seen_m"],
                 "status": segment["status"],
+                "cause": segment["cause"],
                 "reason": segment["reason"],
             }
             for segment in record["segments"]

@@ -10,6 +10,16 @@ COLOURS = {"inspectable": "#1769aa", "partly": "#6fb1e0", "blocked": "#c2410c", 
 
 ENTRY = "#0f766e"
 
+BLOCKERS = (
+    ("impossible", "X", 70, ("impossible",)),
+    ("the policy fails", "x", 40, ("policy", "undecided", "episodes")),
+    ("stops, unknown", "$?$", 50, ("untried", "map")),
+)
+"""Marks of the fittings that stop the robot: label, marker, size, and the causes of their judgements."""
+
+MOST_DRAWN = 10
+"""Most fittings with one mark: those with most length behind them."""
+
 
 def map_png(record: dict[str, Any]) -> bytes:
     """The map as a PNG: pipes by their status, entries, and the fittings with most length behind them."""
@@ -31,9 +41,10 @@ def map_png(record: dict[str, Any]) -> bytes:
     entries = [places[point["feature"]] for point in record["entries"]["points"]]
     if entries:
         axes.scatter(*_columns(entries), marker="v", s=55, color=ENTRY, label="entry", zorder=3)
-    blockers = [places[blocker["feature"]] for blocker in record["blockers"][:10]]
-    if blockers:
-        axes.scatter(*_columns(blockers), marker="x", s=40, color="#111111", label="stops most", zorder=3)
+    for label, marker, size, causes in BLOCKERS:
+        some = [places[blocker["feature"]] for blocker in record["blockers"] if blocker["cause"] in causes]
+        if some:
+            axes.scatter(*_columns(some[:MOST_DRAWN]), marker=marker, s=size, color="#111111", label=label, zorder=3)
     axes.autoscale()
     axes.set_aspect("equal")
     axes.ticklabel_format(useOffset=False, style="plain")

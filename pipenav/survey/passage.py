@@ -4,19 +4,24 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
 
 from pipenav.arrays import Flags, Floats
+from pipenav.certify.verdict import Kind
 from pipenav.robots.cable import CABLE_WEIGHT, PVC_FRICTION
+from pipenav.robots.robot import RobotSpec
 from pipenav.survey.classes import FittingClass, nominal_bore, nominal_incline
 from pipenav.survey.features import Fittings, Geometry, Movement
-from pipenav.survey.trials import Trained, Trial, Verdict
+from pipenav.survey.findings import Cause, Finding
+from pipenav.survey.possible import part_too_large
+from pipenav.survey.trained import Trained
+from pipenav.survey.trials import Verdict
 
-LIFTED = ("tether", "bends", "tees", "reducers", "bores", "slopes", "confidence", "unknown")
-"""Limits that can be lifted, to see what each of them costs."""
+LIFTED = ("tether", "bends", "tees", "reducers", "bores", "slopes", "confidence", "policy", "unknown")
+"""Limits that can be lifted, to see what each of them costs; `policy`: its failures where a shape can pass."""
 
 
 class Tether(NamedTuple):
@@ -44,11 +49,13 @@ class Judged(NamedTuple):
     """Judgement of a passage through a fitting.
 
     Attributes:
-        rate: probability of passing; NaN where it is unknown.
-        low: lower end of the 95 % interval of that probability; NaN where it is unknown.
+        rate: probability of passing; NaN where it is unknown, 0 where no policy passes.
+        low: lower end of the 95 % interval of that probability; as `rate` where there is none.
         verdict: the word for it.
         worst: class that decides; None where there is none.
-        reason: why it is unknown, in words.
+        reason: why it is not navigable, in words.
+        cause: why, in one word.
+        geometry: geometry's word on the class that decides.
     """
 
     rate: float
@@ -56,32 +63,66 @@ class Judged(NamedTuple):
     verdict: Verdict
     worst: FittingClass | None
     reason: str
+    cause: Cause = ""
+    geometry: Kind = "undecided"
 
 
-def judged(movement: Movement, trials: Mapping[FittingClass, Trial], confidence: float) -> Judged:
+def judgements_of(
+    movements: Iterable[Movement], findings: Mapping[FittingClass, Finding], confidence: float
+) -> list[Judged]:
+    """The judgements of movements; those of the same classes have the same one."""
+    known: dict[tuple[tuple[FittingClass, ...], str], Judged] = {}
+    made = []
+    for movement in movements:
+        key = (movement.classes, movement.reason)
+        if key not in known:
+            known[key] = judged(movement, findings, confidence)
+        made.append(known[key])
+    return made
+
+
+def judged(movement: Movement, findings: Mapping[FittingClass, Finding], confidence: float) -> Judged:
     """The judgement of a movement: by the worst class within its error; a reducer beside a bend multiplies."""
     if not movement.classes:
-        return Judged(math.nan, math.nan, "unknown", None, movement.reason)
-    groups = [[kind for kind in movement.classes if kind.kind == "reducer"]]
-    groups.append([kind for kind in movement.classes if kind.kind != "reducer"])
-    rate, low, verdicts, decisive = 1.0, 1.0, set(), None
-    for group in filter(None, groups):
-        tried = [kind for kind in group if trials[kind].episodes]
-        if not trials[group[0]].episodes or len(tried) < len(group):
-            kind = next(kind for kind in group if not trials[kind].episodes)
-            failing = [k for k in tried if trials[k].verdict(confidence) == "not navigable"]
-            if not failing:
-                return Judged(math.nan, math.nan, "unknown", kind, trials[kind].reason)
-        worst = min(tried, key=lambda kind: (trials[kind].successes / trials[kind].episodes, trials[kind].interval.low))
-        trial = trials[worst]
-        rate, low = rate * trial.successes / trial.episodes, low * (1.0 if worst.straight else trial.interval.low)
-        verdicts.add(trial.verdict(confidence))
-        if decisive is None or trial.successes < trial.episodes:
-            decisive = worst
-    word: Verdict = "navigable"
-    word = "not navigable" if "not navigable" in verdicts else "unknown" if "unknown" in verdicts else word
-    reason = "" if word != "unknown" else "its trials leave open whether it passes often enough: try more --episodes"
-    return Judged(rate, low, word, decisive, reason)
+        return Judged(math.nan, math.nan, "unknown", None, movement.reason, "map")
+    reducers = [kind for kind in movement.classes if kind.kind == "reducer"]
+    others = [kind for kind in movement.classes if kind.kind != "reducer"]
+    groups = [_worst(group, findings, confidence) for group in (reducers, others) if group]
+    for word in ("not navigable", "unknown"):
+        for kind in groups:
+            if findings[kind].verdict(confidence) == word:
+                return _stopped(movement, kind, findings[kind], confidence)
+    rate, low = 1.0, 1.0
+    for kind in groups:
+        trial = findings[kind].trial
+        rate, low = rate * trial.successes / trial.episodes, low * (1.0 if trial.assumed else trial.interval.low)
+    decisive = min(groups, key=lambda kind: findings[kind].trial.rate or 0.0)
+    return Judged(rate, low, "navigable", decisive, "", "", findings[decisive].geometry.kind)
+
+
+def _worst(group: list[FittingClass], findings: Mapping[FittingClass, Finding], confidence: float) -> FittingClass:
+    """The worst of some classes, the first of which is the likeliest: impossible, not navigable, unknown, seldom."""
+    order = {"not navigable": 0, "unknown": 1, "navigable": 2}
+
+    def place(kind: FittingClass) -> tuple[bool, int, bool, float, float]:
+        finding = findings[kind]
+        trial = finding.trial
+        untried, rate = not trial.episodes, trial.rate or 0.0
+        proven = finding.geometry.kind == "impossible"
+        return (not proven, order[finding.verdict(confidence)], not untried, rate, trial.interval.low)
+
+    return min(group, key=place)
+
+
+def _stopped(movement: Movement, kind: FittingClass, finding: Finding, confidence: float) -> Judged:
+    """The judgement of a movement that a class stops."""
+    cause, trial = finding.cause(confidence), finding.trial
+    likeliest = next(other for other in movement.classes if (other.kind == "reducer") == (kind.kind == "reducer"))
+    within = "" if kind == likeliest else f"at {kind.angle_deg:g} deg, within the map's error: "
+    verdict = finding.verdict(confidence)
+    rate = 0.0 if cause == "impossible" else math.nan if trial.rate is None else trial.rate
+    low = rate if math.isnan(rate) or cause == "impossible" or trial.assumed else trial.interval.low
+    return Judged(rate, low, verdict, kind, within + finding.reason(confidence), cause, finding.geometry.kind)
 
 
 class Ways(NamedTuple):
@@ -91,7 +132,8 @@ class Ways(NamedTuple):
         length: length of each segment, (s,) [m].
         climb: sine of each segment's inclination in its own direction, (s,).
         passable: whether a robot may drive in the segment, (s,).
-        unknown: reasons why it may not, by segment.
+        unknown: reasons why nobody knows whether it may, by segment.
+        impossible: reasons why no robot of its shape can, by segment.
         onward: movements out of each directed segment: (directed segment, movement).
         cost: minus the logarithm of each movement's rate; infinite where it is not passed, (m,).
         turn: change of direction in each movement [rad], (m,).
@@ -103,6 +145,7 @@ class Ways(NamedTuple):
     climb: list[float]
     passable: Flags
     unknown: dict[int, str]
+    impossible: dict[int, str]
     onward: list[list[tuple[int, int]]]
     cost: list[float]
     turn: list[float]
@@ -117,24 +160,42 @@ class Ways(NamedTuple):
             lifted = {kind.kind for kind in movement.classes if not kind.straight} & set(kinds.get(limit, ()))
             if lifted or (limit == "unknown" and judgement.verdict == "unknown"):
                 cost[i] = 0.0
+            if limit == "policy" and judgement.cause == "policy":
+                cost[i] = 0.0
         if limit in ("bores", "slopes", "unknown"):
-            named = {"bores": "bore", "slopes": "climbs", "unknown": ""}[limit]
             passable = passable.copy()
-            passable[[s for s, reason in self.unknown.items() if named in reason]] = True
+            passable[[s for s, reason in self.unknown.items() if _is_of(limit, reason)]] = True
             cost = [
-                0.0 if judgement.verdict == "unknown" and named in judgement.reason else c
+                0.0 if judgement.verdict == "unknown" and _is_of(limit, judgement.reason) else c
                 for c, judgement in zip(cost, judgements, strict=True)
             ]
         return self._replace(cost=cost, passable=passable)
 
 
-def ways_of(fittings: Fittings, judgements: list[Judged], trained: Trained, accuracy: float) -> Ways:
-    """The ways through a network."""
+def _is_of(limit: str, reason: str) -> bool:
+    """Whether something is unknown because of a limit of `LIFTED`."""
+    if limit == "bores":
+        return reason.startswith(("a bore of", "its bore"))
+    return limit == "unknown" or "climbs by" in reason
+
+
+def ways_of(fittings: Fittings, judgements: list[Judged], trained: Trained, robot: RobotSpec, accuracy: float) -> Ways:
+    """The ways through a network.
+
+    Args:
+        fittings: its fittings.
+        judgements: judgements of their movements.
+        trained: what the policy was trained in.
+        robot: its robot.
+        accuracy: standard deviation of a position [m].
+    """
     graph = fittings.graph
     climb = graph.directions()[:, 2]
+    impossible = _impossible_segments(graph.diameter, robot)
     unknown = _unknown_segments(graph.diameter, climb, graph.length, trained, accuracy)
+    unknown = {s: reason for s, reason in unknown.items() if s not in impossible}
     passable = np.ones(len(graph.length), bool)
-    passable[list(unknown)] = False
+    passable[[*unknown, *impossible]] = False
     onward: list[list[tuple[int, int]]] = [[] for _ in range(2 * len(graph.length))]
     for i, movement in enumerate(fittings.movements):
         onward[movement.into].append((movement.out, i))
@@ -147,6 +208,7 @@ def ways_of(fittings: Fittings, judgements: list[Judged], trained: Trained, accu
         climb.tolist(),
         passable,
         unknown,
+        impossible,
         onward,
         [cost_of(judgement.rate, judgement.verdict) for judgement in judgements],
         [movement.turn for movement in fittings.movements],
@@ -158,6 +220,12 @@ def ways_of(fittings: Fittings, judgements: list[Judged], trained: Trained, accu
 def cost_of(rate: float, verdict: Verdict = "navigable") -> float:
     """Minus the logarithm of a rate; infinite where the robot does not pass, or nobody knows."""
     return -math.log(rate) if verdict == "navigable" and rate > 0 else math.inf
+
+
+def _impossible_segments(diameter: Floats, robot: RobotSpec) -> dict[int, str]:
+    """Segments into which no robot of a shape fits, and why."""
+    reasons = {bore: part_too_large(robot, bore) for bore in set(diameter[~np.isnan(diameter)].tolist())}
+    return {s: reasons[bore] for s, bore in enumerate(diameter.tolist()) if reasons.get(bore)}
 
 
 def _unknown_segments(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,13 +12,14 @@ import pipenav
 from pipenav.networks.model import Origin
 from pipenav.survey.classes import FittingClass
 from pipenav.survey.features import Feature
+from pipenav.survey.findings import Finding
 from pipenav.survey.passage import Judged
 from pipenav.survey.reach import Label
 from pipenav.survey.sensitivity import Sensitivity
 from pipenav.survey.survey import Survey
-from pipenav.survey.trials import STRAIGHT, Trial, Trials
+from pipenav.survey.trials import Trials
 
-SCHEMA = 1
+SCHEMA = 2
 
 PARTLY_SEEN = 0.01
 """Length from which a pipe counts as partly seen [m]."""
@@ -40,7 +41,7 @@ class Subject(NamedTuple):
 
 def survey_record(result: Survey, subject: Subject) -> dict[str, Any]:
     """All of a survey; numbers that are not known are None."""
-    order = {kind: i for i, kind in enumerate(result.trials)}
+    order = {kind: i for i, kind in enumerate(result.findings)}
     return {
         "schema": SCHEMA,
         "pipenav": pipenav.__version__,
@@ -50,13 +51,15 @@ def survey_record(result: Survey, subject: Subject) -> dict[str, Any]:
         "entries": _entries(result),
         "without_limit_m": {name: round(value, 3) for name, value in result.without.items()},
         "sensitivity": [{key: _finite(value) for key, value in row._asdict().items()} for row in subject.sensitivity],
-        "classes": [_class(kind, trial, result.config.confidence) for kind, trial in result.trials.items()],
+        "classes": [_class(kind, finding, result.config.confidence) for kind, finding in result.findings.items()],
         "blockers": [
             {
                 "feature": blocker.point,
                 "behind_m": round(blocker.behind, 3),
                 "verdict": blocker.judgement.verdict,
                 "class": None if blocker.judgement.worst is None else blocker.judgement.worst.name,
+                "cause": blocker.judgement.cause,
+                "geometry": blocker.judgement.geometry,
                 "reason": blocker.judgement.reason,
             }
             for blocker in result.blockers
@@ -74,7 +77,8 @@ def _settings(result: Survey, trials: Trials) -> dict[str, Any]:
         "policy": {
             "name": trials.config.policy,
             "sha256": trials.policy_hash,
-            "robot": trials.robot,
+            "robot": trials.robot.name,
+            "ideal": trials.config.ideal,
             "trained_bores_mm": list(trials.trained.bores_mm),
             "trained_sharpest_deg": round(trials.trained.sharpest_deg, 3),
         },
@@ -96,18 +100,23 @@ def _settings(result: Survey, trials: Trials) -> dict[str, Any]:
     }
 
 
-def _class(kind: FittingClass, trial: Trial, confidence: float) -> dict[str, Any]:
-    """A class with its trial; a straight pipe has none."""
-    tried = trial is not STRAIGHT and trial.episodes > 0
+def _class(kind: FittingClass, finding: Finding, confidence: float) -> dict[str, Any]:
+    """A class with its trial, which a straight pipe has none of, and geometry's word."""
+    trial = finding.trial
+    tried = trial.episodes > 0 and not trial.assumed
     return {
         "name": kind.name,
         **kind._asdict(),
         "episodes": trial.episodes if tried else 0,
         "successes": trial.successes if tried else 0,
         "interval": [round(end, 4) for end in trial.interval] if tried else None,
-        "verdict": trial.verdict(confidence),
         "failures": trial.failures,
-        "reason": trial.reason,
+        "trial_reason": trial.reason,
+        "geometry": finding.geometry.kind,
+        "geometry_reason": finding.geometry.reason,
+        "verdict": finding.verdict(confidence),
+        "cause": finding.cause(confidence),
+        "reason": finding.reason(confidence),
     }
 
 
@@ -140,6 +149,7 @@ def _features(result: Survey, order: dict[Any, int]) -> list[dict[str, Any]]:
     for feature in result.fittings.features:
         here = passages[feature.point]
         arrival = distances.get(feature.point)
+        worst = _worst([judgement for _, judgement in here])
         made.append(
             {
                 "id": feature.point,
@@ -155,7 +165,9 @@ def _features(result: Survey, order: dict[Any, int]) -> list[dict[str, Any]]:
                 "legs_m": [round(leg, 2) for leg in feature.legs],
                 "incline_deg": round(feature.incline_deg, 2),
                 "taps": feature.taps,
-                "verdict": _worst(judgement for _, judgement in here),
+                "verdict": worst.verdict,
+                "cause": worst.cause,
+                "reason": worst.reason,
                 "distance_m": None if arrival is None else round(arrival.distance, 2),
                 "entry": None if arrival is None else arrival.entry,
                 "passages": _passages(result, feature, here, order),
@@ -181,6 +193,8 @@ def _passages(
                 "to": movement.out >> 1,
                 "turn_deg": round(math.degrees(movement.turn), 1),
                 "verdict": judgement.verdict,
+                "cause": judgement.cause,
+                "geometry": judgement.geometry,
                 "rate": _rounded(judgement.rate, 4),
                 "rate_low": _rounded(judgement.low, 4),
                 "class": None if judgement.worst is None else order[judgement.worst],
@@ -204,7 +218,8 @@ def _segments(result: Survey) -> list[dict[str, Any]]:
             "bore": Origin(int(network.diameter_origin[line])).label,
             "seen_m": round(seen[s], 3),
             "status": status(result, s),
-            "reason": result.ways.unknown.get(s, ""),
+            "reason": result.ways.unknown.get(s) or result.ways.impossible.get(s, ""),
+            "cause": "untried" if s in result.ways.unknown else "impossible" if s in result.ways.impossible else "",
         }
         for s, line in enumerate(graph.line.tolist())
     ]
@@ -217,7 +232,7 @@ def status(result: Survey, segment: int) -> str:
         return "inspectable"
     if seen > PARTLY_SEEN:
         return "partly"
-    might = float(result.optimistic[segment]) > PARTLY_SEEN or not result.ways.passable[segment]
+    might = float(result.optimistic[segment]) > PARTLY_SEEN or segment in result.ways.unknown
     return "unknown" if might else "blocked"
 
 
@@ -250,10 +265,18 @@ def _root(label: Label, ends: Any) -> int:
     return int(ends[label.directed >> 1, label.directed & 1])
 
 
-def _worst(judgements: Iterable[Judged]) -> str:
-    """The worst word for some passages; an end, which has none, is navigable."""
-    words = {judgement.verdict for judgement in judgements}
-    return next((word for word in ("not navigable", "unknown") if word in words), "navigable")
+END = Judged(1.0, 1.0, "navigable", None, "", "", "passable")
+"""Judgement that stands for a fitting without passages: an end."""
+
+
+def _worst(judgements: list[Judged]) -> Judged:
+    """The worst of some judgements: impossible before all, then what the policy does not pass, then what is unknown."""
+    order = {"not navigable": 1, "unknown": 2, "navigable": 3}
+    return min(
+        judgements,
+        key=lambda judgement: 0 if judgement.cause == "impossible" else order[judgement.verdict],
+        default=END,
+    )
 
 
 def _height_origin(result: Survey, point: int) -> str:

@@ -6,10 +6,10 @@ import math
 from typing import NamedTuple
 
 from pipenav.networks.model import NetworkMap
-from pipenav.survey.passage import Judged, Tether, Ways, cost_of, geometry_accuracy, judged, ways_of
+from pipenav.survey.findings import Findings, Progress
+from pipenav.survey.passage import Judged, Tether, Ways, cost_of, geometry_accuracy, judgements_of, ways_of
 from pipenav.survey.reach import search
-from pipenav.survey.survey import Progress, Survey, classified, trial_progress
-from pipenav.survey.trials import Trials
+from pipenav.survey.survey import Survey, classified
 
 FACTORS = (0.5, 2.0)
 """Factors by which each number is made smaller and larger."""
@@ -36,7 +36,7 @@ class Sensitivity(NamedTuple):
 
 
 def sensitivities(
-    result: Survey, network: NetworkMap, trials: Trials, progress: Progress | None = None
+    result: Survey, network: NetworkMap, findings: Findings, progress: Progress | None = None
 ) -> list[Sensitivity]:
     """A row for each number; classes that only a larger map error brings in are tried too."""
     rows = []
@@ -48,7 +48,7 @@ def sensitivities(
             seen = [_seen(result, result.ways, tether._replace(**{what: changed})) for changed in (low, high)]
             rows.append(Sensitivity(what, unit, low, value, high, seen[0], result.totals.seen, seen[1]))
     if not network.fabricated:
-        rows.append(_accuracy(result, network, trials, progress))
+        rows.append(_accuracy(result, network, findings, progress))
     rows.append(_rates(result))
     return rows
 
@@ -58,15 +58,16 @@ def _seen(result: Survey, ways: Ways, tether: Tether) -> float:
     return float(reach.seen(result.graph.length).sum())
 
 
-def _accuracy(result: Survey, network: NetworkMap, trials: Trials, progress: Progress | None) -> Sensitivity:
+def _accuracy(result: Survey, network: NetworkMap, findings: Findings, progress: Progress | None) -> Sensitivity:
     geometry, seen = result.config.geometry, []
     for factor in FACTORS:
         changed = geometry._replace(accuracy=geometry.accuracy * factor)
         fittings = classified(network, result.graph, changed)
         classes = {kind for movement in fittings.movements for kind in movement.classes}
-        known = trials.results(sorted(classes), trial_progress(progress))
-        judgements = [judged(movement, known, result.config.confidence) for movement in fittings.movements]
-        ways = ways_of(fittings, judgements, trials.trained, geometry_accuracy(changed, network.fabricated))
+        judgements = judgements_of(fittings.movements, findings.of(classes, progress), result.config.confidence)
+        ways = ways_of(
+            fittings, judgements, findings.trained, findings.robot, geometry_accuracy(changed, network.fabricated)
+        )
         seen.append(_seen(result, ways, result.config.tether))
     low, high = (geometry.accuracy * factor for factor in FACTORS)
     return Sensitivity("accuracy", "m", low, geometry.accuracy, high, seen[0], result.totals.seen, seen[1])
@@ -83,7 +84,9 @@ def _rates(result: Survey) -> Sensitivity:
 
     tether = result.config.tether
     seen = [_seen(result, changed(to_low), tether) for to_low in (True, False)]
-    tried = [trial for trial in result.trials.values() if trial.episodes > 1]
+    tried = [
+        finding.trial for finding in result.findings.values() if finding.trial.episodes and not finding.trial.assumed
+    ]
     episodes = sum(trial.episodes for trial in tried)
     rate = sum(trial.successes for trial in tried) / episodes if episodes else math.nan
     low = min((trial.interval.low for trial in tried if trial.successes == trial.episodes), default=math.nan)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -15,16 +14,13 @@ from pipenav.networks.model import NetworkMap, Note
 from pipenav.survey.classes import FittingClass
 from pipenav.survey.entries import Goal, Proposal, propose
 from pipenav.survey.features import Fittings, Geometry, fittings_of
+from pipenav.survey.findings import Finding, Findings, Progress
 from pipenav.survey.graph import MainsGraph, mains_graph
-from pipenav.survey.passage import LIFTED, Judged, Tether, Ways, geometry_accuracy, judged, ways_of
+from pipenav.survey.passage import LIFTED, Judged, Tether, Ways, geometry_accuracy, judgements_of, ways_of
 from pipenav.survey.reach import Reach, search, search_from
-from pipenav.survey.trials import Trial, Trials
 
 MOST_BLOCKERS = 60
 """Most points whose length behind them is searched."""
-
-Progress = Callable[[str, int, int], None]
-"""Called with words for what is done, and how much of how much."""
 
 
 class SurveyConfig(NamedTuple):
@@ -50,7 +46,8 @@ class Blocker(NamedTuple):
 
     Attributes:
         point: point of the graph.
-        behind: length that would be seen besides, were it passed [m].
+        behind: length that would be seen besides, were it passed; of one that is unknown, were the pipes behind it
+            whose bore or slope is unknown passed too [m].
         judgement: judgement of the passage that is not taken.
     """
 
@@ -64,7 +61,7 @@ class Totals(NamedTuple):
 
     Attributes:
         mains: all of them.
-        in_range: those in which the robot can drive at all.
+        in_range: those in which the policy can drive, by their bore and slope.
         seen: those that it sees.
         unknown: those that it does not see, and might if all that is unknown could be passed.
         blocked: all others.
@@ -84,7 +81,7 @@ class Survey:
     config: SurveyConfig
     graph: MainsGraph
     fittings: Fittings
-    trials: dict[FittingClass, Trial]
+    findings: dict[FittingClass, Finding]
     judgements: list[Judged]
     ways: Ways
     entries: list[int]
@@ -98,12 +95,12 @@ class Survey:
     notes: list[Note]
 
 
-def survey(network: NetworkMap, trials: Trials, config: SurveyConfig, progress: Progress | None = None) -> Survey:
+def survey(network: NetworkMap, findings: Findings, config: SurveyConfig, progress: Progress | None = None) -> Survey:
     """Survey a network.
 
     Args:
         network: its map.
-        trials: the policy's trials, which are made as far as they are missing.
+        findings: trials of the policy and proofs, which are made as far as they are missing.
         config: settings.
         progress: called as the work goes on.
 
@@ -116,10 +113,10 @@ def survey(network: NetworkMap, trials: Trials, config: SurveyConfig, progress: 
     entries = _entries(graph, config.entries)
     fittings = classified(network, graph, config.geometry)
     classes = {kind for movement in fittings.movements for kind in movement.classes}
-    known = trials.results(sorted(classes), trial_progress(progress))
-    judgements = [judged(movement, known, config.confidence) for movement in fittings.movements]
+    known = findings.of(classes, progress)
+    judgements = judgements_of(fittings.movements, known, config.confidence)
     accuracy = geometry_accuracy(config.geometry, network.fabricated)
-    ways = ways_of(fittings, judgements, trials.trained, accuracy)
+    ways = ways_of(fittings, judgements, findings.trained, findings.robot, accuracy)
     _say(progress, "looking for entries")
     proposal = None
     if not entries:
@@ -135,7 +132,7 @@ def survey(network: NetworkMap, trials: Trials, config: SurveyConfig, progress: 
         config=config,
         graph=graph,
         fittings=fittings,
-        trials=known,
+        findings=known,
         judgements=judgements,
         ways=ways,
         entries=entries,
@@ -159,7 +156,7 @@ def _totals(length: Floats, ways: Ways, seen: Floats, optimistic: Floats) -> Tot
     """Sums over all segments: lengths, and what is seen with and without what is unknown, (s,) each [m]."""
     mains, total = float(length.sum()), float(seen.sum())
     might = np.maximum(optimistic - seen, 0.0)
-    beyond = (length - np.maximum(optimistic, seen))[~ways.passable]  # in a bore that nobody knows to be passed
+    beyond = (length - np.maximum(optimistic, seen))[list(ways.unknown)]  # in a bore that nobody knows to be passed
     unknown = float(might.sum()) + float(beyond.sum())
     return Totals(mains, float(length[ways.passable].sum()), total, unknown, mains - total - unknown)
 
@@ -189,17 +186,6 @@ def _entries(graph: MainsGraph, names: tuple[str, ...]) -> list[int]:
     return [by_name[name] for name in names]
 
 
-def trial_progress(progress: Progress | None) -> Callable[[int, int, str], None] | None:
-    if progress is None:
-        return None
-    report = progress
-
-    def trial(done: int, total: int, name: str) -> None:
-        report(f"trying {name}" if name else "trials", done, total)
-
-    return trial
-
-
 def _blockers(
     ways: Ways, config: SurveyConfig, reach: Reach, judgements: list[Judged], length: Floats
 ) -> list[Blocker]:
@@ -208,11 +194,15 @@ def _blockers(
     for i, stop in enumerate(reach.stops):
         stops.setdefault(ways.point[stop.movement], []).append(i)
     before = reach.seen(length)
+    open_pipes = ways.passable.copy()
+    open_pipes[list(ways.unknown)] = True
+    opened_ways = ways._replace(passable=open_pipes)
     found = []
     for point, numbers in list(stops.items())[: MOST_BLOCKERS * 20]:
         opened = [reach.stops[i] for i in numbers]
         labels = [stop.label._replace(cost=stop.label.before.cost if stop.label.before else 0.0) for stop in opened]
-        more = search_from(ways, config.tether, config.confidence, labels, reach)
+        unknown = any(judgements[stop.movement].verdict == "unknown" for stop in opened)
+        more = search_from(opened_ways if unknown else ways, config.tether, config.confidence, labels, reach)
         both = {d: max(reach.far.get(d, 0.0), far) for d, far in more.far.items()}
         touched = np.unique(np.fromiter(both, np.intp, len(both)) >> 1)
         gain = sum(_gained(s, both, reach.far, length, before) for s in touched.tolist())

@@ -31,6 +31,8 @@ COLUMNS = (
     "angle_deg",
     "angle_error_deg",
     "verdict",
+    "cause",
+    "reason",
 )
 
 
@@ -60,6 +62,8 @@ def features_csv(record: dict[str, Any]) -> str:
                 feature["angle_deg"],
                 feature["angle_error_deg"],
                 feature["verdict"],
+                feature["cause"],
+                feature["reason"],
             ]
         )
     return file.getvalue()
@@ -87,7 +91,10 @@ def map_geojson(record: dict[str, Any]) -> str:
         _feature(
             "LineString",
             [places[end] for end in segment["ends"]],
-            {key: segment[key] for key in ("line", "length_m", "bore_mm", "bore", "seen_m", "status", "reason")},
+            {
+                key: segment[key]
+                for key in ("line", "length_m", "bore_mm", "bore", "seen_m", "status", "cause", "reason")
+            },
         )
         for segment in record["segments"]
     ]
@@ -101,6 +108,8 @@ def map_geojson(record: dict[str, Any]) -> str:
                 "code": CODES[feature["kind"]],
                 "remark": remark(feature),
                 "verdict": feature["verdict"],
+                "cause": feature["cause"],
+                "reason": feature["reason"],
             },
         )
         for feature in record["features"]

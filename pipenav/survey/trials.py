@@ -3,56 +3,28 @@
 from __future__ import annotations
 
 import hashlib
-import json
-import os
-from collections.abc import Callable, Iterable, Mapping
-from functools import cache
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
-from pydantic import Field, JsonValue, ValidationError
+from pydantic import Field
 
 import pipenav
 from pipenav.arrays import Table
 from pipenav.errors import PipenavError
-from pipenav.evaluation.config import EvaluationConfig
-from pipenav.evaluation.evaluate import CheckedEvaluation
 from pipenav.evaluation.interval import Interval, wilson
-from pipenav.pipes.route_sets import parse_pipes
-from pipenav.policies.header import PolicyHeader
+from pipenav.jobs import Place, run_jobs
+from pipenav.jobs.here import HerePlace
 from pipenav.policies.policy import load_policy, resolve_policy
-from pipenav.storage.atomic_files import atomic_write, prepare_folder
-from pipenav.storage.temporary import temporary_folder
-from pipenav.storage.text_files import read_text
+from pipenav.survey.class_store import ClassStore
 from pipenav.survey.classes import FittingClass
-from pipenav.tasks.traverse.config import TraverseConfig
-from pipenav.units import m_to_mm, rad_to_deg
+from pipenav.survey.trained import Trained
+from pipenav.survey.trial_jobs import TrialConfig, TrialCounts, TrialJobs
 
 Verdict = Literal["navigable", "not navigable", "unknown"]
 
-MAX_TRIAL = 64 << 10
-"""Largest file of a trial [bytes]."""
-
 Report = Callable[[int, int, str], None]
-"""Called with the number of trials that are done, of all of them, and the name of the last one."""
-
-
-class TrialConfig(NamedTuple):
-    """Everything besides the class that decides what a trial gives.
-
-    Attributes:
-        policy: shipped policy or FILE.zip.
-        backend: name of a simulator.
-        options: its own settings.
-        episodes: episodes in each class, half of them to either side.
-        seed: seed of the starts.
-    """
-
-    policy: str
-    backend: str = "mujoco"
-    options: Mapping[str, JsonValue] = {}  # never changed
-    episodes: int = 20
-    seed: int = 0
+"""Called with the number of classes that are done, of all of them, and the name of one that is worked on."""
 
 
 class Trial(Table):
@@ -71,6 +43,11 @@ class Trial(Table):
     failures: dict[str, int] = Field(default_factory=dict)
     mean_steps: float | None = None
     reason: str = ""
+
+    @property
+    def assumed(self) -> bool:
+        """Whether it stands for a trial that nobody ran, because its outcome is known."""
+        return bool(self.episodes and self.reason)
 
     @property
     def rate(self) -> float | None:
@@ -94,60 +71,8 @@ class Trial(Table):
 STRAIGHT = Trial(episodes=1, successes=1, reason="a straight pipe, as on every route that the policy was trained in")
 """Trial that stands for a straight pipe."""
 
-
-class Trained(NamedTuple):
-    """Range of pipes that a policy was trained in.
-
-    Attributes:
-        bores_mm: least and largest inner diameter.
-        sharpest_deg: sharpest interior angle.
-        inclined: whether it was trained under gravity along the pipe.
-    """
-
-    bores_mm: tuple[float, float]
-    sharpest_deg: float
-    inclined: bool
-
-    @classmethod
-    def of(cls, header: PolicyHeader) -> Trained:
-        """The range of a policy's training pipes.
-
-        Raises:
-            PipenavError: the policy takes no whole robot through pipes.
-        """
-        task = header.task
-        if not isinstance(task, TraverseConfig):
-            raise PipenavError(
-                f"the policy was made for {header.robot.name!r}, which passes no pipe as a whole: choose one that "
-                "does, such as --policy pirate."
-            )
-        bores, sharpest = _range_of(header.train_pipes)
-        return cls(bores, sharpest, task.inclination_deg is not None)
-
-    def refusal(self, kind: FittingClass) -> str:
-        """Reason why a class lies outside of what the policy was trained in; empty where it does not."""
-        low, high = self.bores_mm
-        for bore in (kind.bore_mm, kind.to_mm):
-            if bore and not low <= bore <= high:
-                return f"a bore of {bore:g} mm lies outside of the {low:g}-{high:g} mm that the policy was trained in"
-        if kind.kind == "bend" and kind.angle_deg < self.sharpest_deg:
-            return f"{kind.angle_deg:g} deg is sharper than the {self.sharpest_deg:g} deg that it was trained in"
-        if kind.incline_deg and not self.inclined:
-            return f"the policy was trained in level pipes, this one climbs by {kind.incline_deg:g} deg"
-        return ""
-
-
-@cache
-def _range_of(pipes: tuple[str, ...]) -> tuple[tuple[float, float], float]:
-    """Least and largest bore [mm] and sharpest interior angle [deg] of sets of pipes."""
-    made = parse_pipes(pipes)
-    bores = [m_to_mm(pipe.diameter) for pipe in made]
-    return (min(bores), max(bores)), min(rad_to_deg(float(pipe.interior_angles.min())) for pipe in made)
-
-
-def default_cache() -> Path:
-    """Folder of trials where no other is named: `pipenav/trials` in the user's folder for caches."""
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "pipenav" / "trials"
+IDEAL = Trial(episodes=1, successes=1, reason="a perfect policy, by --ideal: it passes what the robot's shape can pass")
+"""Trial that stands for those of a perfect policy."""
 
 
 class Trials:
@@ -156,36 +81,36 @@ class Trials:
     Args:
         config: what is tried.
         folder: folder in which trials are kept.
+        place: where episodes run, by default this process; results are the same wherever it is.
 
     Raises:
         PipenavError: an unknown policy, or one that takes no whole robot through pipes.
     """
 
-    def __init__(self, config: TrialConfig, folder: Path) -> None:
+    def __init__(self, config: TrialConfig, folder: Path, place: Place | None = None) -> None:
         self.config = config
         path = resolve_policy(config.policy)
         policy = load_policy(path)
-        self.robot = policy.header.robot.name
+        self.robot = policy.header.robot
         self.trained = Trained.of(policy.header)
+        if config.ideal:
+            self.trained = self.trained._replace(sharpest_deg=0.0)
         self.policy_hash = hashlib.sha256(path.read_bytes()).hexdigest()
-        self._folder = folder
+        self._place = place or HerePlace()
+        self._store = ClassStore(folder, "trial", Trial)
         self._known: dict[FittingClass, Trial] = {}
 
     def results(self, classes: Iterable[FittingClass], report: Report | None = None) -> dict[FittingClass, Trial]:
         """The trials of classes; what is not in the cache is simulated, and kept as soon as it is done.
 
         Raises:
+            JobsLost: trials were lost every time that they were tried; all others are kept.
             PipenavError: the simulator cannot run, or the cache cannot be written.
         """
         wanted = dict.fromkeys(classes)
         missing = [kind for kind in wanted if kind not in self._known and not self._settled(kind)]
-        for done, kind in enumerate(missing):
-            if report is not None:
-                report(done, len(missing), kind.name)
-            self._known[kind] = trial = self._simulated(kind)
-            self._keep(kind, trial)
-        if report is not None and missing:
-            report(len(missing), len(missing), "")
+        if missing:
+            self._simulate(missing, report or (lambda _done, _total, _name: None))
         return {kind: self._known[kind] for kind in wanted}
 
     def _settled(self, kind: FittingClass) -> bool:
@@ -194,7 +119,9 @@ class Trials:
             self._known[kind] = Trial(episodes=0, successes=0, reason=refusal)
         elif kind.straight:
             self._known[kind] = STRAIGHT
-        elif (kept := self._kept(kind)) is not None:
+        elif self.config.ideal:
+            self._known[kind] = IDEAL
+        elif (kept := self._store.read(kind, self._key(kind))) is not None:
             self._known[kind] = kept
         return kind in self._known
 
@@ -205,61 +132,32 @@ class Trials:
             "pipenav": pipenav.__version__,  # what counts as passed may change between versions
             "class": kind._asdict(),
             "policy_sha256": self.policy_hash,
-            "robot": self.robot,
+            "robot": self.robot.name,
             "backend": config.backend,
             "options": dict(config.options),
             "episodes": config.episodes,
             "seed": config.seed,
         }
 
-    def _file(self, kind: FittingClass) -> Path:
-        text = json.dumps(self._key(kind), sort_keys=True)
-        return self._folder / f"{kind.name}-{hashlib.sha256(text.encode()).hexdigest()[:16]}.json"
+    def _simulate(self, classes: list[FittingClass], report: Report) -> None:
+        """Run the episodes of some classes at the place."""
+        done = 0
 
-    def _kept(self, kind: FittingClass) -> Trial | None:
-        """The trial in the cache; None where there is none that can be read."""
-        file = self._file(kind)
-        if not file.is_file():
-            return None
-        try:
-            record = json.loads(read_text(file, MAX_TRIAL))
-            return Trial.model_validate(record["trial"]) if record["key"] == self._key(kind) else None
-        except (PipenavError, ValueError, KeyError, TypeError, ValidationError):
-            return None  # it is simulated again
+        def begun(kind: FittingClass) -> None:
+            report(done, len(classes), kind.name)
+
+        def finished(kind: FittingClass, outcome: TrialCounts | PipenavError) -> None:
+            nonlocal done
+            done += 1
+            if isinstance(outcome, PipenavError):
+                self._keep(kind, Trial(episodes=0, successes=0, reason=f"it cannot be simulated: {outcome}"))
+            else:
+                self._keep(kind, Trial(**outcome._asdict()))
+            report(done, len(classes), kind.name if done < len(classes) else "")
+
+        work = TrialJobs(self.config, begun, finished)
+        run_jobs(self._place, work.jobs(classes), work.hear)
 
     def _keep(self, kind: FittingClass, trial: Trial) -> None:
-        record = {"key": self._key(kind), "trial": trial.model_dump()}
-        atomic_write(prepare_folder(self._folder) / self._file(kind).name, json.dumps(record, indent=1) + "\n")
-
-    def _simulated(self, kind: FittingClass) -> Trial:
-        """The class's episodes, half of them to either side; a class that the simulator cannot make is not tried."""
-        config = self.config
-        with temporary_folder("trial") as folder:
-            pipes = [str(folder / f"{kind.name}-{turn}.toml") for turn in ("left", "right")]
-            for turn, path in zip(("left", "right"), pipes, strict=True):
-                Path(path).write_text(kind.toml(turn), encoding="utf-8")
-            try:
-                checked = CheckedEvaluation(
-                    EvaluationConfig(
-                        policy=config.policy,
-                        pipes=tuple(pipes),
-                        episodes=max(config.episodes // 2, 1),
-                        seed=config.seed,
-                        backend=config.backend,
-                        options=dict(config.options),
-                    )
-                )
-            except PipenavError as error:
-                return Trial(episodes=0, successes=0, reason=f"it cannot be simulated: {error}")
-            records = checked.run().pipes
-        steps = [record.mean_steps for record in records if record.mean_steps is not None]
-        failures: dict[str, int] = {}
-        for record in records:
-            for reason, count in record.failures.items():
-                failures[reason] = failures.get(reason, 0) + count
-        return Trial(
-            episodes=sum(record.episodes for record in records),
-            successes=sum(record.successes for record in records),
-            failures=failures,
-            mean_steps=sum(steps) / len(steps) if steps else None,
-        )
+        self._known[kind] = trial
+        self._store.keep(kind, self._key(kind), trial)

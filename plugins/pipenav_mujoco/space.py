@@ -10,7 +10,6 @@ from pipenav.arrays import Floats, Ints
 from pipenav.backends import HALVES, Reading, SpaceBackend, SpaceReading, SpaceTruth, Windows, strongest
 from pipenav.pipes import PipeRoute
 from pipenav.robots import BASE, RobotSpec, laser, space_kinematics
-from pipenav_mujoco.leg_boxes import HURRY
 from pipenav_mujoco.space_batch import SpaceBatch, SpaceSettings
 from pipenav_mujoco.space_walls import WALL_GROUP
 from pipenav_mujoco.viewer import ASLANT, Marks, MujocoViewer
@@ -71,13 +70,8 @@ class MujocoSpace(SpaceBackend):
     def step(self, set_points: Floats, roll: Floats) -> None:
         views = self._batch.views
         views.ctrl[:, :-1], views.ctrl[:, -1] = set_points, roll
-        before, state = self._own_pose().points, views.batch.state.copy()
-        self._batch.come_near(before)
-        sensors, self._pose = self._batch.step(), None  # (n, substeps, gyroscopes + 3 per link, half and wheel + 1)
-        moved = np.linalg.norm(self._own_pose().points - before, axis=2).max(axis=1)
-        if len(hurried := np.flatnonzero(~(moved < HURRY))):
-            self._batch.repeat(hurried, state[hurried])
-            self._pose = None
+        sensors = self._batch.step(self._own_pose().points)  # (n, substeps, gyroscopes + 3 per link, half, wheel + 1)
+        self._pose, views = None, self._batch.views  # which are others where models grew
         self._loads = views.asked[:, :-1] / self._robot.effort_limits
         self._scan(np.arange(self._n))
         self._turned = sensors[:, :, : 3 * HALVES].sum(axis=1).reshape(-1, HALVES, 3) * self._settings.timestep
@@ -95,9 +89,7 @@ class MujocoSpace(SpaceBackend):
     def _own_pose(self) -> space_kinematics.SpacePose:
         """Pose of all robots now, computed once after each step."""
         if self._pose is None:
-            views = self._batch.views
-            state = views.qpos[:, :7], views.qpos[:, views.joints], views.qpos[:, views.roll]
-            self._pose = space_kinematics.forward(self._robot, *state)
+            self._pose = self._batch.pose(slice(None))
         return self._pose
 
     def _beams(self) -> Floats:

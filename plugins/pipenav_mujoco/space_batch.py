@@ -14,15 +14,23 @@ import numpy as np
 from pipenav.arrays import Floats, Ints
 from pipenav.backends import CONTROL_PERIOD, PARKED
 from pipenav.pipes import PipeRoute
-from pipenav.robots import RobotSpec
-from pipenav_mujoco.box_tree import split_well
-from pipenav_mujoco.leg_boxes import LegBoxes
+from pipenav.robots import RobotSpec, space_kinematics
 from pipenav_mujoco.model import Contact, compiled
-from pipenav_mujoco.space_model import space_spec
-from pipenav_mujoco.space_walls import WALL_GROUP, Layout, leg_name
+from pipenav_mujoco.near_pairs import NearPairs, Parts, Walls, strays
+from pipenav_mujoco.space_model import FRONT, space_spec
+from pipenav_mujoco.space_walls import WALL_GROUP, Layout, hand_to_world
 
 SEEN = np.array([group == WALL_GROUP for group in range(mujoco.mjNGROUP)], np.uint8)
 """Flags of the geom groups that beams meet."""
+
+RECORDED = ("sensordata", "xpos", "site_xpos")
+"""Fields that are recorded of each physics step: sensors, and places of bodies and sites where it began."""
+
+PAIRS = 1.35
+"""Pairs that models have room for at first, as a multiple of the pieces of wall: enough for nearly every route."""
+
+RECENT = 4
+"""Share of a control period, as its inverse, whose motion says where a robot gets in the next one."""
 
 
 class SpaceSettings(NamedTuple):
@@ -74,12 +82,20 @@ class Views:
         return [self.qpos, self.qvel, self.time, self.warm, self.ctrl]
 
 
+class _Models(NamedTuple):
+    """Model of a route, which robots copy, and its walls."""
+
+    model: Any
+    walls: Walls
+
+
 class SpaceBatch:
     """The models of n robots, each in its route, and their batch.
 
     A route that needs a larger layout than those before makes all models anew; the robots stay where they are. Until a
-    robot gets its route it is parked. Walls of legs that a robot cannot reach within a control period are left out of
-    its collisions, which alters nothing but the time that it takes.
+    robot gets its route it is parked. Each robot's model lists the pairs of geoms that can touch within a control
+    period; where a robot passed so far from its expected way that others could have touched, it goes the period again
+    in halves. So the lists alter nothing but the time that a step takes.
     """
 
     def __init__(self, robot: RobotSpec, n: int, settings: SpaceSettings) -> None:
@@ -89,29 +105,19 @@ class SpaceBatch:
         self._routes: list[PipeRoute] = []
         self._layout_of = lru_cache(maxsize=max(64, n))(Layout.of)
         self._compiled = lru_cache(maxsize=max(64, n))(self._compile)
-        self._among = lru_cache(maxsize=max(512, 8 * n))(self._among_legs)
         self._models: list[Any] = []
-        self._first_leg = 0
-        self._boxes: LegBoxes | None = None
-        self._reached = np.zeros((n, 0), bool)
+        self._pairs: NearPairs | None = None
+        self._before = np.full((n, len(robot.links) + 1, 3), np.nan)
         self._record: dict[Any, Any] = {}
 
-    def _compile(self, route: PipeRoute, layout: Layout) -> Any:
+    def _compile(self, route: PipeRoute, layout: Layout) -> _Models:
         settings = self._settings
         spec = space_spec(self._robot, route, layout, settings.timestep, settings.contact)
         model = compiled(spec, self._robot)
-        for leg in range(len(route.straights)):
-            split_well(model, model.body(leg_name(leg)).id)
-        parked = slice(model.body(leg_name(len(route.straights))).id, model.nbody)
-        model.body_contype[parked] = model.body_conaffinity[parked] = 0  # they have served: the trees have their sizes
-        return model
-
-    def _among_legs(self, route: PipeRoute, layout: Layout, legs: tuple[bool, ...]) -> Any:
-        """Model of a route in which the robot meets the walls of some legs alone."""
-        model = copy.copy(self._compiled(route, layout))
-        far = np.flatnonzero(~np.array(legs)) + model.body(leg_name(0)).id
-        model.body_contype[far] = model.body_conaffinity[far] = 0
-        return model
+        walls = Walls.of(model)
+        hand_to_world(model)
+        model.body_contype[:] = model.body_conaffinity[:] = 0  # listed pairs meet, no others
+        return _Models(model, walls)
 
     @property
     def views(self) -> Views:
@@ -138,49 +144,50 @@ class SpaceBatch:
             self._routes = [routes[0]] * self._n
         for i, route in zip(indices, routes, strict=True):
             self._routes[i] = route
-        before = self._layout
+        needed = self._layout or self._layout_of(routes[0])
         for route in dict.fromkeys(routes):
-            needed = self._layout_of(route)
-            self._layout = needed if self._layout is None else self._layout.union(needed)
-        assert self._layout is not None
+            needed = needed.union(self._layout_of(route))
+        needed = needed.with_pairs(PAIRS * needed.pieces)
         walled = indices
-        if self._layout != before:
-            self._open(self._compiled(routes[0], self._layout))
+        if needed != self._layout:
+            self._open(needed)
             walled = np.arange(self._n)
         self._take(walled)
-        self._place_walls(walled)
         for values in self.views.own:
             values[indices] = 0.0
+        self._before[indices] = np.nan
 
-    def _place_walls(self, indices: Ints) -> None:
-        """Set the models of all robots, and let MuJoCo place the walls of some, which it does at a reset alone."""
+    def _take(self, indices: Ints) -> None:
+        """Take copies of the models of some robots' routes, and let MuJoCo place their walls, which a reset alone does.
+
+        The state stays as it is.
+        """
+        assert self._layout is not None and self._pairs is not None
+        made = [self._compiled(self._routes[i], self._layout) for i in indices]
+        for i, of_route in zip(indices, made, strict=True):
+            self._models[i] = copy.copy(of_route.model)
+        self._pairs.take(self._models, indices, [of_route.walls for of_route in made])
         batch = self.views.batch
         batch.set_models(self._models)
         state = batch.state[indices]
         batch.reset(indices, stage=mujoco.mjtStage.mjSTAGE_NONE.value)
         batch.state[indices] = state
 
-    def _take(self, indices: Ints) -> None:
-        """Take the models of some robots' routes, with all of their legs."""
-        assert self._layout is not None and self._boxes is not None
-        models = [self._compiled(self._routes[i], self._layout) for i in indices]
-        for i, model in zip(indices, models, strict=True):
-            self._models[i] = model
-        boxes = LegBoxes.of(models, self._first_leg, self._layout.legs)
-        for values, of_models in zip(self._boxes, boxes, strict=True):
-            values[indices] = of_models
-        self._reached[indices] = True
-
-    def _open(self, model: Any) -> None:
+    def _open(self, layout: Layout) -> None:
         """Open a batch for models of a new layout, and take the state over from the one before."""
+        self._layout = layout
         robot, settings, before = self._robot, self._settings, self._views
-        assert self._layout is not None
-        self._first_leg, legs = model.body(leg_name(0)).id, self._layout.legs
+        assert robot.roll is not None
+        model, walls = self._compiled(self._routes[0], layout)
         self._models = [model] * self._n
-        self._boxes = LegBoxes.of(self._models, self._first_leg, legs)
-        self._reached = np.ones((self._n, legs), bool)
+        self._pairs = NearPairs(Parts.of(robot, model, robot.roll.link + FRONT), self._n, len(walls.geom))
         self._views = views = Views(robot, model, self._n, settings.threads)
-        self._record = {"sensordata": np.zeros((self._n, settings.substeps, model.nsensordata))}
+        links = [model.body(link.name).id for link in robot.links]
+        self._links, self._tip = np.array(links), model.site("tip").id
+        shapes = {"sensordata": (model.nsensordata,), "xpos": (model.nbody, 3), "site_xpos": (model.nsite, 3)}
+        for name, shape in shapes.items():
+            if (row := (settings.substeps, *shape)) != self._record.get(name, np.zeros(0)).shape[1:]:
+                self._record[name] = np.zeros((self._n, *row))
         if before is None:
             views.qpos[:, 2] = PARKED
             return
@@ -188,30 +195,63 @@ class SpaceBatch:
             values[:] = values_before
         views.pull[:, views.moving] = before.pull[:, before.moving]
 
-    def come_near(self, points: Floats) -> None:
-        """Let robots at these points (n, p, 3) meet the legs that they can reach in the next control period."""
-        assert self._boxes is not None and self._layout is not None
-        reached = self._boxes.within_reach(points)
-        changed = np.flatnonzero((reached != self._reached).any(axis=1))
-        for i in changed:
-            self._models[i] = self._among(self._routes[i], self._layout, tuple(reached[i].tolist()))
-        if len(changed):
-            self.views.batch.set_models(self._models)
-        self._reached = reached
+    def pose(self, indices: Ints | slice) -> space_kinematics.SpacePose:
+        """Poses of some robots now."""
+        views = self.views
+        qpos = views.qpos[indices]
+        return space_kinematics.forward(self._robot, qpos[:, :7], qpos[:, views.joints], qpos[:, views.roll])
 
-    def step(self) -> Floats:
-        """Advance all robots by a control period; return the sensors of every physics step, (n, substeps, sensors)."""
-        self.views.batch.rollout(self._settings.substeps, record=("sensordata",), out=self._record)
+    def step(self, points: Floats) -> Floats:
+        """Advance all robots by a control period.
+
+        Args:
+            points: rear ends, joints and tips of all robots, (n, links + 1, 3) [m].
+
+        Returns:
+            The sensors of every physics step, (n, substeps, sensors).
+        """
+        every, substeps = np.arange(self._n), self._settings.substeps
+        state = self.views.batch.state.copy()
+        end = points + np.nan_to_num(RECENT * (points - self._before))
+        self._find(every, points, end)
+        self.views.batch.rollout(substeps, record=RECORDED, out=self._record)
+        again = np.flatnonzero(strays(points, end, self._passed(self._record)))
+        if len(again):
+            self._repeat(again, state[again], 0, substeps)
+        late = substeps - substeps // RECENT
+        self._before = self._passed({name: values[:, late : late + 1] for name, values in self._record.items()})[:, 0]
         return np.asarray(self._record["sensordata"])
 
-    def repeat(self, indices: Ints, states: Floats) -> None:
-        """Advance some robots anew among all walls, from the states (k, size) that they were in."""
-        self._take(indices)
-        batch = self.views.batch
-        batch.set_models(self._models)
-        batch.state[indices] = states
-        record = batch.rollout(self._settings.substeps, record=("sensordata",), ids=indices)
-        self._record["sensordata"][indices] = record["sensordata"]
+    def _find(self, indices: Ints, start: Floats, end: Floats) -> None:
+        """List the pairs of some robots, with room for all of them."""
+        assert self._layout is not None and self._pairs is not None
+        most = self._pairs.find(indices, start, end)
+        if most > self._layout.pairs:
+            self._open(self._layout.with_pairs(1.5 * most))
+            self._take(np.arange(self._n))
+            self._find(indices, start, end)
+
+    def _passed(self, record: dict[Any, Any]) -> Floats:
+        """Points of some robots whenever contacts were computed, (k, substeps, links + 1, 3) [m]."""
+        return np.concatenate([record["xpos"][:, :, self._links], record["site_xpos"][:, :, self._tip, None]], axis=2)
+
+    def _repeat(self, indices: Ints, states: Floats, first: int, count: int) -> None:
+        """Advance some robots anew from the states (k, size) before a physics step, by two halves of `count` steps.
+
+        In a single physics step no point strays: contacts are computed where it begins.
+        """
+        for begin, steps in ((first, count // 2), (first + count // 2, count - count // 2)):
+            if begin > first:
+                states = self.views.batch.state[indices]
+            self.views.batch.state[indices] = states
+            start = self.pose(indices).points
+            self._find(indices, start, start)  # which opens another batch where models have no room
+            record = self.views.batch.rollout(steps, record=RECORDED, ids=indices)
+            for name, values in record.items():
+                self._record[name][indices, begin : begin + steps] = values
+            far = strays(start, start, self._passed(record))
+            if steps > 1 and far.any():
+                self._repeat(indices[far], states[far], begin, steps)
 
     def distances(self, origins: Floats, directions: Floats, indices: Ints) -> Floats:
         """Distances from points (k, 1, 3) along unit vectors (k, beams, 3) to the walls of k robots, inf for none.
@@ -230,4 +270,3 @@ class SpaceBatch:
         """Release the batch and all models."""
         self._views, self._routes = None, []
         self._compiled.cache_clear()
-        self._among.cache_clear()

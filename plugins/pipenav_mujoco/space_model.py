@@ -37,8 +37,6 @@ def space_spec(robot: RobotSpec, route: PipeRoute, layout: Layout, timestep: flo
     """MjSpec of the robot in the route, with room for the walls of a layout; nothing weighs."""
     assert robot.roll is not None
     spec = new_spec(robot, timestep)
-    midphase = mujoco.mjtDisableBit.mjDSBL_MIDPHASE
-    spec.option.disableflags &= ~int(midphase)  # the body of a leg has many geoms
     spec.option.jacobian = mujoco.mjtJacobian.mjJAC_SPARSE  # a contact moves part of the chain: a tenth faster
     # With sleep MuJoCo computes the places of walls once, instead of in every step; the robot itself never sleeps.
     spec.option.enableflags |= mujoco.mjtEnableBit.mjENBL_SLEEP
@@ -63,8 +61,26 @@ def space_spec(robot: RobotSpec, route: PipeRoute, layout: Layout, timestep: flo
     parent.add_site(name="tip", pos=[offset, 0, 0])
     _add_gyroscopes(spec, [robot.roll.link, robot.roll.link + FRONT])
     add_walls(spec, robot, route, contact, layout)
+    _add_pairs(spec, layout.pairs, contact)
     add_sensors(spec, [*(link.name for link in robot.links), robot.roll.link + FRONT, *(w.name for w in robot.wheels)])
     return spec
+
+
+def _add_pairs(spec: Any, count: int, contact: Contact) -> None:
+    """Add room for pairs of geoms that meet; which ones is written into the compiled model."""
+    two = spec.geoms[-2:]
+    for geom, name in zip(two, ("wall0", "wall1"), strict=True):
+        geom.name = geom.name or name
+    ref, impedance = [contact.time_constant, 1.0], [*contact.impedance, 0.5, 2.0]
+    for _ in range(count):
+        spec.add_pair(
+            geomname1=two[0].name,
+            geomname2=two[1].name,
+            condim=3,
+            solref=ref,
+            solimp=impedance,
+            friction=[0.0] * 5,
+        )
 
 
 def _add_gyroscopes(spec: Any, bodies: list[str]) -> None:

@@ -1,11 +1,12 @@
 """Walls of a route as static geoms, padded with parked ones, so that models of different routes have equal sizes.
 
-The solids of each leg belong to a body of their own that stands along the leg: MuJoCo's trees of bounding boxes are
-aligned with bodies, and a slanted wall in the world's tree would hide behind a box many times its size.
+The solids of each leg belong to a body of their own that stands along the leg, so that equal legs have equal numbers
+wherever they lie.
 """
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from typing import Any, NamedTuple, Self
 
@@ -22,10 +23,13 @@ WALL_GROUP = 2
 """Geom group of the walls, which beams see."""
 
 PARKED_TOUCHES = {"contype": 4, "conaffinity": 4}
-"""Collision masks of parked geoms: they meet nothing, but have their places in the trees of bounding boxes."""
+"""Collision masks of parked geoms: they meet nothing, and only make models of different routes equally large."""
 
 ROUND_UP = 16
 """Boxes in a layout are a multiple of this, so that a route with a few more does not need a new one."""
+
+SLOTS = 64
+"""Pairs in a layout are a multiple of this."""
 
 
 class Layout(NamedTuple):
@@ -35,11 +39,13 @@ class Layout(NamedTuple):
         legs: bodies of legs.
         boxes: boxes.
         hulls: hulls by their number of vertices, each (vertices, count), sorted.
+        pairs: pairs of a robot's part and a wall that are listed at once; 0 where MuJoCo finds them itself.
     """
 
     legs: int
     boxes: int
     hulls: tuple[tuple[int, int], ...]
+    pairs: int = 0
 
     @classmethod
     def of(cls, route: PipeRoute) -> Self:
@@ -48,11 +54,21 @@ class Layout(NamedTuple):
         boxes = -(-len(solids.position) // ROUND_UP) * ROUND_UP
         return cls(legs, boxes, tuple(sorted(Counter(len(hull) for hull in solids.hulls).items())))
 
+    @property
+    def pieces(self) -> int:
+        """Number of solids."""
+        return self.boxes + sum(count for _, count in self.hulls)
+
+    def with_pairs(self, count: float) -> Self:
+        """The same layout with room for as many pairs at least."""
+        return self._replace(pairs=max(self.pairs, math.ceil(count / SLOTS) * SLOTS))
+
     def union(self, other: Self) -> Self:
         """The least layout with room for what fits into either."""
         hulls = Counter(dict(self.hulls)) | Counter(dict(other.hulls))
         boxes = max(self.boxes, other.boxes)
-        return type(self)(max(self.legs, other.legs), boxes, tuple(sorted(hulls.items())))
+        pairs = max(self.pairs, other.pairs)
+        return type(self)(max(self.legs, other.legs), boxes, tuple(sorted(hulls.items())), pairs)
 
 
 def leg_name(i: int) -> str:
@@ -78,6 +94,19 @@ def add_walls(spec: Any, robot: RobotSpec, route: PipeRoute, contact: Contact, l
     _park(spec, bodies, solids, len(start), layout)
 
 
+def hand_to_world(model: Any) -> None:
+    """Make the world the owner of all walls in a compiled model, without moving them by a bit.
+
+    In every step MuJoCo looks at all geoms but those of the world, to find the axes along which it sorts bodies.
+    """
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    walls = np.flatnonzero(model.body_weldid[model.geom_bodyid] == 0)
+    model.geom_pos[walls], model.geom_quat[walls] = data.geom_xpos[walls], data.geom_xquat[walls]
+    model.geom_sameframe[walls] = mujoco.mjtSameFrame.mjSAMEFRAME_NONE
+    model.geom_bodyid[walls] = 0
+
+
 def _park(spec: Any, bodies: list[Any], solids: WallSolids, legs: int, layout: Layout) -> None:
     """Add parked geoms up to the layout, at least one to each body that is no leg's."""
     parked = {"group": HIDDEN_GROUP, **PARKED_TOUCHES}
@@ -93,7 +122,7 @@ def _park(spec: Any, bodies: list[Any], solids: WallSolids, legs: int, layout: L
 
 
 def _add_body(spec: Any, name: str) -> Any:
-    """Add a static body whose inertia has the body's own axes: they are those of its tree of bounding boxes."""
+    """Add a static body whose inertia has the body's own axes."""
     inertial = {"explicitinertial": True, "mass": 1.0, "inertia": [1.0, 1.0, 1.0]}
     return spec.worldbody.add_body(name=name, ipos=[0.0, 0.0, 0.0], iquat=[1.0, 0.0, 0.0, 0.0], **inertial)
 

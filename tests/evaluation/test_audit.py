@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.cli.percentages import audited_share
 from pipenav.errors import PipenavError
 from pipenav.evaluation import part_plan
@@ -21,8 +22,12 @@ from pipenav.evaluation.parts import PartResult
 from pipenav.evaluation.passage import EpisodePlan, Passages
 from pipenav.evaluation.results import Evaluation
 from pipenav.jobs.processes import ProcessesPlace
+from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.corner_sets import parse_corners
 from pipenav.policies.named import open_controller
+from pipenav.robots.robot import load_robot
+from pipenav.tasks.traverse.config import TraverseConfig
+from pipenav.tasks.traverse.episode import sample
 
 NAMES = ("d=100,angle=90", "d=75,angle=60,turn=right")
 
@@ -97,11 +102,25 @@ def test_a_motion_as_it_was_passes_and_every_fault_is_noticed(recorded: tuple[Ep
     assert broken(np.where(np.arange(4) == 1, motion + 0.25, motion))[0] == 1
 
 
+@given(st.floats(0.5, 4.0), st.integers(0, 5))
+def test_wheels_may_push_a_joint_past_its_motor_only_as_fast_as_their_power_allows(times: float, joint: int) -> None:
+    robot = load_robot("pirate")
+    episode = sample(robot, TraverseConfig(kind="traverse"), [PipeCorner.of(90, 90)], np.random.default_rng(0))
+    turned = np.zeros(robot.coordinates)
+    turned[-6 + joint] = times * robot.speed_limits[joint] * CONTROL_PERIOD
+    auditor = Auditor(robot, TraverseConfig(kind="traverse"), 1.0, 0)
+    auditor.audit(0, episode, np.stack([episode.q[0], episode.q[0] + turned]))
+    (speed,), (power,) = auditor.rows.speed, auditor.rows.power
+    assert speed == pytest.approx(times)
+    # Six wheels of 0.0373 N m and 5.5 rad/s and five joints of 1 N m and 1 rad/s push one that takes r (r - 1) W.
+    at_hand = (6 * 0.0373 * 5.5 + 5 * 1.0 * 1.0) / 4
+    assert power == pytest.approx(max(times * (times - 1.0), 0.0) / at_hand)
+
+
 @given(st.integers(0, 20), st.integers(0, 20), st.integers(0, 20))
 def test_audits_of_parts_are_cut_and_read_back(k: int, first: int, end: int) -> None:
     rng = np.random.default_rng(k)
-    overlap, between, speed = rng.random((3, k))
-    audits = AuditRows(np.arange(k), overlap, between, speed, rng.random(k) < 0.5)
+    audits = AuditRows(np.arange(k), *rng.random((4, k)), rng.random(k) < 0.5)
     result = PartResult.from_bytes(PartResult({}, "some cpu", audits).to_bytes())
     cut = result.between(min(first, end), max(first, end)).audits
     assert cut is not None

@@ -27,6 +27,8 @@ WHOLE = {
     "recipe.toml": 'pipes = ["d=100,angle=90"]\nsteps = 64\n\n[learner]\n'
     "robots = 2\nrollout_steps = 2\nbatch_size = 4\n",
     "faults.json": '[{"fault": "drop", "probability": 0.1}]\n',
+    "town.csv": "x1,y1,x2,y2,bore\n0,0,90,0,100\n90,0,90,80,100\n",
+    "town.inp": "[JUNCTIONS]\nA 0\nB 0\n[PIPES]\nP A B 90 100\n[OPTIONS]\nUnits LPS\n[COORDINATES]\nA 0 0\nB 90 0\n",
     "words.txt": "dear diary\n",
 }
 """Texts of valid files, by name; `words.txt` is valid as what it is."""
@@ -120,6 +122,22 @@ EDITS = {
         "extends-number": ("pipes", "extends = 1\npipes"),
         "flat": ("[learner]\n", "learner = 3\n"),
         "twice": ("steps = 64", "steps = 64\nsteps = 65"),
+    },
+    "town.csv": {
+        "nan": ("90,80", "nan,80"),
+        "zero": ("80,100", "80,0"),
+        "mixed": ("80,100", "80,4 in"),
+        "short": ("90,80,100", "90"),
+        "no-columns": ("x1", "from"),
+    },
+    "town.inp": {
+        "twice": ("B 0\n", "A 0\n"),
+        "one-place": ("B 90 0", "B 0 0"),
+        "zero": ("90 100", "90 0"),
+        "nan": ("B 90", "B nan"),
+        "nowhere": ("P A B", "P A C"),
+        "units": ("LPS", "XYZ"),
+        "empty": ("P A B 90 100\n", ""),
     },
     "faults.json": {
         "unknown": ('"drop"', '"drops"'),

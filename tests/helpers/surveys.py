@@ -9,11 +9,16 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
+from pipenav.certify.verdict import Kind
+from pipenav.jobs import MemoryStore
 from pipenav.networks.draft import LineFacts, MapDraft
 from pipenav.networks.model import NetworkMap
-from pipenav.survey import trials
+from pipenav.survey import trial_jobs
 from pipenav.survey.classes import FittingClass
-from pipenav.survey.trials import Trial, TrialConfig, Trials
+from pipenav.survey.findings import Finding, Findings
+from pipenav.survey.possible import Possibility
+from pipenav.survey.trial_jobs import TrialConfig
+from pipenav.survey.trials import Report, Trial, Trials
 
 Rule = Callable[[str], int]
 """Number of 20 episodes that pass, by the name of a class."""
@@ -40,13 +45,26 @@ class AnsweredTrials(Trials):
         super().__init__(config or TrialConfig("pirate"), cache)
         self.rule, self.simulated = rule, list[str]()
 
-    def _keep(self, kind: FittingClass, trial: Trial) -> None:
-        """Keep nothing on disk: the next survey may have another rule."""
+    def _simulate(self, classes: list[FittingClass], report: Report) -> None:
+        for done, kind in enumerate(classes, 1):
+            self.simulated.append(kind.name)
+            passed = self.rule(kind.name)
+            failures = {"slip": 20 - passed} if passed < 20 else {}
+            self._known[kind] = Trial(episodes=20, successes=passed, failures=failures)
+            report(done, len(classes), kind.name)
 
-    def _simulated(self, kind: FittingClass) -> Trial:
-        self.simulated.append(kind.name)
-        passed = self.rule(kind.name)
-        return Trial(episodes=20, successes=passed, failures={"slip": 20 - passed} if passed < 20 else {})
+
+class AnsweredFindings(Findings):
+    """Findings whose trials are answered by a rule; geometry is real."""
+
+    def __init__(self, cache: Path, rule: Rule = all_pass, config: TrialConfig | None = None) -> None:
+        super().__init__(config or TrialConfig("pirate"), cache)
+        self.trials = AnsweredTrials(cache, rule, config)
+
+
+def found(trial: Trial, geometry: Kind = "passable") -> Finding:
+    """A finding with geometry's word on it."""
+    return Finding(trial, Possibility(kind=geometry, reason="" if geometry == "passable" else "a reason"))
 
 
 def answer_evaluations(monkeypatch: pytest.MonkeyPatch, rule: Rule = all_pass) -> list[Any]:
@@ -54,12 +72,20 @@ def answer_evaluations(monkeypatch: pytest.MonkeyPatch, rule: Rule = all_pass) -
     asked: list[Any] = []
 
     class Answered:
+        count = 1
+
         def __init__(self, config: Any) -> None:
             asked.append(config)
-            self._config = config
+            self._config, self.parts = config, self
 
-        def run(self) -> Any:
-            passed = rule(Path(self._config.pipes[0]).stem.rpartition("-")[0])
+        def key(self, index: int) -> str:
+            return f"part-{index}"
+
+        def part(self, _first: int, _end: int) -> str:
+            return Path(self._config.pipes[0]).stem.rpartition("-")[0]
+
+        def merged(self, store: MemoryStore) -> Any:
+            passed = int(store.read("part-0") or b"")
             half = self._config.episodes
             counts = (min(passed, half), max(passed - half, 0))
 
@@ -70,7 +96,8 @@ def answer_evaluations(monkeypatch: pytest.MonkeyPatch, rule: Rule = all_pass) -
                 [Record(half, n, {"slip": half - n} if n < half else {}, 70.0 if n else None) for n in counts]
             )
 
-    monkeypatch.setattr(trials, "CheckedEvaluation", Answered)
+    monkeypatch.setattr(trial_jobs, "CheckedEvaluation", Answered)
+    monkeypatch.setattr(trial_jobs, "run_part", lambda name, _control: str(rule(name)).encode())
     return asked
 
 

@@ -7,17 +7,20 @@ import math
 
 import numpy as np
 import pytest
-from helpers.surveys import map_of, random_tree
+from helpers.surveys import found, map_of, random_tree
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from pipenav.robots.robot import load_robot
 from pipenav.survey.entries import Goal, propose
 from pipenav.survey.features import Geometry, fittings_of
 from pipenav.survey.graph import mains_graph
 from pipenav.survey.passage import Tether, Ways, judged, ways_of
 from pipenav.survey.reach import search
-from pipenav.survey.trials import Trained, Trial
+from pipenav.survey.trained import Trained
+from pipenav.survey.trials import Trial
 
+PIRATE = load_robot("pirate")
 TRAINED = Trained((70.0, 120.0), 30.0, False)
 SOME = settings(max_examples=40)
 
@@ -25,9 +28,9 @@ SOME = settings(max_examples=40)
 def ways_in(seed: int, nodes: int, rate: float = 1.0) -> Ways:
     """The ways of a tree in which every fitting of a class is passed with one probability."""
     fittings = fittings_of(mains_graph(random_tree(seed, nodes)), Geometry(0.0))
-    trial = Trial(episodes=1000, successes=round(1000 * rate))
-    trials = {kind: trial for movement in fittings.movements for kind in movement.classes}
-    return ways_of(fittings, [judged(m, trials, 0.1) for m in fittings.movements], TRAINED, 0.0)
+    finding = found(Trial(episodes=1000, successes=round(1000 * rate)))
+    findings = {kind: finding for movement in fittings.movements for kind in movement.classes}
+    return ways_of(fittings, [judged(m, findings, 0.1) for m in fittings.movements], TRAINED, PIRATE, 0.0)
 
 
 def by_hand(ways: Ways, tether: Tether, confidence: float, entry: int) -> np.ndarray:
@@ -93,8 +96,8 @@ def test_a_cable_is_dragged_harder_around_a_corner() -> None:
     """By exp(friction x turn): with 10 N after 100 m, a right angle at 0.3 leaves room for no more than 16.02 N."""
     right = [(0.0, 0.0, 0.0), (100.0, 0.0, 0.0), (100.0, 100.0, 0.0)]
     fittings = fittings_of(mains_graph(map_of(right, [(0, 1), (1, 2)])), Geometry(0.0))
-    trials = {kind: Trial(episodes=20, successes=20) for m in fittings.movements for kind in m.classes}
-    ways = ways_of(fittings, [judged(m, trials, 0.9) for m in fittings.movements], TRAINED, 0.0)
+    findings = {kind: found(Trial(episodes=20, successes=20)) for m in fittings.movements for kind in m.classes}
+    ways = ways_of(fittings, [judged(m, findings, 0.9) for m in fittings.movements], TRAINED, PIRATE, 0.0)
     needed = 10 * math.exp(0.3 * math.pi / 2)
     tether = Tether(1e6, needed + 5.0, 0.3, 10 / 100 / 0.3)
     assert search(ways, tether, 0.9, [0]).seen(np.array(ways.length)).sum() == pytest.approx(100 + 5.0 / 0.1)

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from helpers.browser import opened, started_browser
-from helpers.surveys import AnsweredTrials, random_tree
+from helpers.surveys import AnsweredFindings, random_tree
 
 from pipenav.survey.html_report import html_report
 from pipenav.survey.passage import Tether
@@ -23,9 +23,9 @@ pytestmark = pytest.mark.slow
 def record(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """A survey of a small tree."""
     network = random_tree(5, 30)
-    trials = AnsweredTrials(tmp_path_factory.mktemp("cache"), lambda name: 2 if "straight" in name else 20)
-    result = survey(network, trials, SurveyConfig(tether=Tether(cable=150.0)))
-    return survey_record(result, Subject("tree <b>.csv", trials, sensitivities(result, network, trials)))
+    findings = AnsweredFindings(tmp_path_factory.mktemp("cache"), lambda name: 2 if "straight" in name else 20)
+    result = survey(network, findings, SurveyConfig(tether=Tether(cable=150.0)))
+    return survey_record(result, Subject("tree <b>.csv", findings.trials, sensitivities(result, network, findings)))
 
 
 @pytest.fixture(scope="module")

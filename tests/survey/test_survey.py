@@ -8,7 +8,7 @@ import json
 from pathlib import Path
 
 import pytest
-from helpers.surveys import AnsweredTrials, map_of, random_tree
+from helpers.surveys import AnsweredFindings, map_of, random_tree
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -35,9 +35,9 @@ def rule(name: str) -> int:
     return 2 if "straight" in name or name.startswith("bend-d100-a9") else 20
 
 
-def surveyed(network: NetworkMap, config: SurveyConfig, folder: Path) -> tuple[Survey, AnsweredTrials]:
-    trials = AnsweredTrials(folder, rule)
-    return survey(network, trials, config), trials
+def surveyed(network: NetworkMap, config: SurveyConfig, folder: Path) -> tuple[Survey, AnsweredFindings]:
+    findings = AnsweredFindings(folder, rule)
+    return survey(network, findings, config), findings
 
 
 @SOME
@@ -58,8 +58,8 @@ def test_lengths_add_up(tmp_path: Path, seed: int, nodes: int) -> None:
 def test_a_changed_number_moves_the_result_as_the_table_says(tmp_path: Path, seed: int) -> None:
     """Each row is what a whole survey with that number gives."""
     network = random_tree(seed, 20)
-    result, trials = surveyed(network, FROM_FIRST, tmp_path)
-    for row in sensitivities(result, network, trials):
+    result, findings = surveyed(network, FROM_FIRST, tmp_path)
+    for row in sensitivities(result, network, findings):
         assert row.seen == pytest.approx(result.totals.seen)
         for value, seen in ((row.low, row.seen_low), (row.high, row.seen_high)):
             config = FROM_FIRST
@@ -76,8 +76,8 @@ def test_a_changed_number_moves_the_result_as_the_table_says(tmp_path: Path, see
 @given(st.integers(0, 10_000), st.integers(3, 25))
 def test_records_are_whole(tmp_path: Path, seed: int, nodes: int) -> None:
     network = random_tree(seed, nodes)
-    result, trials = surveyed(network, SurveyConfig(goal=Goal(share=0.8)), tmp_path)
-    record = survey_record(result, Subject("net.csv", trials, sensitivities(result, network, trials)))
+    result, findings = surveyed(network, SurveyConfig(goal=Goal(share=0.8)), tmp_path)
+    record = survey_record(result, Subject("net.csv", findings.trials, sensitivities(result, network, findings)))
     assert json.loads(json.dumps(record, allow_nan=False)) == json.loads(json.dumps(record))
     assert sum(segment["seen_m"] for segment in record["segments"]) == pytest.approx(result.totals.seen, abs=0.1)
     rows = list(csv.DictReader(io.StringIO(features_csv(record))))
@@ -96,7 +96,7 @@ def test_routes_to_far_ends_can_be_read(tmp_path: Path) -> None:
     points = [(60.0 * i, 40.0 * (i % 2), 0.0) for i in range(6)]
     network = map_of(points, list(zip(range(5), range(1, 6), strict=True)))
     result = survey(
-        network, AnsweredTrials(tmp_path), SurveyConfig(entries=("N0",), tether=Tether(cable=1e4, pull=1e4))
+        network, AnsweredFindings(tmp_path), SurveyConfig(entries=("N0",), tether=Tether(cable=1e4, pull=1e4))
     )
     (made,) = far_routes(result)
     assert made.name == "N0-to-N5.toml" and not made.problem
@@ -109,8 +109,8 @@ def test_routes_to_far_ends_can_be_read(tmp_path: Path) -> None:
 
 def test_names_of_a_strangers_file_cannot_leave_the_page(tmp_path: Path) -> None:
     network = random_tree(1, 4)
-    result, trials = surveyed(network, FROM_FIRST, tmp_path)
-    record = survey_record(result, Subject("</script><script>alert(1)</script>", trials, []))
+    result, findings = surveyed(network, FROM_FIRST, tmp_path)
+    record = survey_record(result, Subject("</script><script>alert(1)</script>", findings.trials, []))
     page = html_report(record)
     assert "alert(1)</script>" not in page
     assert page.count("</script>") == 2
@@ -120,10 +120,10 @@ def test_names_of_a_strangers_file_cannot_leave_the_page(tmp_path: Path) -> None
 
 
 def test_all_files_are_written(tmp_path: Path) -> None:
-    result, trials = surveyed(random_tree(2, 8), FROM_FIRST, tmp_path / "cache")
+    result, findings = surveyed(random_tree(2, 8), FROM_FIRST, tmp_path / "cache")
     out = tmp_path / "out"
     out.mkdir()
-    write_survey(out, survey_record(result, Subject("net", trials, [])))
+    write_survey(out, survey_record(result, Subject("net", findings.trials, [])))
     assert {path.name for path in out.iterdir()} == set(FILES)
 
 

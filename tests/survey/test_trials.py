@@ -11,7 +11,8 @@ from helpers.surveys import answer_evaluations
 from pipenav.errors import PipenavError
 from pipenav.evaluation.interval import wilson
 from pipenav.survey.classes import FittingClass
-from pipenav.survey.trials import Trial, TrialConfig, Trials
+from pipenav.survey.trial_jobs import TrialConfig
+from pipenav.survey.trials import Trial, Trials
 
 BENDS = [FittingClass("bend", 100, angle) for angle in (60.0, 90.0, 135.0)]
 
