@@ -132,7 +132,7 @@ def test_sensors_change_nothing_else_of_an_episode(seed: int) -> None:
 
 
 def test_in_a_plane_a_robot_sees_where_down_is_with_the_errors_of_its_sensors() -> None:
-    real, ideal = ([], [])
+    real, ideal = list[np.ndarray](), list[np.ndarray]()
     for name, seen in (("mems", real), ("ideal", ideal)):
         config = INCLINED.model_copy(update={"sensors": name})
         start = episodes(config, 3)
