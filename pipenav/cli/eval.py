@@ -42,6 +42,10 @@ PIPES_HELP = (
 TETHER_HELP = "Length of cable behind a whole robot at the start, in straight, level pipe [m]: 0-100000."
 CABLE_HELP = "Friction of that cable in the pipe: 0.3 for PVC, 0.6 for corroded steel."
 FORCE_HELP = "Largest contact force on any one link [N]: an episode with more has failed."
+SENSORS_HELP = (
+    "Sensors of a whole robot: ideal, or mems with the errors of a consumer part. Default: as it was trained."
+)
+STARTS_HELP = "Starts in which robots are stuck, by name (stuck-starts) or as FILE.json: brings its pipes and episodes."
 DISTURB_HELP = "Disturbances, by name or as FILE.toml; see `pipenav list disturbances`."
 AUDIT_HELP = "Replay this share of the successful episodes, 10% or 0.1, by geometry alone, without the simulator."
 CERTIFY_HELP = "Decide by geometry which episodes were possible at all, as `pipenav certify` does, in the plane."
@@ -66,6 +70,10 @@ CableOption = Annotated[
     float | None, typer.Option(help=CABLE_HELP, min=0, max=3, show_default="0.3", rich_help_panel=EPISODES)
 ]
 ForceOption = Annotated[float | None, typer.Option(help=FORCE_HELP, min=0.001, max=1e6, rich_help_panel=EPISODES)]
+SensorsOption = Annotated[
+    Literal["ideal", "mems"] | None, typer.Option(help=SENSORS_HELP, metavar="GRADE", rich_help_panel=EPISODES)
+]
+StartsOption = Annotated[str | None, typer.Option(help=STARTS_HELP, rich_help_panel=EPISODES)]
 OutOption = Annotated[Path | None, typer.Option(help="Evaluation folder; default beside the policy.")]
 RequireOption = Annotated[str | None, typer.Option(metavar="PERCENT", help="Exit code 1 below this success, for CI.")]
 AuditOption = Annotated[str | None, typer.Option(metavar="SHARE", help=AUDIT_HELP)]
@@ -90,6 +98,8 @@ class LoadOptions(OptionGroup):
     tether: TetherOption = None
     cable_friction: CableOption = None
     max_force: ForceOption = None
+    sensors: SensorsOption = None
+    starts: StartsOption = None
 
 
 @dataclass(frozen=True)
@@ -130,14 +140,14 @@ def evaluate(
         pipenav eval --stage locate --robot high-fidelity --pipes thesis
         pipenav eval --policy pirate --pipes runs-level --option timestep=0.001
         pipenav eval --policy arm --disturb real-world --require 90%
+        pipenav eval --policy pirate --starts stuck-starts
         pipenav eval --policy pirate --pipes d=100,angle=90 --tether 100 --max-force 100
         pipenav eval --policy pirate --pipes d=60,angle=55 --certify --audit 10%
     """
     from pipenav.evaluation.config import EvaluationConfig, todays_stage
 
     required = _required_share(result.require, where)
-    if stage not in ("locate", "passage"):
-        refuse_ignored({"--variant": variant}, "it says how --stage locate or passage locates a target")
+    _refuse_ignored(stage, variant, loads.starts, pipes)
     config = EvaluationConfig(
         policy=policy,
         pipes=tuple(pipes or ["working-range"]),
@@ -154,6 +164,14 @@ def evaluate(
     )
     if (evaluation := _measured(config, result.out, where)) and evaluation.success < required:
         raise PipenavError(f"success {100 * evaluation.success:.6g}% is below the required {result.require}.")
+
+
+def _refuse_ignored(stage: str | None, variant: str | None, starts: str | None, pipes: list[str] | None) -> None:
+    """Refuse options that do nothing beside the others."""
+    if stage not in ("locate", "passage"):
+        refuse_ignored({"--variant": variant}, "it says how --stage locate or passage locates a target")
+    if starts is not None:
+        refuse_ignored({"--pipes": pipes}, "--starts brings its own pipes")
 
 
 def _measured(config: EvaluationConfig, out: Path | None, where: ShardedPlaceOptions) -> Evaluation | None:

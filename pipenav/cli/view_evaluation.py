@@ -39,7 +39,7 @@ def of_evaluation(folder: Path, number: int) -> Drawing:
     if plan.pipes[index].in_space:
         assert config.policy is not None  # only a policy goes through pipes that leave the plane
         controller = open_controller(config.policy, config.robot, config.seed)
-        settings = RecordingSettings(config.backend, config.options)
+        settings = RecordingSettings(config.backend, config.options, task=plan.task)
         moved = record_in_space(controller, config.policy, as_route(plan.pipes[index]), config.seed, episode, settings)
         if known is not None:
             _say_whether_alike(failure, "traverse", moved.outcome, len(moved.points) - 1)

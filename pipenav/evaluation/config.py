@@ -9,6 +9,7 @@ from pydantic import BeforeValidator, Field, JsonValue
 
 from pipenav.arrays import Table
 from pipenav.locating.locator import Variant
+from pipenav.robots.inertial import SensorsName
 
 StageName = Literal["locate", "reach", "reach-rear", "passage", "traverse"]
 """Name of what is run: one part of a passage, or several one after the other."""
@@ -60,6 +61,12 @@ class EvaluationConfig(Table):
         le=1e6,
         exclude_if=not_given,
         description="contact force on any one link beyond which an episode fails [N]; none: no limit",
+    )
+    starts: str | None = Field(
+        None, exclude_if=not_given, description="set of starts, by name or as FILE.json; none: drawn from the seed"
+    )
+    sensors: SensorsName | None = Field(
+        None, exclude_if=not_given, description="grade of a whole robot's sensors; none: as its policy was trained"
     )
     audit: float | None = Field(
         None, gt=0, le=1, exclude_if=not_given, description="share of the successful episodes to audit by geometry"

@@ -23,12 +23,13 @@ from pipenav.evaluation.passage import EpisodePlan, ReportProgress, report_nothi
 from pipenav.evaluation.pipe_counts import pipe_records
 from pipenav.evaluation.pipe_results import PipeRecord
 from pipenav.evaluation.results import Evaluation, Extremes
+from pipenav.evaluation.starts import StartSet, load_starts
 from pipenav.evaluation.thesis import thesis_best
 from pipenav.evaluation.training_range import TrainingRange
 from pipenav.jobs import MemoryStore, Place, Store
 from pipenav.jobs.here import HerePlace
 from pipenav.policies.named import open_controller
-from pipenav.robots.robot import load_robot
+from pipenav.robots.robot import RobotSpec, load_robot
 from pipenav.tasks.outcome import PassageStage
 from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.reach.episode import check_fits
@@ -63,11 +64,17 @@ class CheckedEvaluation:
                 if config.policy is None
                 else "stage locate runs without a policy: leave out --policy."
             )
+        starts = None if config.starts is None else load_starts(config.starts)
+        if starts is not None:  # they bring their pipes
+            pipes_named = tuple(pipe.pipe for pipe in starts.pipes)
+            config = config.model_copy(update={"pipes": pipes_named, "episodes": starts.each})
         self._controller = None if config.policy is None else open_controller(config.policy, config.robot, config.seed)
         self._robot = load_robot(config.robot or "basic") if self._controller is None else self._controller.robot
         self._config: TaskConfig = ReachConfig() if self._controller is None else self._controller.task
-        self._config = _tethered(self._config, config)
+        self._config = _with_sensors(_tethered(self._config, config), config)
         self._task = task_of(self._config)
+        if starts is not None:
+            _check_starts(starts, self._robot, self._config)
         self.config = config.model_copy(update={"stage": self._stage_of(config)})
         pipes = self._task.parse_pipes(config.pipes)
         simulator = SimulatorSettings(config.backend, config.options)
@@ -89,6 +96,7 @@ class CheckedEvaluation:
             simulator,
             disturbance,
             config.max_force,
+            starts=() if starts is None else starts.pipes,
         )
         self.parts = PartPlan(self.config, plan, self._controller)
         self.cpus: set[str] = set()
@@ -211,3 +219,30 @@ def _tethered(task: TaskConfig, config: EvaluationConfig) -> TaskConfig:
     friction = {} if config.cable_friction is None else {"friction": config.cable_friction}
     tether = TetherConfig(length=(config.tether, config.tether), **friction)
     return task.model_copy(update={"tether": tether})
+
+
+def _check_starts(starts: StartSet, robot: RobotSpec, task: TaskConfig) -> None:
+    """Refuse starts that are none of the task's robot.
+
+    Raises:
+        PipenavError: the task is none of a whole robot, or one with other links.
+    """
+    if not isinstance(task, TraverseConfig):
+        raise PipenavError("--starts are poses of a whole robot: give a policy such as pirate, or leave out --starts.")
+    starts.check_robot(robot)
+
+
+def _with_sensors(task: TaskConfig, config: EvaluationConfig) -> TaskConfig:
+    """The task with the sensors that an evaluation asks for.
+
+    Raises:
+        PipenavError: the task is none of a whole robot.
+    """
+    if config.sensors is None:
+        return task
+    if not isinstance(task, TraverseConfig):
+        raise PipenavError(
+            "gyroscopes, accelerometers and wheels are a whole robot's: give a policy such as pirate, or leave out "
+            "--sensors."
+        )
+    return task.model_copy(update={"sensors": config.sensors})

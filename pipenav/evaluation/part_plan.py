@@ -93,8 +93,9 @@ class PartPlan:
         """The parts `first` to the one before `end`, as one."""
         begin, to = self.bounds[first], self.bounds[end]
         each = self.episodes.episodes
-        pipes = self.episodes.pipes[begin // each : -(-to // each)]
-        plan = replace(self.episodes, pipes=tuple(pipes), first=begin % each, count=to - begin)
+        inside = slice(begin // each, -(-to // each))
+        pipes, starts = self.episodes.pipes[inside], self.episodes.starts[inside]
+        plan = replace(self.episodes, pipes=tuple(pipes), starts=starts, first=begin % each, count=to - begin)
         controller = self.controller
         if isinstance(controller, RandomController) and first:
             controller = controller.seeded([self.config.seed, first])
@@ -134,15 +135,16 @@ class PartPlan:
     def request(self) -> Mapping[str, JsonValue]:
         """Everything that decides the results: settings, contents of the files that they name, versions."""
         robot, task = self.episodes.robot, self.episodes.task
-        policy = self.config.policy
+        policy, starts = self.config.policy, self.episodes.starts
         weights = policy is not None and not policy.startswith(BASELINE)
-        by_content = {"pipes", "disturb", "robot", "certify", *(["policy"] if weights else [])}
+        by_content = {"pipes", "starts", "disturb", "robot", "certify", *(["policy"] if weights else [])}
         request: dict[str, JsonValue] = {
             **json.loads(self.config.model_dump_json(exclude=by_content)),
             "robot": _digest(robot.model_dump_json().encode()),
             "task": _digest(task.model_dump_json().encode()),
             "disturbance": _digest(self.episodes.disturbance.model_dump_json().encode()),
             "pipes": _digest(*(repr(pipe).encode() for pipe in self.episodes.pipes)),
+            **({"starts": _digest(*(one.model_dump_json().encode() for one in starts))} if starts else {}),
             "policy": _digest(resolve_policy(str(policy)).read_bytes()) if weights else None,
             "backend": find_backends()[self.config.backend].origin,
         }

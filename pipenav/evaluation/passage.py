@@ -33,6 +33,7 @@ from pipenav.evaluation.rear_stage import RearStage
 from pipenav.evaluation.recorded_stage import RecordedStage
 from pipenav.evaluation.rolling_stage import rolling_stage
 from pipenav.evaluation.stage import Stage, TaskStage, gentle
+from pipenav.evaluation.starts import PipeStarts
 from pipenav.locating.locator import LocateConfig, Variant, robot_for
 from pipenav.locating.variants import LOCATORS
 from pipenav.motions.mirror import join, rear_motion
@@ -71,6 +72,7 @@ class EpisodePlan:
         max_force: contact force on any one link beyond which an episode fails [N]; None for no limit.
         first: number of the first episode, where the first pipe begins with a later one than 0.
         count: number of episodes in all; None for as many as the pipes have.
+        starts: starts of the episodes in each pipe, as many as episodes; none where they are drawn from the seed.
         chosen: numbers of the episodes where only some are run, in order; None for all of them.
     """
 
@@ -84,6 +86,7 @@ class EpisodePlan:
     max_force: float | None = None
     first: int = 0
     count: int | None = None
+    starts: tuple[PipeStarts, ...] = ()
     chosen: Sequence[int] | None = None
 
     @property
@@ -92,6 +95,12 @@ class EpisodePlan:
         if self.chosen is not None:
             return self.chosen
         return range(self.first, len(self.pipes) * self.episodes if self.count is None else self.first + self.count)
+
+    def numbered(self) -> Callable[[int], Any]:
+        """Function that gives an episode by its number in the plan."""
+        task, starts = self.disturbance.starts(self.task), self.starts
+        drawn = random_start(self.robot, task, self.pipes, each := self.episodes, self.seed)
+        return (lambda job: starts[job // each].starts[job % each].put(drawn(job))) if starts else drawn
 
     def on(self, simulator: SimulatorSettings) -> EpisodePlan:
         """The same episodes on another simulator."""
@@ -142,12 +151,10 @@ class Passages:
         keep_motions: bool = True,
         auditor: Auditor | None = None,
     ) -> None:
-        self._auditor = auditor
+        self._auditor, self._task = auditor, task_of(plan.task)
         self._plan, self._report_progress, self._keep_motions = plan, report_progress, keep_motions
-        self._task = task_of(plan.task)
         self._pipes = [plan.pipes[number // plan.episodes] for number in plan.numbers]
-        starts = plan.disturbance.starts(plan.task)
-        self._numbered = random_start(plan.robot, starts, plan.pipes, plan.episodes, plan.seed)
+        self._numbered = plan.numbered()
 
     def _given(self, job: int) -> Any:
         """The start and the target of an episode."""
@@ -158,8 +165,7 @@ class Passages:
         robot, task = robot_for(self._plan.robot, variant), require_reach(self._plan.task, "locating a target")
 
         def make(simulator: Simulator, queue: EpisodeQueue[ReachEpisodes]) -> Stage:
-            n = len(queue.running)
-            locator = LOCATORS[variant](robot, LocateConfig(), n)
+            locator = LOCATORS[variant](robot, LocateConfig(), len(queue.running))
             return LocateStage(robot, locator, task, simulator, lambda indices: joined(queue.take(indices)))
 
         return self._run(PassageStage.LOCATE, make, robot, np.arange(len(self._pipes)), self._given)

@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 
 from pipenav.arrays import Floats
-from pipenav.evaluation.episode_runner import random_start
 from pipenav.evaluation.evaluate import CheckedEvaluation
 from pipenav.evaluation.parts import REAR_FOLLOWS
 from pipenav.evaluation.passage import EpisodePlan, Passages, StageResult
@@ -66,10 +65,7 @@ class Replayer:
 
     def __init__(self, checked: CheckedEvaluation) -> None:
         self._parts, self._config = checked.parts, checked.config
-        plan = checked.parts.episodes
-        self._numbered = random_start(
-            plan.robot, plan.disturbance.starts(plan.task), plan.pipes, plan.episodes, plan.seed
-        )
+        self._numbered = checked.parts.episodes.numbered()
 
     @property
     def quick(self) -> bool:

@@ -29,7 +29,7 @@ from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.outcome import Outcome, PassageStage
 from pipenav.tasks.reach.config import ReachConfig
 from pipenav.tasks.reach.episode import ReachEpisodes
-from pipenav.tasks.registry import task_of
+from pipenav.tasks.registry import TaskConfig, task_of
 from pipenav.tasks.traverse.episode import TraverseEpisodes
 
 LEVEL = (0.0, 0.0)
@@ -40,11 +40,20 @@ Onlooker = Callable[[HasWindow, Sight], None]
 
 
 class RecordingSettings(NamedTuple):
-    """The simulator that an episode runs on: name of the backend, its own settings, and who looks on."""
+    """Settings of a recording.
+
+    Attributes:
+        backend: name of the simulator that the episode runs on.
+        options: its own settings.
+        watch: who looks on.
+        task: task of an episode in space, which may have other loads and sensors than its controller was trained for;
+            None for the controller's own.
+    """
 
     backend: str = "mujoco"
     options: Mapping[str, Any] = {}
     watch: Onlooker | None = None
+    task: TaskConfig | None = None
 
 
 class Located(NamedTuple):

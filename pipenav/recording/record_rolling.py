@@ -77,7 +77,7 @@ def record_in_space(
     Raises:
         PipenavError: a robot or a backend that cannot roll, or a live window that cannot open.
     """
-    robot, task = controller.robot, controller.task
+    robot, task = controller.robot, simulator.task or controller.task
     check_in_space(robot, simulator.backend)
     assert isinstance(task, TraverseConfig)  # no other task takes such routes
     one = random_start(robot, task, [route], episode + 1, seed)(episode)

@@ -18,6 +18,11 @@ def pipes_dir() -> Path:
     return data_root() / "pipes"
 
 
+def starts_dir() -> Path:
+    """Folder of the shipped sets of starts."""
+    return pipes_dir() / "starts"
+
+
 def robots_dir() -> Path:
     """Folder that holds one folder per shipped robot, with its robot.toml."""
     return data_root() / "models" / "robots"

@@ -46,6 +46,9 @@ def test_a_robot_passes_with_a_cable_that_it_can_pull_and_stands_with_a_longer_o
     ("given", "message"),
     [
         ({"tether": 100.0}, "a cable is pulled by a whole robot"),
+        ({"sensors": "mems"}, "are a whole robot's: give a policy such as pirate, or leave out --sensors"),
+        ({"starts": "stuck-starts"}, "--starts are poses of a whole robot"),
+        ({"starts": "stuck"}, "unknown set of starts"),
         ({"cable_friction": 0.5}, "--cable-friction is of the cable of --tether"),
     ],
 )

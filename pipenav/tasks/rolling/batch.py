@@ -12,14 +12,15 @@ import numpy as np
 
 from pipenav.arrays import Flags, Floats, Ints
 from pipenav.backends.simulators import load_spatial
-from pipenav.backends.spatial import SpaceBackend, SpaceReading, SpaceTruth
+from pipenav.backends.spatial import HALVES, SpaceBackend, SpaceReading, SpaceTruth
 from pipenav.errors import PipenavError
 from pipenav.pipes.centre_lines import CentreLines
 from pipenav.pipes.route import PipeRoute, as_route
+from pipenav.robots.inertial import GRADES
 from pipenav.robots.robot import BASE, RobotSpec
 from pipenav.tasks.batch import StepResult, TrainingBatch
 from pipenav.tasks.outcome import Outcome
-from pipenav.tasks.rolling.clamp import check_robot
+from pipenav.tasks.rolling.clamp import HALF, check_robot
 from pipenav.tasks.rolling.manoeuvre import FRONT
 from pipenav.tasks.rolling.pilot import Pilot
 from pipenav.tasks.task import EpisodeSource
@@ -30,6 +31,7 @@ from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import TraverseEpisodes
 from pipenav.tasks.traverse.outcome import OutcomeTracker, Whereabouts, reward
 from pipenav.tasks.traverse.pace import slowness
+from pipenav.tasks.traverse.sensors import Motion, Sensed, Sensors
 from pipenav.tasks.traverse.tether import Tethers
 
 LIMIT_FACTOR = 2
@@ -80,6 +82,9 @@ class RollingBatch(TrainingBatch):
         self._tracker = OutcomeTracker(robot, config, n)
         self._action, self._end, self._limit = np.zeros((n, len(robot.driven_actuators))), np.zeros(n), np.zeros(n)
         self._tethers = None if config.tether is None else Tethers(config.tether, n)
+        grade = GRADES[config.sensors]
+        self._sensors = None if grade is None else Sensors(grade, n, HALVES, len(robot.wheels))
+        self._seen: SpaceReading | None = None
 
     @property
     def pipes(self) -> list[PipeRoute | None]:
@@ -110,10 +115,11 @@ class RollingBatch(TrainingBatch):
         planes = np.array([route.corners[0].roll for route in routes])
         self._backend.incline(indices, episodes.gravity_in_space)
         reading = self._backend.reset(indices, routes, episodes.q, episodes.base, planes)
+        self._start_sensors(indices, episodes.sensor_seeds)
         self._lines = self._lines.put(indices, CentreLines.of(routes, 3))
         self._branches = self._branches.put(indices, Branches.of(routes))
         q = reading.body.q
-        self._pilot.start(indices, routes, q + self.config.start_press * np.sign(q))
+        self._pilot.start(indices, routes, q + episodes.press)
         for i, route in zip(indices, routes, strict=True):
             self._routes[i] = route
             self._end[i] = route.distances[-2] + route.inner_edges[-1]
@@ -126,13 +132,13 @@ class RollingBatch(TrainingBatch):
         self._tracker.start(indices, distances, slower)
         if self._tethers is not None:
             self._tethers.start(indices, episodes.cable, distances[:, 0])
-        return self._observe(self._backend.read())
+        return self._observe(self._read())
 
     def stagger(self, rng: np.random.Generator) -> None:
         self._ages = rng.integers(0, self.config.max_steps // 2, self.n)
 
     def begin(self, action: Floats) -> Callable[[], None]:
-        reading, pilot = self._backend.read(), self._pilot
+        reading, pilot = self._read(), self._pilot
         joints, turn_sign = reading.body.q, pilot.turn_sign
         wanted = observation.to_command(self.robot, self.config, action, joints, pilot.set_points, turn_sign)
         self._driven = pilot.policy_drives
@@ -144,18 +150,44 @@ class RollingBatch(TrainingBatch):
     def end(self) -> StepResult:
         pilot, turn_sign = self._pilot, self._pilot.turn_sign
         self.steps += 1
-        reading, truth = self._backend.read(), self._backend.truth()
+        truth = self._backend.truth()
+        body, reading = (read := self._backend.read()).body, self._sense(read, truth)
         pilot.sense(reading)
         self._action = observation.mirror_action(self.robot, self._action, pilot.turn_sign * turn_sign)
         self._tracker.reset_patience(pilot.busy)
         places = Whereabouts(self._distances(truth), self._branches.contain(truth.points, self._lines))
-        facts, outcome = self._tracker.step(self.steps, self._limit, places, self._end, reading.body, truth)
-        gained, min_range = reward(self.config.reward, facts), reading.body.ranges.min(axis=1)
+        facts, outcome = self._tracker.step(self.steps, self._limit, places, self._end, body, truth)
+        gained, min_range = reward(self.config.reward, facts), body.ranges.min(axis=1)
         cut_off = (outcome != Outcome.RUNNING) & ~facts.passed & ~facts.failed
         return StepResult(self._observe(reading), gained, outcome, min_range, truth, cut_off)
 
     def close(self) -> None:
         self._backend.close()
+
+    def _read(self) -> SpaceReading:
+        """Readings of the robots' own sensors after the last control period or reset."""
+        return self._backend.read() if self._seen is None else self._seen
+
+    def _start_sensors(self, indices: Ints, seeds: Ints) -> None:
+        """Begin anew with the sensors of some robots that were put at rest."""
+        if self._sensors is None:
+            return
+        reading = self._backend.read()
+        started = self._sensors.start(indices, seeds, _motion(reading, self._backend.truth()).rows(indices))
+        before = reading if self._seen is None else self._seen
+        assert before.body.wheel_speeds is not None
+        sensed = Sensed(before.down, before.turned, before.body.wheel_speeds)
+        for column, rows in zip(sensed, started, strict=True):
+            column[indices] = rows
+        self._seen = _as_sensed(reading, sensed)
+
+    def _sense(self, reading: SpaceReading, truth: SpaceTruth) -> SpaceReading:
+        """Readings with the errors of the sensors' grade, for the true ones of a control period."""
+        if self._sensors is None:
+            return reading
+        assert reading.body.wheel_speeds is not None
+        self._seen = _as_sensed(reading, self._sensors.sense(_motion(reading, truth), reading.body.wheel_speeds))
+        return self._seen
 
     def _observe(self, reading: SpaceReading) -> Floats:
         down = None if self.config.inclination_deg is None else reading.down[:, FRONT, :2]
@@ -167,3 +199,18 @@ class RollingBatch(TrainingBatch):
     def _distances(self, truth: SpaceTruth) -> Floats:
         """Distances of rear ends, joints and tips along the pipe, (n, links + 1) [m]."""
         return self._lines.distance(truth.points)
+
+
+def _motion(reading: SpaceReading, truth: SpaceTruth) -> Motion:
+    """Motion of the halves of the divided link, whose middle has the sensors."""
+    ends = truth.points[:, HALF : HALF + 2]
+    forward = ends[:, 1] - ends[:, 0]
+    x = np.broadcast_to((forward / np.linalg.norm(forward, axis=1, keepdims=True))[:, None], truth.normals.shape)
+    axes = np.stack([x, np.cross(truth.normals, x), truth.normals], axis=3)
+    return Motion(reading.down, reading.turned, ends.mean(axis=1), axes)
+
+
+def _as_sensed(reading: SpaceReading, sensed: Sensed) -> SpaceReading:
+    """A reading with what the sensors make of it."""
+    body = reading.body._replace(wheel_speeds=sensed.wheel_speeds)
+    return reading._replace(body=body, down=sensed.down, turned=sensed.turned)

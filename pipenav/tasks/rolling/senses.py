@@ -15,6 +15,9 @@ from pipenav.tasks.rolling.clamp import HALF, axle_offset
 STEEPEST = 0.25
 """Share of the weight that must pull across a straight for the accelerometers to tell the robot's plane."""
 
+WEIGHT = 0.5
+"""Share of the weight that both halves must feel for something to weigh: more than an accelerometer is wrong by."""
+
 AHEAD = (0.05, 0.21)
 """Range of distances ahead of the laser [m] in which beams should meet a straight's wall, to tell whether it ends. A
 policy starts 60 to 100 mm before a corner."""
@@ -66,7 +69,7 @@ def plane_angle(robot: RobotSpec, bends: Floats, down: Floats, axes: Floats) -> 
     x, y, z = down.mean(axis=1).T
     sideways = np.sin(heading) * x + np.cos(heading) * y
     angle = np.arctan2(straight[:, 2], straight[:, 1]) - np.arctan2(z, sideways)
-    told = (np.hypot(straight[:, 1], straight[:, 2]) >= STEEPEST) & down.any(axis=(1, 2))
+    told = (np.hypot(straight[:, 1], straight[:, 2]) >= STEEPEST) & (np.linalg.norm(down, axis=2).min(axis=1) > WEIGHT)
     return np.where(told, angle, np.nan)
 
 

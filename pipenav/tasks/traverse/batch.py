@@ -15,6 +15,7 @@ from pipenav.pipes.centre_lines import CentreLines
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.pipe import Pipe
 from pipenav.robots import frames, kinematics
+from pipenav.robots.inertial import GRADES
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.batch import StepResult, TrainingBatch
 from pipenav.tasks.outcome import Outcome
@@ -25,6 +26,7 @@ from pipenav.tasks.traverse.config import TraverseConfig
 from pipenav.tasks.traverse.episode import GRAVITY, TraverseEpisodes, check_robot
 from pipenav.tasks.traverse.outcome import OutcomeTracker, Whereabouts, reward
 from pipenav.tasks.traverse.pace import slowness
+from pipenav.tasks.traverse.sensors import Motion, Sensors
 from pipenav.tasks.traverse.tether import Tethers
 
 ANYWHERE = PipeCorner.of(100, 90)
@@ -66,6 +68,10 @@ class TraverseBatch(TrainingBatch):
         self._set_points = self._start = np.zeros((n, len(robot.joints)))
         self._limit = np.zeros(n)
         self._tethers = None if config.tether is None else Tethers(config.tether, n)
+        grade = GRADES[config.sensors]
+        self._sensors = None if grade is None else Sensors(grade, n, 1, len(robot.wheels))
+        self._feels = grade is not None or config.inclination_deg is not None
+        self._heading, self._down = np.zeros(n), np.zeros((n, 2))
         self._observation = np.zeros((n, len(self._scale)))
         self._ranges = np.zeros((n, robot.laser.beams))
 
@@ -89,6 +95,11 @@ class TraverseBatch(TrainingBatch):
         return frames.robot_to_pipe(kinematics.waypoints(self.robot, self._q), self._base[:, None])
 
     @property
+    def set_points(self) -> Floats:
+        """Set-points of the joints in the last control step, in the robot's own frame, (n, joints) [rad]."""
+        return self._set_points.copy()
+
+    @property
     def distances(self) -> Floats:
         """Distances of `points` along the pipe, 0 at the first corner, (n, links + 1) [m]."""
         return self._lines.distance(self.points)
@@ -104,10 +115,11 @@ class TraverseBatch(TrainingBatch):
         self.steps[indices], self._ages[indices] = self._ages[indices], 0
         self._base[indices], self._q[indices], self._action[indices] = episodes.base, episodes.q, 0.0
         self._gravity[indices], self._ranges[indices] = episodes.gravity, reading.ranges
-        self._set_points[indices] = reading.q + self.config.start_press * np.sign(reading.q)
+        self._set_points[indices] = reading.q + episodes.press
         self._lines, self._corner[indices] = self._lines.put(indices, CentreLines.of(episodes.pipes)), 0
         self._branches = self._branches.put(indices, Branches.of(episodes.pipes))
         self._turn_signs[indices] = self._lines.turn_signs(self._corner)[indices]
+        self._feel_at_rest(indices, episodes.sensor_seeds)
         distances, slower = self.distances[indices], slowness(self.robot, self.config, episodes)
         self._limit[indices] = self.config.max_steps * slower * self._lines.corners[indices]
         self._tracker.start(indices, distances, slower)
@@ -148,7 +160,7 @@ class TraverseBatch(TrainingBatch):
         places = Whereabouts(self._lines.distance(points), self._branches.contain(points, self._lines))
         facts, outcome = self._tracker.step(self.steps, self._limit, places, end, reading, truth)
         self._enter_corners(places.distances.mean(axis=1))
-        self._observation = self._observe(reading, every)
+        self._observation = self._observe(self._feel(reading), every)
         gained = reward(self.config.reward, facts)
         cut_off = (outcome != Outcome.RUNNING) & ~facts.passed & ~facts.failed
         return StepResult(self._observation, gained, outcome, reading.ranges.min(axis=1), truth, cut_off)
@@ -166,16 +178,44 @@ class TraverseBatch(TrainingBatch):
         """Scaled observations of some robots, (k, size), from the readings of their sensors."""
         straight_on = self._lines.straight_on(self._corner)[indices] if self.config.exit_told else None
         route = observation.RouteAhead(self._turn_signs[indices, 0], self._turn_signs[indices, 1:], straight_on)
-        down = None if self.config.inclination_deg is None else self._down(indices)
+        down = None if self.config.inclination_deg is None else self._down[indices]
         observed = observation.observe(self.robot, reading, self._action[indices], route, down)
         return np.asarray(observed / self._scale)
 
-    def _down(self, indices: Ints) -> Floats:
-        """Direction of down by some robots' accelerometers, (k, 2), see `observation.observe`."""
-        heading = kinematics.forward(self.robot, self._q[indices]).headings[:, observation.accelerometer(self.robot)]
-        x, y = self._gravity[indices].T / GRAVITY
-        cos, sin = np.cos(heading), np.sin(heading)
-        return np.stack([x * cos + y * sin, y * cos - x * sin], axis=1)
+    def _feel_at_rest(self, indices: Ints, seeds: Ints) -> None:
+        """Let the sensors of some robots begin anew, with seeds of their errors, (k,)."""
+        if not self._feels:
+            return
+        motion = self._motion()
+        self._down[indices] = motion.down[indices, 0, :2]
+        if self._sensors is not None:
+            self._down[indices] = self._sensors.start(indices, seeds, motion.rows(indices)).down[:, 0, :2]
+
+    def _feel(self, reading: Reading) -> Reading:
+        """Feel where down is after a control period; the reading with what encoders make of the wheels' speeds."""
+        if not self._feels:
+            return reading
+        motion = self._motion()
+        if self._sensors is None:
+            self._down = motion.down[:, 0, :2]
+            return reading
+        assert reading.wheel_speeds is not None
+        sensed = self._sensors.sense(motion, reading.wheel_speeds)
+        self._down = sensed.down[:, 0, :2]
+        return reading._replace(wheel_speeds=sensed.wheel_speeds)
+
+    def _motion(self) -> Motion:
+        """Motion of the links with the accelerometers since this was last asked."""
+        link = observation.accelerometer(self.robot)
+        heading = kinematics.forward(self.robot, self._q).headings[:, link]
+        cos, sin, zero = np.cos(heading), np.sin(heading), np.zeros(self.n)
+        axes = np.stack([cos, -sin, zero, sin, cos, zero, zero, zero, zero + 1], axis=1).reshape(-1, 1, 3, 3)
+        x, y = self._gravity.T / GRAVITY
+        down = np.stack([x * cos + y * sin, y * cos - x * sin, zero], axis=1)[:, None]
+        turned = np.stack([zero, zero, heading - self._heading], axis=1)[:, None]
+        self._heading = heading
+        centre = np.pad(self.points[:, link : link + 2].mean(axis=1), [(0, 0), (0, 1)])
+        return Motion(down, turned, centre, axes)
 
     def _enter_corners(self, middle: Floats) -> None:
         """Find the corner that each robot is in: the first one that its middle has not passed, never an earlier one.

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field, WrapValidator
 
 from pipenav.arrays import Table, ordered
+from pipenav.robots.inertial import SensorsName
 from pipenav.tasks.reach.config import LONGEST, MOST_STEPS, Penalty, Span, Weight
 from pipenav.tasks.traverse.tether import TetherConfig
 
@@ -101,6 +102,10 @@ class TraverseConfig(Table):
         False,
         description="each robot is told where its route goes straight on, past a branch or into another bore; which "
         "way it turns elsewhere every robot is told",
+    )
+    sensors: SensorsName = Field(
+        "ideal",
+        description="grade of gyroscopes, accelerometers and wheel encoders: without errors, or of a consumer part",
     )
     tether: TetherConfig | None = Field(None, description="cable that the robot drags; none: it has none")
     reward: TraverseReward = TraverseReward()

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipenav.arrays import Floats
+from pipenav.arrays import Floats, Ints
 from pipenav.errors import PipenavError
 from pipenav.pipes.pipe import Pipe
 from pipenav.robots import kinematics
@@ -29,21 +29,25 @@ class TraverseEpisodes(NamedTuple):
         pipes: pipe of each episode, with ends long enough for the robot, k of them.
         q: start configurations in the robot's own frame, (k, coordinates).
         base: x of the robot's frame in the pipe's frame, (k,) [m].
+        press: distances of the joints' set-points from the joints, (k, joints) [rad].
         gravity: gravity's part in the pipe's plane, where robots move in it, axes of the pipe's frame, (k, 2) [m/s^2].
         gravity_in_space: gravity where robots move in space, axes of the route's frame, (k, 3) [m/s^2].
         cable: length of the cable behind each robot, 0 without a tether, (k,) [m].
+        sensor_seeds: seeds of the sensors' errors, 0 where sensors are ideal, (k,).
     """
 
     pipes: tuple[Pipe, ...]
     q: Floats
     base: Floats
+    press: Floats
     gravity: Floats
     gravity_in_space: Floats
     cable: Floats
+    sensor_seeds: Ints
 
     def part(self, rows: slice) -> TraverseEpisodes:
         """Episodes of some rows."""
-        return TraverseEpisodes(self.pipes[rows], *(column[rows] for column in self[1:]))
+        return TraverseEpisodes(self.pipes[rows], *(column[rows] for column in self[1:]))  # type: ignore[arg-type]  # all alike
 
 
 class _FirstCorner(NamedTuple):
@@ -77,7 +81,9 @@ def sample(
         gravity = GRAVITY * np.stack([np.cos(direction), np.sin(direction)], axis=1)
         in_space = GRAVITY * np.array([pipe.down for pipe in pipes]).reshape(k, 3)
     cable = np.zeros(k) if config.tether is None else rng.uniform(*config.tether.length, k)
-    return TraverseEpisodes(roomy, q, base, gravity, in_space, cable)
+    seeds = np.zeros(k, np.intp) if config.sensors == "ideal" else rng.integers(2**62, size=k)
+    press = config.start_press * np.sign(pose.bends)
+    return TraverseEpisodes(roomy, q, base, press, gravity, in_space, cable, seeds)
 
 
 def check_robot(robot: RobotSpec) -> None:
