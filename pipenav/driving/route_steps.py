@@ -15,7 +15,7 @@ from pipenav.driving.steps import STEPS, StepDriver, StepGoal
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
 from pipenav.pipes.pipe import Pipe
-from pipenav.pipes.route import PipeRoute
+from pipenav.pipes.route import as_route
 from pipenav.robots.robot import RobotSpec
 from pipenav.units import m_to_mm, rad_to_deg
 
@@ -42,7 +42,8 @@ def corner_row(pipe: Pipe | None) -> CornerRow | None:
         return None
     if pipe.corner is not None:
         return CornerRow((pipe.corner,), ())
-    if not isinstance(pipe, PipeRoute) or pipe.has_fittings:
+    route = as_route(pipe)
+    if route.has_fittings:
         return None
     corners = tuple(
         PipeCorner.of(
@@ -51,9 +52,9 @@ def corner_row(pipe: Pipe | None) -> CornerRow | None:
             "left" if sign > 0 else "right",
             m_to_mm(corner.bend_radius),
         )
-        for corner, sign in zip(pipe.corners, pipe.turn_signs, strict=True)
+        for corner, sign in zip(route.corners, pipe.turn_signs, strict=True)
     )
-    return CornerRow(corners, tuple(float(straight) for straight in pipe.straights[1:-1]))
+    return CornerRow(corners, tuple(float(straight) for straight in route.straights[1:-1]))
 
 
 def least_spacing(robot: RobotSpec, before: PipeCorner, after: PipeCorner) -> float:

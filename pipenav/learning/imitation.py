@@ -54,7 +54,7 @@ def imitate(
             if returns is not None:
                 loss = loss + nn.functional.mse_loss(critic(seen), returns[rows])
             optimizer.zero_grad()
-            loss.backward()
+            loss.backward()  # type: ignore[no-untyped-call]  # as PyTorch has it
             optimizer.step()
         if report is not None:
             report(_progress((epoch + 1) / settings.epochs))

@@ -19,7 +19,7 @@ from pipenav.certify.certificate import shape_hash
 from pipenav.certify.corner_walls import width_seen
 from pipenav.certify.model import Model
 from pipenav.certify.shapes import shapes_of
-from pipenav.certify.verdict import Kind, certify, motion_of
+from pipenav.certify.verdict import Kind, certify, passable
 from pipenav.jobs import Done, Event, Job, JobControl, Place, run_jobs
 from pipenav.jobs.here import HerePlace
 from pipenav.pipes.corner import PipeCorner
@@ -99,7 +99,7 @@ def _corner(robot: RobotSpec, kind: FittingClass, bore: float, turn: Turn) -> Po
         wide = certify(model(max(bore + BORE_STEP_MM / 2, DIAMETER_RANGE_MM[0])), None, deg_to_rad(RESOLUTION_DEG))
         if wide.kind != "passable":
             return Possibility(kind=wide.kind, reason=wide.reason)
-    if bore >= DIAMETER_RANGE_MM[0] and motion_of(model(min(bore, WIDEST_MM)), None) is not None:
+    if bore >= DIAMETER_RANGE_MM[0] and passable(model(min(bore, WIDEST_MM)), None) is not None:
         return Possibility(kind="passable")
     if kind.kind == "bend":
         return Possibility(kind="undecided", reason=f"of its bores, the wider ones are passable, {bore:g} mm is open")
@@ -133,7 +133,8 @@ def fits_straight(robot: RobotSpec, diameter: float) -> bool:
     if min(room) < 0 or (robot.lower > 0).any() or (robot.upper < 0).any():
         return False
     low: float = max(y - r for y, r in zip(beside, room, strict=True))
-    return low <= min(y + r for y, r in zip(beside, room, strict=True))
+    high: float = min(y + r for y, r in zip(beside, room, strict=True))
+    return low <= high
 
 
 class Possibilities:

@@ -198,7 +198,7 @@ def test_cells_show_what_geometry_says(browser: Any, tmp_path: Path) -> None:
 
 
 def passability(record: PipeRecord, impossible: int, undecided: int, verdict: Any) -> PipePassability:
-    """What geometry says of a pipe."""
+    """Geometry's word on a pipe."""
     possible = record.episodes - impossible - undecided
     return PipePassability(
         possible=possible,
