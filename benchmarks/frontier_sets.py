@@ -3,20 +3,22 @@
 For each angle, six bores 1 mm apart from the smallest one on that `pipenav.certify` finds passable, to either side,
 each with a motion of its own. Mitres between boards. `frontier-ROBOT.toml` has every 10 deg and bores of a quarter of a
 millimetre more than a whole one; `frontier-ROBOT-train.toml` has the angles 2.5 and 7.5 deg beside and bores of three
-quarters more. So the two share no bore and no angle, and none of their pipes is in any other shipped set.
+quarters more. So the two share no bore and no angle, and none of their pipes is in any other shipped set. At the angles
+of the latter `wider-pirate-train.toml` has bores from 6 mm above the shipped frontier up to 130 mm.
 """
 
 from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from pipenav.certify import verdict
+from pipenav.certify.frontier import shipped_frontier
 from pipenav.certify.model import Model
 from pipenav.certify.needed_bore import narrowest
 from pipenav.pipes.corner import PipeCorner
@@ -28,6 +30,8 @@ from pipenav.units import m_to_mm
 ROBOTS = ("basic", "real-setup", "high-fidelity", "pirate")
 BORES = 6
 """Bores at each angle, 1 mm apart: the next smaller one has no motion, so that all are within 6 mm of the frontier."""
+WIDE_MM = 130
+"""Largest bore of the wider set."""
 WIDEST_MM = 100
 """Bore that every shipped robot passes at every angle."""
 
@@ -76,19 +80,35 @@ def bores(robot: RobotSpec, angle: float, part: float, expected: float) -> list[
     return found
 
 
-def text(robot: RobotSpec, kind: Kind) -> str:
-    """The set as TOML."""
-    lines = [
-        f'description = "passable mitres within 6 mm of the smallest that {robot.name} passes{kind.use}"',
-        'turns = ["left", "right"]',
-    ]
-    expected = float(WIDEST_MM)
+def text(description: str, rows: Mapping[float, Sequence[float]]) -> str:
+    """A set as TOML: its bores at each angle [mm, deg]."""
+    lines = [f'description = "{description}"', 'turns = ["left", "right"]']
+    for angle, diameters in rows.items():
+        lines += ["", "[[rows]]", f"angle_deg = {angle:g}", f"diameters_mm = {list(diameters)}"]
+    return "\n".join(lines) + "\n"
+
+
+def near(robot: RobotSpec, kind: Kind) -> dict[float, list[float]]:
+    """Bores near the frontier at each angle [mm, deg]."""
+    rows, expected = {}, float(WIDEST_MM)
     for angle in kind.angles:
         found = bores(robot, angle, kind.part, expected)
         expected = found[0]
         print(f"{robot.name}{kind.name}: {angle:g} deg, from {found[0]:g} mm", flush=True)
-        lines += ["", "[[rows]]", f"angle_deg = {angle:g}", f"diameters_mm = {found}"]
-    return "\n".join(lines) + "\n"
+        rows[angle] = found
+    return rows
+
+
+def wider(robot: RobotSpec, angles: Sequence[float]) -> dict[float, list[float]]:
+    """Bores at each angle beyond those near the frontier [mm, deg]; the shipped frontier between its angles."""
+    frontier = shipped_frontier(robot, "plane", 0.0)
+    assert frontier is not None
+    known = [(point.angle_deg, point.passable_mm) for point in frontier.points if point.passable_mm is not None]
+    least = np.interp(angles, *zip(*known, strict=True)).tolist()
+    return {
+        angle: np.arange(math.ceil(bore + 6.5) + 0.25, WIDE_MM, 4.0).tolist()
+        for angle, bore in zip(angles, least, strict=True)
+    }
 
 
 def main() -> None:
@@ -99,7 +119,13 @@ def main() -> None:
     given = parser.parse_args()
     for robot in map(load_robot, given.robot or ROBOTS):
         for kind in KINDS:
-            atomic_write(given.out / f"frontier-{robot.name}{kind.name}.toml", text(robot, kind))
+            rows, words = near(robot, kind), f"within 6 mm of the smallest that {robot.name} passes{kind.use}"
+            atomic_write(given.out / f"frontier-{robot.name}{kind.name}.toml", text(f"passable mitres {words}", rows))
+        if robot.name == "pirate":
+            words = (
+                f"mitres of up to {WIDE_MM} mm, 6 mm and more wider than the smallest that pirate passes, for training"
+            )
+            atomic_write(given.out / "wider-pirate-train.toml", text(words, wider(robot, list(rows))))
 
 
 if __name__ == "__main__":
