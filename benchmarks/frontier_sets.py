@@ -103,11 +103,11 @@ def wider(robot: RobotSpec, angles: Sequence[float]) -> dict[float, list[float]]
     """Bores at each angle beyond those near the frontier [mm, deg]; the shipped frontier between its angles."""
     frontier = shipped_frontier(robot, "plane", 0.0)
     assert frontier is not None
-    known = [(point.angle_deg, point.passable_mm) for point in frontier.points if point.passable_mm is not None]
-    least = np.interp(angles, *zip(*known, strict=True)).tolist()
+    least = {angle: frontier.passable(angle) for angle in angles}
     return {
         angle: np.arange(math.ceil(bore + 6.5) + 0.25, WIDE_MM, 4.0).tolist()
-        for angle, bore in zip(angles, least, strict=True)
+        for angle, bore in least.items()
+        if bore is not None
     }
 
 

@@ -55,3 +55,14 @@ def test_sets_of_one_robot_share_no_angle_and_no_diameter(name: str) -> None:
 
     for mine, others in zip(numbers(parse_corners([name])), numbers(parse_corners([other])), strict=True):
         assert not mine & others
+
+
+def test_wider_pipes_lie_more_than_6_mm_above_the_frontier_at_the_same_angles() -> None:
+    frontier = shipped_frontier(load_robot("pirate"), "plane", 0.0)
+    assert frontier is not None
+    wider, near = parse_corners(["wider-pirate-train"]), parse_corners(["frontier-pirate-train"])
+    assert {pipe.angle for pipe in wider} == {pipe.angle for pipe in near}
+    for pipe in wider:
+        least = frontier.passable(rad_to_deg(pipe.angle))
+        assert least is not None
+        assert least + 6.0 < m_to_mm(pipe.diameter) <= 130.0

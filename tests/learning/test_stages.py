@@ -23,7 +23,7 @@ counts = st.lists(st.integers(1, 10**6), min_size=1, max_size=6)
 
 
 def staged(*stages: dict[str, Any], **more: Any) -> TrainConfig:
-    return load_config(options={"stages": list(stages or (COARSE, FINE)), **more})
+    return load_config("thesis-position", options={"stages": list(stages or (COARSE, FINE)), **more})
 
 
 def of_lengths(lengths: list[int], **more: Any) -> TrainConfig:
@@ -52,7 +52,8 @@ learning_rate = 2e-4
 
 
 def two(path: Path, before: str = "", settings: tuple[str, ...] = (), **options: Any) -> TrainConfig:
-    return load_config(None, recipe(path / "two.toml", before + TWO), settings, options)
+    below = None if "extends" in before else "thesis-position"
+    return load_config(below, recipe(path / "two.toml", before + TWO), settings, options)
 
 
 def test_a_stage_is_the_training_with_what_it_says_laid_over_it(tmp_path: Path) -> None:
