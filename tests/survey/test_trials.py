@@ -80,7 +80,7 @@ def test_outside_of_what_was_trained_is_unknown(
     kind: FittingClass, reason: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     asked = answer_evaluations(monkeypatch)
-    trial = Trials(TrialConfig("pirate"), tmp_path).results([kind])[kind]
+    trial = Trials(TrialConfig("pirate-strong"), tmp_path).results([kind])[kind]
     assert not asked
     assert trial.rate is None and trial.verdict(0.5) == "unknown" and reason in trial.reason
 
