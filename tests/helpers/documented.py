@@ -174,6 +174,8 @@ def _train(options: Options) -> Options:
 
 
 def _eval(options: Options) -> Options:
+    if options.has("--starts"):  # these name their pipes
+        return options.without(DROPPED).plus(("--out", "evaluated"))
     pipes = [value for option, value in options.given if option == "--pipes"] or ["working-range"]
     route = "pirate" in str(options.value("--policy"))
     first = (ROUTES if route else {}).get(str(pipes[0]), CORNERS.get(str(pipes[0]), str(pipes[0])))
