@@ -25,6 +25,9 @@ CORNERS = {
     "elbows": "d=100,angle=90,bend_radius=1.5D",
     "tees": "d=100,tee=90,way=into",
     "frontier-pirate": "d=70,angle=90",
+    "frontier-basic": "d=70,angle=90",
+    "frontier-real-setup": "d=70,angle=90",
+    "frontier-high-fidelity": "d=70,angle=90",
 }
 """Corners that stand for sets of many."""
 
