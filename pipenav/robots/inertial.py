@@ -54,7 +54,7 @@ MEMS = SensorGrade(
     gyro_drift=math.radians(0.010) * WARMING,
     gyro_scale=0.01,
     accel_bias=0.020,
-    accel_noise=70e-6,
+    accel_noise=75e-6,
     accel_drift=0.1e-3 * WARMING,
     accel_scale=0.01,
     accel_range=4.0,
@@ -64,7 +64,7 @@ MEMS = SensorGrade(
 )
 """A consumer part for telephones and toys: LSM6DSO, data sheet DS12140 of STMicroelectronics, table 2, typical values:
 zero-rate level 1 deg/s, rate noise 3.8 mdeg/s/sqrt(Hz), zero-rate over temperature 0.010 deg/s/K, zero-g level 20 mg,
-acceleration noise 70 ug/sqrt(Hz), zero-g over temperature 0.1 mg/K, sensitivity tolerance 1 % for both. The drift is
+acceleration noise 75 ug/sqrt(Hz) at 4 g, zero-g over temperature 0.1 mg/K, sensitivity tolerance 1 % for both. The drift is
 these temperature coefficients times `WARMING`. Chosen: 10 s of rest, magnetic encoders of 12 bits on the wheels, and
 tyres whose radius is wrong by 2 %, 0.3 mm of 16 mm."""
 
