@@ -64,9 +64,9 @@ MEMS = SensorGrade(
 )
 """A consumer part for telephones and toys: LSM6DSO, data sheet DS12140 of STMicroelectronics, table 2, typical values:
 zero-rate level 1 deg/s, rate noise 3.8 mdeg/s/sqrt(Hz), zero-rate over temperature 0.010 deg/s/K, zero-g level 20 mg,
-acceleration noise 75 ug/sqrt(Hz) at 4 g, zero-g over temperature 0.1 mg/K, sensitivity tolerance 1 % for both. The drift is
-these temperature coefficients times `WARMING`. Chosen: 10 s of rest, magnetic encoders of 12 bits on the wheels, and
-tyres whose radius is wrong by 2 %, 0.3 mm of 16 mm."""
+acceleration noise 75 ug/sqrt(Hz) at 4 g, zero-g over temperature 0.1 mg/K, sensitivity tolerance 1 % for both. The
+drift is these temperature coefficients times `WARMING`. Chosen: 10 s of rest, magnetic encoders of 12 bits on the
+wheels, and tyres whose radius is wrong by 2 %, 0.3 mm of 16 mm."""
 
 GRADES = MappingProxyType({"ideal": None, "mems": MEMS})
 """Grades by the names that tasks give them; None for sensors without errors."""
