@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from pipenav.learning.progress import TrainingProgress
     from pipenav.learning.training_folder import TrainingFolder
 
-CHECKS_FILE = "checks.json"
+CHECKS_FILE = "timed-checks.json"
 """File in a trial's training folder with the checks so far, which progress.csv has without their moments."""
 
 

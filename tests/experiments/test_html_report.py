@@ -99,9 +99,9 @@ def test_tables_sort_and_pictures_are_inside(browser: Any, plan: ExperimentPlan)
     assert shown == sorted(shown, reverse=True)
     page.locator("#part-c summary").first.click()
     assert page.locator("#part-c img").count() == 2
-    page.wait_for_function(
-        "[...document.querySelectorAll('#part-c img')].every(i => i.complete && i.naturalWidth > 300)"
-    )
+    images = "[...document.querySelectorAll('#part-c img')]"
+    page.evaluate(f"Promise.all({images}.map(i => i.decode()))")
+    assert page.evaluate(f"{images}.every(i => i.naturalWidth > 300)")
     assert not trouble
     page.close()
 

@@ -84,7 +84,12 @@ def test_the_map_can_be_moved_and_zoomed(browser: Any, page_file: Path, record: 
     assert after == pytest.approx([before[0] + 40, before[1] - 25], abs=1)
     spread = page.evaluate("survey.toScreen(1)[0] - survey.toScreen(0)[0]")
     page.mouse.wheel(0, -400)
-    page.wait_for_function(f"Math.abs(survey.toScreen(1)[0] - survey.toScreen(0)[0]) > {abs(spread) * 1.2}")
+    wider = f"Math.abs(survey.toScreen(1)[0] - survey.toScreen(0)[0]) > {abs(spread) * 1.2}"
+    for _ in range(250):  # the page's own policy forbids what waits in the browser
+        if page.evaluate(wider):
+            break
+        page.wait_for_timeout(20)
+    assert page.evaluate(wider)
     page.locator("#blockers a").first.click()
     blocker = record["blockers"][0]["feature"]
     assert record["features"][blocker]["name"] in page.locator("#details h3").inner_text()

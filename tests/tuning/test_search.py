@@ -156,7 +156,7 @@ def test_a_killed_driver_loses_no_trial(tmp_path: Path) -> None:
 def test_a_trial_without_a_future_is_ended_early(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from pipenav.learning.callback import TrainingCallback
 
-    def measured(callback: TrainingCallback) -> float:
+    def measured(callback: TrainingCallback, _steps: int, _seconds: float) -> float:
         """Made-up success: the more epochs, the better."""
         return 0.9 if callback.model.n_epochs == 3 else 0.1 * callback.model.n_epochs
 

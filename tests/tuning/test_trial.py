@@ -107,7 +107,7 @@ def test_a_success_ends_the_training(tmp_path: Path, monkeypatch: pytest.MonkeyP
     from pipenav.learning.callback import TrainingCallback
 
     success = iter([0.25, 0.75, 1.0, 1.0, 1.0])
-    monkeypatch.setattr(TrainingCallback, "_measure", lambda _self: next(success))
+    monkeypatch.setattr(TrainingCallback, "_measure", lambda _self, _steps, _seconds: next(success))
     given = order(tmp_path / "search", Objective(name="steps", success=0.7), "check.every=512", steps=4096)
     found = done(given)
     assert timeless(found) == [(512, 0.25), (1024, 0.75)]
@@ -119,7 +119,7 @@ def test_a_success_ends_the_training(tmp_path: Path, monkeypatch: pytest.MonkeyP
 def test_checks_of_other_pipes_are_no_success(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from pipenav.learning.callback import TrainingCallback
 
-    monkeypatch.setattr(TrainingCallback, "_measure", lambda _self: 1.0)
+    monkeypatch.setattr(TrainingCallback, "_measure", lambda _self, _steps, _seconds: 1.0)
     stages = 'stages=[{name="easy", steps=1024, pipes=["d=120,angle=120"]}, {name="own", steps=1024}]'
     plan = tiny_plan(tmp_path / "search", objective=EASY, steps=None, settings=[stages, "check.every=512"])
     found = done(TrialOrder(plan.config, EASY, NAME, trial_folder(tmp_path, NAME)))

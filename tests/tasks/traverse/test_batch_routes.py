@@ -131,7 +131,8 @@ def carried(pipes: Sequence[Pipe], config: TraverseConfig = CONFIG, seed: int = 
     ghost = Ghost(pipes, both, np.concatenate([ranges, ranges[:, ::-1]])[: len(pipes)])
     pose = np.tile([-1.0, 0.0, 0.0], (len(pipes), 1))
     start = sample(ROBOT, config, pipes, rng)
-    start = start._replace(base=np.zeros(len(pipes)), q=np.concatenate([pose, ghost.q], axis=1))
+    q, press = np.concatenate([pose, ghost.q], axis=1), CONFIG.start_press * np.sign(ghost.q)
+    start = start._replace(base=np.zeros(len(pipes)), q=q, press=press)
     made = TraverseBatch(ROBOT, config, ghost, len(pipes), lambda _: start)
     made.reset()
     return ghost, made
