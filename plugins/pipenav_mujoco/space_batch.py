@@ -107,6 +107,7 @@ class SpaceBatch:
         self._pairs: NearPairs | None = None
         self._expected = Expected(n, len(robot.links) + 1, len(robot.joints))
         self._record: dict[Any, Any] = {}
+        self._way, self._state = Way.resting(np.zeros((n, len(robot.links) + 1, 3))), np.zeros((n, 0))
 
     def _compile(self, route: PipeRoute, layout: Layout) -> _Models:
         settings = self._settings
@@ -199,24 +200,31 @@ class SpaceBatch:
         qpos = views.qpos[indices]
         return space_kinematics.forward(self._robot, qpos[:, :7], qpos[:, views.joints], qpos[:, views.roll])
 
-    def step(self, points: Floats) -> Floats:
-        """Advance all robots by a control period.
+    def begin(self, points: Floats) -> None:
+        """Begin a control period of all robots.
 
         Args:
             points: rear ends, joints and tips of all robots, (n, links + 1, 3) [m].
+        """
+        self._way = self._expected.ways(points, self.views.ctrl[:, : len(self._robot.joints)])
+        self._find(np.arange(self._n), self._way, self._expected.steady)
+        self._state = self.views.batch.state.copy()
+
+    def move(self) -> None:
+        """Advance all robots by the control period that has begun; it may be called in another thread."""
+        self.views.batch.rollout(self._settings.substeps, record=RECORDED, out=self._record)
+
+    def end(self) -> Floats:
+        """End a control period: robots that strayed go it again.
 
         Returns:
             The sensors of every physics step, (n, substeps, sensors).
         """
-        every, substeps = np.arange(self._n), self._settings.substeps
-        state, joints = self.views.batch.state.copy(), len(self._robot.joints)
-        way = self._expected.ways(points, self.views.ctrl[:, :joints])
-        self._find(every, way, self._expected.steady)
-        self.views.batch.rollout(substeps, record=RECORDED, out=self._record)
+        way, substeps = self._way, self._settings.substeps
         strayed = way.strayed(self._tracks(self._record))
         again = np.flatnonzero(~(strayed <= way.slack))
         if len(again):
-            self._repeat(again, state[again], 0, substeps)
+            self._repeat(again, self._state[again], 0, substeps)
         late = substeps - substeps // RECENT
         places = {name: values[:, late : late + 1] for name, values in self._record.items()}
         self._expected.learn(way, strayed, self._tracks(places)[..., 0].transpose(2, 0, 1))
