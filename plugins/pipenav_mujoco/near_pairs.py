@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from pipenav.arrays import Flags, Floats, Ints
 from pipenav.robots import RobotSpec
 from pipenav_mujoco.model import ROBOT, WALL
-from pipenav_mujoco.ways import Way
+from pipenav_mujoco.ways import SLACK, Way
 
 ROUNDING = 1e-5
 """Distance added to the slack in the search, which computes in single precision [m]."""
@@ -196,33 +196,36 @@ class NearPairs:
 
         Args:
             indices: which robots, (k,).
-            way: their ways.
-            steady: whether each robot moves steadily, (k,); none by default.
+            way: their ways; a slack is lowered to `SLACK` where a model has no room for it.
+            steady: whether each robot moves steadily, (k,), so that it is looked ahead; none by default.
 
         Returns:
-            The largest number of pairs of a robot; where a model has no room for them, nothing is listed.
+            The largest number of pairs of a robot; one whose model has no room for its pairs is not listed.
         """
-        anew = ~self._listed.rows(indices).holds(way)
-        indices, way = indices[anew], way.rows(anew)
-        if not len(indices):
+        anew = np.flatnonzero(~self._listed.rows(indices).holds(way))
+        if not len(anew):
             return 0
-        way = way if steady is None else way.ahead(steady[anew])
-        most = self._list(indices, way)
-        if most <= self._lists[0].room:
-            for listed, values in zip(self._listed, way, strict=True):
-                listed[indices] = values
-        return most
+        plain, room = way.rows(anew), self._lists[0].room
+        counts = self._list(indices[anew], plain if steady is None else plain.ahead(steady[anew]))
+        if len(crowded := np.flatnonzero(counts > room)):
+            tight = anew[crowded]
+            way.slack[tight] = np.minimum(way.slack[tight], SLACK)
+            counts[crowded] = self._list(indices[tight], way.rows(tight))
+        return int(counts.max())
 
-    def _list(self, indices: Ints, way: Way) -> int:
-        """List the pairs of some robots on their ways, and return the largest number; see `find`."""
+    def _list(self, indices: Ints, way: Way) -> Ints:
+        """List the pairs of those robots on their ways that have room, and count the pairs of all, (k,)."""
         self._look_around(indices, way)
         near = self._touched(self._near.some(indices, int(self._width[indices].max())), way)
         part, robot, place = np.nonzero(near[self._row])
         counts = np.bincount(robot, minlength=len(indices))
-        most = int(counts.max(initial=0))
-        if most <= self._lists[0].room:
-            self._write(indices, counts, robot, part, self._near_walls[indices[robot], place])
-        return most
+        fits = counts <= self._lists[0].room
+        if not fits.all():
+            part, robot, place = part[fits[robot]], robot[fits[robot]], place[fits[robot]]
+        self._write(indices, np.where(fits, counts, 0), robot, part, self._near_walls[indices[robot], place])
+        for listed, values in zip(self._listed, way, strict=True):
+            listed[indices[fits]] = values[fits]
+        return counts
 
     def _write(self, indices: Ints, counts: Ints, robot: Ints, part: Ints, wall: Ints) -> None:
         """Write pairs into models, sorted as MuJoCo sorts those that it finds itself: by bodies, then by geoms."""

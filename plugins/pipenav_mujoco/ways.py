@@ -17,10 +17,10 @@ RECENT = 4
 """Share of a control period, as its inverse, whose motion says where a robot gets in the next one."""
 
 SLACK = 0.010
-"""Slack of a robot that goes part of a period again [m]."""
+"""Slack of a robot that goes part of a period again, or for whose usual slack there is no room in its list [m]."""
 
-FIRST = 0.020
-"""Slack of a robot that was put at rest [m]: it has not moved before."""
+MOST = 0.017
+"""Largest slack [m], also of a robot that was put at rest, of which nothing is known."""
 
 LEAST, LENGTH_SHARE, LAST_SHARE, LEVER = 0.001, 0.2, 0.5, 0.05
 """Estimate of the slack: least value [m], shares of the way's length and of what the robot strayed in the last period,
@@ -113,7 +113,7 @@ class Expected:
         change = np.abs(set_points - self._told).max(axis=1)
         self._told[:] = set_points
         slack = LEAST + LENGTH_SHARE * length + LAST_SHARE * self._strayed + LEVER * change
-        return Way(points, points + step, np.where(first, FIRST, slack))
+        return Way(points, points + step, np.where(first, MOST, np.minimum(slack, MOST)))
 
     def learn(self, way: Way, strayed: Floats, late: Floats) -> None:
         """Take in how all robots moved.

@@ -58,7 +58,7 @@ def test_lists_of_near_pairs_alter_no_number(gravity: float, hurries: bool, monk
     monkeypatch.setattr(SpaceBatch, "_repeat", noted)
     some = motion(gravity, 15)
     assert (min(repeated, default=40) < 40) == hurries  # even halves of a period were too long
-    for slack in ("SLACK", "FIRST", "LEAST"):
+    for slack in ("SLACK", "MOST", "LEAST"):
         monkeypatch.setattr(ways, slack, 0.4)
     np.testing.assert_array_equal(some, motion(gravity, 15))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from pipenav_mujoco.ways import AHEAD, FIRST, Expected, Way
+from pipenav_mujoco.ways import AHEAD, MOST, Expected, Way
 
 from pipenav.arrays import Floats
 
@@ -52,7 +52,7 @@ def test_what_is_near_a_way_that_is_held_is_near_the_way_that_holds_it(
 def test_a_steady_robot_is_looked_ahead_and_one_put_at_rest_is_not() -> None:
     expected, points = Expected(2, 1, 1), np.zeros((2, 1, 3))
     told = np.zeros((2, 1))
-    assert expected.ways(points, told).slack.tolist() == [FIRST, FIRST]
+    assert expected.ways(points, told).slack.tolist() == [MOST, MOST]
     for k in range(3):
         way = expected.ways(points, told)
         points = points + np.array([0.01, 0.0, 0.0])
