@@ -54,7 +54,10 @@ class _Layer(NamedTuple):
 
 
 class Workspace:
-    """Memory for what a network computes, kept from call to call: to get and return it takes longer than to fill it."""
+    """Memory for what networks compute, kept from call to call: to get and return it takes longer than to fill it.
+
+    Networks that are used one after the other share it, so that it stays in the processor's cache.
+    """
 
     def __init__(self) -> None:
         self._kept: dict[tuple[str, int, int, int], Tensor] = {}
@@ -97,7 +100,7 @@ class Perceptron:
     def activations(self, inputs: Tensor) -> list[Tensor]:
         """Inputs of each layer, and last the outputs, (n, width) each.
 
-        They hold until the network is called with as many inputs.
+        They hold until a network of the same workspace is called with as many inputs.
         """
         values = [inputs]
         for i, layer in enumerate(self._layers):

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from concurrent.futures import Executor, ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
@@ -67,9 +66,9 @@ class FusedUpdate:
         self._optimizer, self._log_std = policy.optimizer, policy.log_std.detach()
         self._value_weight, self._max_norm = model.vf_coef, model.max_grad_norm
         self.flat = FlatParameters([p for p in policy.parameters() if p.requires_grad])
-        extractor = policy.mlp_extractor
-        self.actor = Perceptron([*extractor.policy_net, policy.action_net], self.flat, Workspace())
-        self.critic = Perceptron([*extractor.value_net, policy.value_net], self.flat, Workspace())
+        extractor, workspace = policy.mlp_extractor, Workspace()
+        self.actor = Perceptron([*extractor.policy_net, policy.action_net], self.flat, workspace)
+        self.critic = Perceptron([*extractor.value_net, policy.value_net], self.flat, workspace)
         self._moments = torch.zeros_like(self.flat.values), torch.zeros_like(self.flat.values)
         self._steps = torch.tensor(0.0)
 
@@ -84,11 +83,10 @@ class FusedUpdate:
         """
         self._adopt_optimizer()
         losses = []
-        with ThreadPoolExecutor(1, "critic", torch.set_num_threads, (torch.get_num_threads(),)) as thread:
+        with torch.no_grad(), np.errstate(all="ignore"):
             for minibatch in minibatches:
-                losses.append(self.gradients(minibatch, clip, thread))
-                with np.errstate(all="ignore"):
-                    self._step()
+                losses.append(self.gradients(minibatch, clip))
+                self._step()
         return losses
 
     def _step(self) -> None:
@@ -113,42 +111,33 @@ class FusedUpdate:
         values = self.flat.values.numpy()
         values -= scale
 
-    def gradients(self, batch: Minibatch, clip: float, thread: Executor) -> StepLosses:
+    def gradients(self, batch: Minibatch, clip: float) -> StepLosses:
         """Compute the gradient of a minibatch's loss, and leave it with the parameters.
 
         Args:
             batch: the samples.
             clip: clip range of the probability ratio.
-            thread: thread for the critic's part, beside the actor's, of which it is independent.
         """
-        squares = thread.submit(self._critic_gradients, batch)
-        losses = self._actor_gradients(batch, clip)
-        return losses._replace(value_loss=squares.result() / len(batch.returns))
-
-    def _actor_gradients(self, batch: Minibatch, clip: float) -> StepLosses:
-        """Compute the actor's gradients and losses; the critic's loss is left at 0."""
+        observations = torch.from_numpy(batch.observations)
+        layers = self.actor.activations(observations)
         n, advantages, log_std = len(batch.returns), batch.advantages, self._log_std.numpy()
-        with torch.no_grad(), np.errstate(all="ignore"):
-            layers = self.actor.activations(torch.from_numpy(batch.observations))
-            apart = (batch.actions - layers[-1].numpy()) * np.exp(-log_std)
-            log_ratio = log_probabilities(apart, log_std) - batch.log_probs
-            ratio = np.exp(log_ratio)
-            gain = advantages * ratio
-            clipped = np.minimum(gain, advantages * np.clip(ratio, np.float32(1.0 - clip), np.float32(1.0 + clip)))
-            # Where the clipped term is the smaller one, it does not depend on the policy.
-            weight = np.where(clipped < gain, np.float32(0.0), gain) * np.float32(-1.0 / n)
-            self.actor.backward(layers, torch.from_numpy(apart * np.exp(-log_std) * weight[:, None]))
-            kl, outside = float((ratio - 1.0 - log_ratio).mean()), np.count_nonzero(np.abs(ratio - 1.0) > clip) / n
-            return StepLosses(-float(clipped.mean()), 0.0, kl, outside)
-
-    def _critic_gradients(self, batch: Minibatch) -> float:
-        """Compute the critic's gradients, and the sum of its squared errors."""
-        with torch.no_grad(), np.errstate(all="ignore"):
-            valued = self.critic.activations(torch.from_numpy(batch.observations))
-            error = valued[-1].numpy()[:, 0] - batch.returns
-            factor = np.float32(2.0 * self._value_weight / len(error))
-            self.critic.backward(valued, torch.from_numpy((error * factor)[:, None]))
-            return float(np.dot(error, error))
+        apart = (batch.actions - layers[-1].numpy()) * np.exp(-log_std)
+        log_ratio = log_probabilities(apart, log_std) - batch.log_probs
+        ratio = np.exp(log_ratio)
+        gain = advantages * ratio
+        clipped = np.minimum(gain, advantages * np.clip(ratio, np.float32(1.0 - clip), np.float32(1.0 + clip)))
+        # Where the clipped term is the smaller one, it does not depend on the policy.
+        weight = np.where(clipped < gain, np.float32(0.0), gain) * np.float32(-1.0 / n)
+        self.actor.backward(layers, torch.from_numpy(apart * np.exp(-log_std) * weight[:, None]))
+        valued = self.critic.activations(observations)
+        error = valued[-1].numpy()[:, 0] - batch.returns
+        self.critic.backward(valued, torch.from_numpy((error * np.float32(2.0 * self._value_weight / n))[:, None]))
+        return StepLosses(
+            -float(clipped.mean()),
+            float(np.dot(error, error)) / n,
+            float((ratio - 1.0 - log_ratio).mean()),
+            np.count_nonzero(np.abs(ratio - 1.0) > clip) / n,
+        )
 
     def _adopt_optimizer(self) -> None:
         """Let the optimiser's own state, which is saved and loaded, be views of the moments here.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -62,8 +61,8 @@ def test_gradients_are_those_of_autograd(seed: int, policy: Any, value: Any) -> 
     model = learner(seed, **{"network.policy": policy, "network.value": value})
     update = model._update
     batch = next(model.rollout_buffer.minibatches(64, 1))
-    with torch.no_grad(), ThreadPoolExecutor(1) as thread:
-        update.gradients(batch, 0.2, thread)
+    with torch.no_grad():
+        update.gradients(batch, 0.2)
     ours = update.flat.gradients.clone()
     loss(model, batch, 0.2).backward()
     autograd = torch.cat([parameter.grad.flatten() for parameter in update.flat.parameters])  # type: ignore[union-attr]
