@@ -6,7 +6,6 @@ The policy takes a robot through each corner. Between corners its `Pilot` drives
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 
 import numpy as np
 
@@ -145,7 +144,7 @@ class RollingBatch(TrainingBatch):
         if self._tethers is not None:
             self._backend.pull(self._tethers.forces(self._lines, self._backend.truth().points[:, 0]))
         self._action = np.where(self._driven[:, None], np.clip(action, -1.0, 1.0), 0.0)
-        return partial(self._backend.step, *pilot.command(reading, wanted.values))
+        return self._backend.begin(*pilot.command(reading, wanted.values))
 
     def end(self) -> StepResult:
         pilot, turn_sign = self._pilot, self._pilot.turn_sign
