@@ -76,7 +76,7 @@ TURN = 4
 """Control steps for which a policy drives, and then a person, in turn."""
 
 DRIVERS = ("", PERSON, POLICY)
-"""Those who may drive when a driver is ended; nobody before its loop."""
+"""Who may drive when a driver is ended: nobody before its loop, a person, or a policy."""
 
 
 class Trial(NamedTuple):

@@ -193,7 +193,7 @@ def measure(steps: int) -> dict[str, float]:
 
 
 def rates(rows: Floats, turns: Floats) -> dict[str, float]:
-    """What was measured, by its name in the output.
+    """Durations that were measured, by their names in the output.
 
     Args:
         rows: duration of each control step in (a), (b), (c) and in (c) with its resets, (steps, 4) [s].

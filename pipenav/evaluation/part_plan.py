@@ -27,8 +27,8 @@ PART_EPISODES = (64, 1024)
 """Fewest and most episodes of a part: with fewer, robots wait for each other; more are lost with a worker."""
 
 MOST_TOGETHER = 409_600
-"""Most control steps, by the task's time limit for a corner, of parts that one process runs in one go, where that changes
-no result: a stop loses them."""
+"""Most control steps, by the task's time limit for a corner, of parts that one process runs in one go, where that
+changes no result: a stop loses them."""
 
 
 def bounds_of(total: int) -> list[int]:

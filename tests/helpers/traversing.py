@@ -38,10 +38,12 @@ def episodes(config: TraverseConfig = CONFIG, seed: int = 0, pipes: list[PipeCor
 
 
 @contextmanager
-def started(start: TraverseEpisodes, config: TraverseConfig = CONFIG) -> Iterator[TraverseBatch]:
+def started(
+    start: TraverseEpisodes, config: TraverseConfig = CONFIG, kind: type[TraverseBatch] = TraverseBatch
+) -> Iterator[TraverseBatch]:
     """The episodes on MuJoCo, begun."""
     n, segments = len(start.pipes), max(len(pipe.segments) for pipe in start.pipes)
     simulator = open_simulator("mujoco", ROBOT, n, {"threads": 1}, segments)
-    with closing(TraverseBatch(ROBOT, config, simulator, n, lambda _: start)) as made:
+    with closing(kind(ROBOT, config, simulator, n, lambda _: start)) as made:
         made.reset()
         yield made

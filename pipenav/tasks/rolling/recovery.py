@@ -1,8 +1,9 @@
 """Recovery of n robots from jams: a robot that its own sensors say is stuck clamps, rolls back and tries again.
 
-The thesis's first recommendation. Three things tell a robot that it is stuck: neither its joints nor, by their odometry, its
-wheels have moved it for a while; or the wheels have not for three times as long, whatever the joints do; or its wheels
-turn, its joints have not moved for twice as long, and it is not clamped as robots are that roll along a straight.
+The thesis's first recommendation. Three things tell a robot that it is stuck: neither its joints nor, by their
+odometry, its wheels have moved it for a while; or the wheels have not for three times as long, whatever the joints do;
+or its wheels turn, its joints have not moved for twice as long, and it is not clamped as robots are that roll along a
+straight.
 """
 
 from __future__ import annotations
@@ -15,8 +16,8 @@ from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.rolling.clamp import ZIGZAG, RollForward, nearest_zigzag, rolled_distance, steepness
 
 STALL, SPIN, IDLE = 20, 40, 60
-"""Control steps without motion after which a robot counts as stuck: of joints and wheels, of joints alone, and of wheels
-alone."""
+"""Control steps without motion after which a robot counts as stuck: of joints and wheels, of joints alone, and of
+wheels alone."""
 
 STILL, ON_THE_SPOT = 0.3, 0.03
 """Largest motion of a stuck robot in that time: of any joint [rad], and of its wheels by their odometry [m]."""
@@ -80,7 +81,7 @@ class Recovery:
         self._back.begin(rows, radius[rows], nearer * reading.q[rows], set_points[rows], direction=-1.0)
 
     def command(self, rows: Ints, reading: Reading) -> Floats:
-        """Set-points of joints and wheels of robots that are busy, for one control period, (k, 12) [rad, then rad/s]."""
+        """Set-points of joints and wheels of busy robots, for one control period, (k, 12) [rad, then rad/s]."""
         assert reading.wheel_speeds is not None
         self._lasted[rows] += 1
         values = self._back.act(rows, reading.q[rows], reading.wheel_speeds[rows])
@@ -89,7 +90,7 @@ class Recovery:
         return values
 
     def _watch(self, bends: Floats, rolled: Floats) -> None:
-        """Count the steps since joints, (n, joints) [rad], and wheels, by what they rolled, (n,) [m], were elsewhere."""
+        """Count the steps since joints, (n, joints) [rad], and wheels, that rolled so far, (n,) [m], were elsewhere."""
         moved = (np.abs(bends - self._bends) > STILL).any(axis=1)
         self._bends = np.where(moved[:, None], bends, self._bends)
         self._still = np.where(moved, 0, self._still + 1)
