@@ -41,14 +41,16 @@ def main() -> None:
         for copies in (1, given.copies):
             file = out / f"copies-{copies}.csv"
             write_map(file, copies)
-            began = time.monotonic()
+            began, before = time.monotonic(), resource.getrusage(resource.RUSAGE_CHILDREN)
             run_pipenav(ROOT, f"survey {file.name} --diameter bore:mm --out survey-{copies}", out)
             took = time.monotonic() - began
         record = json.loads((out / f"survey-{given.copies}" / "survey.json").read_text(encoding="utf-8"))
-    peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1e6  # it counts in units of 1,024 bytes
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    busy = after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
+    peak = 1024 * after.ru_maxrss / 1e9
     print(
         f"{len(record['features']):,} fittings, {len(record['classes'])} classes, {len(record['entries']['points'])} "
-        f"entries: {took:.1f} s, {1.024 * peak:.2f} GB"
+        f"entries: {took:.1f} s, {busy:.1f} s of processor time, {peak:.2f} GB"
     )
 
 

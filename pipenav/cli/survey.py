@@ -53,14 +53,16 @@ def survey(
         pipenav survey my-pipes.shp --diameter DIAM:in --entries 12 --untethered --routes my-routes
     """
     from pipenav.networks.reader import read_network_map
+    from pipenav.processes.collector import seldom_collected
 
-    network = read_network_map(file, _read_options(map))
-    if result.check:
-        refuse_ignored({"--routes": result.routes, "--out": result.out}, "--check only reads the map")
-        _show_notes(file, network)
-        return
-    config = _config(map, way)
-    _survey(file, network, config, _findings(trial, where), result)
+    with seldom_collected():  # a map of 100,000 fittings is a million small objects
+        network = read_network_map(file, _read_options(map))
+        if result.check:
+            refuse_ignored({"--routes": result.routes, "--out": result.out}, "--check only reads the map")
+            _show_notes(file, network)
+            return
+        config = _config(map, way)
+        _survey(file, network, config, _findings(trial, where), result)
 
 
 def _read_options(map: MapOptions) -> ReadOptions:
