@@ -131,6 +131,7 @@ def _findings(trial: TrialOptions, where: PlaceOptions) -> Findings:
 
 def _survey(file: Path, network: NetworkMap, config: SurveyConfig, findings: Findings, result: ResultOptions) -> None:
     """Survey a network, write the folder and say what came out."""
+    from pipenav.storage.atomic_files import used_folder
     from pipenav.storage.lock import one_writer
     from pipenav.survey.folder import FILES, write_survey
     from pipenav.survey.record import Subject, survey_record
@@ -139,6 +140,8 @@ def _survey(file: Path, network: NetworkMap, config: SurveyConfig, findings: Fin
 
     out = result.out or Path("runs") / f"survey-{file.stem}"
     with one_writer(out) as folder, ExitStack() as stack:
+        if result.routes is not None:  # refused before the work is done
+            stack.enter_context(used_folder(result.routes))
         progress = _progress(stack)
         try:
             surveyed = survey_of(network, findings, config, progress)
