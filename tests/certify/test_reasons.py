@@ -35,11 +35,13 @@ def test_where_the_walls_alone_are_the_reason_no_joint_is(
         assert freed_joint(model, ends) is None
 
 
-def test_narrow_pipes_are_soon_told_from_those_that_a_limit_closes() -> None:
-    """The walls close 45 mm to the arm; its slide is too short for 110 mm and 140 deg, which would be wide enough."""
-    narrow = Model(load_robot("basic"), PipeCorner.of(45, 60), "round")
-    assert _too_narrow(narrow, Ends.of_task(narrow, ReachConfig()))
-    assert certify(narrow, None, math.radians(0.5)).reason.startswith("width")
+@pytest.mark.parametrize("diameter", [45, 110])
+def test_a_narrow_pipe_is_soon_known_to_be_too_narrow_and_a_wide_one_never(diameter: float) -> None:
+    model = Model(load_robot("basic"), PipeCorner.of(diameter, 60), "round")
+    assert _too_narrow(model, Ends.of_task(model, ReachConfig())) == (diameter == 45)
+    verdict = certify(model, None, math.radians(0.5))
+    assert verdict.kind == ("impossible" if diameter == 45 else "passable")
+    assert verdict.reason.startswith("width" if diameter == 45 else "a motion")
 
 
 @pytest.mark.parametrize("name", ARMS)
