@@ -3,10 +3,11 @@
     python benchmarks/hardware_stops.py                     # 200 random moments of each ending, at most 0.1 and 0.2 s
     python benchmarks/hardware_stops.py --trials 5 --only SIGKILL segfault
     python benchmarks/hardware_stops.py --by-hand           # driven as by pipenav drive
+    python benchmarks/hardware_stops.py --by-hand --policy real-setup --driving     # as by pipenav drive --policy
 
 Every trial is a process of its own that connects, switches torque on and swings the arm until it is ended at a random
-moment: while it connects, while it switches on, or in any part of its loop. Exits with 1 if torque stayed on, or was on
-for longer than promised.
+moment: while it connects, while it switches on, or in any part of its loop; with `--driving` in the loop alone. With a
+policy, it and a person drive in turn. Exits with 1 if torque stayed on, or was on for longer than promised.
 """
 
 from __future__ import annotations
@@ -24,9 +25,10 @@ import tempfile
 import time
 from collections.abc import Callable
 from functools import partial
+from multiprocessing.sharedctypes import RawValue
 from pathlib import Path
 from types import FrameType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from pipenav_hardware import packets, table
@@ -35,15 +37,24 @@ from pipenav_hardware.emulator.client import Emulator
 from pipenav_hardware.emulator.config import EmulatorSettings
 
 from pipenav.backends.messages import Command
-from pipenav.backends.real_robot import RealRobot, load_real_robot
+from pipenav.backends.real_robot import ArmStart, RealRobot, load_real_robot
 from pipenav.backends.registry import open_backend
+from pipenav.deployment.arm_policy import policy_for
 from pipenav.deployment.guard import guarded
-from pipenav.driving.arm_session import ArmScene, HandMission, drive_by_hand
-from pipenav.driving.ask import Ask, Seen
+from pipenav.deployment.mission import mission_settings
+from pipenav.driving.arm_session import ArmScene, Beside, HandMission, drive_by_hand
+from pipenav.driving.ask import NOTHING, PERSON, POLICY, Ask, Seen
 from pipenav.driving.door import Door, Scene
+from pipenav.locating.locator import Exit
+from pipenav.pipes.corner import PipeCorner
 from pipenav.robots.robot import load_robot
+from pipenav.tasks.reach import episode
+from pipenav.tasks.reach.config import ReachConfig
 
 ROBOT = load_robot("real-setup")
+PIPE = PipeCorner.of(130, 90)
+"""The pipe around the arm where a policy drives, which looks for its way."""
+
 ENDINGS = {
     "SIGINT": 0.1,
     "SIGTERM": 0.1,
@@ -61,12 +72,19 @@ LONGEST_END = 5.0
 SECOND = 0.03
 """Longest time from the first Ctrl-C to the second [s]."""
 
+TURN = 4
+"""Control steps for which a policy drives, and then a person, in turn."""
+
+DRIVERS = ("", PERSON, POLICY)
+"""Those who may drive when a driver is ended; nobody before its loop."""
+
 
 class Trial(NamedTuple):
-    """Times at which a driver was started, and ended [s]."""
+    """Times at which a driver was started, and ended [s], and who drove then; see `DRIVERS`."""
 
     started: float
     ended: float
+    who: str
 
 
 class Torque(NamedTuple):
@@ -84,16 +102,22 @@ def main() -> int:
     parser.add_argument("--patience", type=float, default=1.0, help="factor on every time limit, on a busy machine")
     parser.add_argument("--life", type=float, default=1.2, help="longest time from a driver's start to its end [s]")
     parser.add_argument("--by-hand", action="store_true", help="driven through the door of pipenav drive")
+    parser.add_argument("--driving", action="store_true", help="end drivers in their loops alone, for --by-hand")
+    parser.add_argument("--policy", help="a policy of real-setup that drives in turn with the person, for --by-hand")
     given = parser.parse_args()
+    if (given.policy or given.driving) and not given.by_hand:
+        parser.error("--policy and --driving are for --by-hand")
     failures = 0
     for name in given.only:
-        left_on, times = measure(name, given)
+        left_on, times, drove = measure(name, given)
         slowest = max(times, default=0.0)
         late = slowest > ENDINGS[name] * given.patience
         failures += left_on + late
+        by_whom = f", {drove.count(PERSON)} while a person drove and {drove.count(POLICY)} while a policy did"
         print(
-            f"{name}: {given.trials} trials, torque was on in {len(times)}, left on {left_on}, off after "
-            f"{1e3 * statistics.median(times or [0.0]):.1f} ms (median), {1e3 * slowest:.1f} ms (slowest)",
+            f"{name}: {given.trials} trials{by_whom if given.by_hand else ''}, torque was on in {len(times)}, "
+            f"left on {left_on}, off after {1e3 * statistics.median(times or [0.0]):.1f} ms (median), "
+            f"{1e3 * slowest:.1f} ms (slowest)",
             flush=True,
         )
     return int(failures > 0)
@@ -105,22 +129,61 @@ class Measured(NamedTuple):
     Attributes:
         left_on: number of those that left torque on.
         times: how long torque was still on after those that were ended with torque on [s].
+        drove: who drove at the end of each.
     """
 
     left_on: int
     times: list[float]
+    drove: list[str]
+
+
+class Life:
+    """A driver's life, as it and its parent see it.
+
+    Args:
+        name: its ending.
+        seconds: time from its start to its end, or with `driving` from its first control step [s].
+        driving: whether the time counts from the first control step.
+        patience: factor on every time limit.
+        second: time from the first Ctrl-C to a second one [s].
+    """
+
+    def __init__(self, name: str, seconds: float, driving: bool, patience: float, second: float) -> None:
+        self.name, self.seconds, self.driving, self.patience = name, seconds, driving, patience
+        self.second = second
+        self._who: Any = RawValue("i", 0)  # in memory that parent and child share
+        self.report = -1
+
+    @property
+    def who(self) -> str:
+        """Who drives; empty before the first control step."""
+        return DRIVERS[self._who.value]
+
+    @property
+    def from_within(self) -> bool:
+        """Whether the driver brings about its ending itself."""
+        return self.name in ("exception", "segfault")
+
+    def step(self, record: dict[str, Any]) -> None:
+        """Note a control step's record, in the driver."""
+        if not self.who and self.driving and self.from_within:
+            signal.setitimer(signal.ITIMER_REAL, max(self.seconds, 1e-3))
+        self._who.value = DRIVERS.index(record["stage"]) if record["stage"] in DRIVERS else self._who.value
 
 
 def measure(name: str, given: argparse.Namespace) -> Measured:
     """End that many drivers by one ending."""
     rng = random.Random(f"{given.seed} {name}")
-    with Emulator(ROBOT, EmulatorSettings(boot_time=0.0)) as emulator:
-        lives = [rng.uniform(0.0, given.life) for _ in range(given.trials)]
-        driver = by_hand if given.by_hand else swing
-        done = [
-            run_trial(name, partial(driver, name, emulator.arm_path), life, given.patience, rng.uniform(0.0, SECOND))
-            for life in lives
-        ]
+    start = episode.sample(ROBOT, ReachConfig(), [PIPE], np.random.default_rng(given.seed))
+    around = {"pipe": PIPE, "start": ArmStart(start.q[0], float(start.base[0]))} if given.policy else {}
+    beside = None
+    if given.policy:
+        beside = Beside(policy_for(given.policy, ROBOT.name), mission_settings(Exit.of(PIPE), None, False))
+    with Emulator(ROBOT, EmulatorSettings(boot_time=0.0), **around) as emulator:
+        seconds = [rng.uniform(0.0, given.life) for _ in range(given.trials)]
+        lives = [Life(name, one, given.driving, given.patience, rng.uniform(0.0, SECOND)) for one in seconds]
+        driver = partial(by_hand, beside) if given.by_hand else swing
+        done = [run_trial(life, partial(driver, emulator.arm_path)) for life in lives]
         time.sleep(0.3)
         writes = {servo: torque_writes(emulator.log_path, servo) for servo in emulator.arm.ids}
     left_on, times = 0, []
@@ -130,7 +193,7 @@ def measure(name: str, given: argparse.Namespace) -> Measured:
         still = [off - trial.ended for off in offs if off is not None and trial.ended < off < math.inf]
         if still:
             times.append(max(still))
-    return Measured(left_on, times)
+    return Measured(left_on, times, [trial.who for trial in done])
 
 
 def torque_writes(log: Path, servo: int) -> list[Torque]:
@@ -153,34 +216,27 @@ def off_time(writes: list[Torque]) -> float | None:
     return writes[last_on + 1].time if last_on + 1 < len(writes) else math.inf
 
 
-def run_trial(name: str, driver: Callable[..., None], life: float, patience: float, second: float) -> Trial:
-    """Start a driver and end it.
-
-    Args:
-        name: the ending.
-        driver: drives the arm for ever, called with its life, a pipe's end and the patience.
-        life: time from its start to its end [s].
-        patience: factor on every time limit.
-        second: time from the first Ctrl-C to a second one [s].
-    """
-    reading, writing = os.pipe()
+def run_trial(life: Life, driver: Callable[[Life], None]) -> Trial:
+    """Start a driver, which drives the arm for ever, and end it."""
+    reading, life.report = os.pipe()
     started = time.monotonic()
     child = os.fork()
     if not child:
         os.close(reading)
         with contextlib.suppress(BaseException):
-            driver(life, writing, patience)
+            driver(life)
         os._exit(0)
-    os.close(writing)
-    ended = math.nan
-    if name in ("exception", "segfault"):
+    os.close(life.report)
+    if life.from_within:
         ended = float(os.read(reading, 64).decode() or "nan")
+        who = life.who
     else:
-        time.sleep(life)
-        ended = time.monotonic()
-        os.kill(child, signal.SIGINT if name == "second-ctrl-c" else signal.Signals[name])
-        if name == "second-ctrl-c":
-            time.sleep(second)
+        await_loop(life, started)
+        time.sleep(life.seconds)
+        ended, who = time.monotonic(), life.who
+        os.kill(child, signal.SIGINT if life.name == "second-ctrl-c" else signal.Signals[life.name])
+        if life.name == "second-ctrl-c":
+            time.sleep(life.second)
             os.kill(child, signal.SIGINT)
     os.close(reading)
     give_up = time.monotonic() + LONGEST_END
@@ -189,12 +245,18 @@ def run_trial(name: str, driver: Callable[..., None], life: float, patience: flo
         if time.monotonic() > give_up:  # torque stays on until then, which the log shows
             os.kill(child, signal.SIGKILL)
     time.sleep(0.15)  # for the supervisor of a driver that is dead
-    return Trial(started, ended)
+    return Trial(started, ended, who)
 
 
-def swing(name: str, arm: Path, life: float, report: int, patience: float) -> None:
+def await_loop(life: Life, started: float) -> None:
+    """Wait for a driver's first control step, where its time counts from there."""
+    while life.driving and not life.who and time.monotonic() - started < LONGEST_END * life.patience:
+        time.sleep(0.005)
+
+
+def swing(arm: Path, life: Life) -> None:
     """Be the driver: swing the arm to and fro for ever, or until an ending that comes from within."""
-    real_robot = connected(name, arm, life, report, patience)
+    real_robot = connected(arm, life)
     with contextlib.closing(real_robot), guarded(real_robot):
         start = real_robot.read().q
         real_robot.reset(np.array([0]), [], start, np.zeros(1))
@@ -206,37 +268,44 @@ def swing(name: str, arm: Path, life: float, report: int, patience: float) -> No
 
 
 class Waver:
-    """A person who bends the arm's joints to and fro."""
+    """A person who bends the arm's joints to and fro, and leaves it to a policy in turn where there is one."""
+
+    def __init__(self, shared: bool) -> None:
+        self._shared = shared
 
     def ask(self, seen: Seen) -> Ask:
+        if self._shared and seen.tick // TURN % 2 == 0:
+            return NOTHING
         share = math.sin(0.3 * seen.tick)
         return Ask(active=True, joints={"theta1": share, "theta2": -share, "theta3": share})
 
 
-def by_hand(name: str, arm: Path, life: float, report: int, patience: float) -> None:
-    """Be the driver, as `pipenav drive` is: a person bends the arm's joints for ever."""
-    real_robot = connected(name, arm, life, report, patience)
+def by_hand(beside: Beside | None, arm: Path, life: Life) -> None:
+    """Be the driver, as `pipenav drive` is: a person bends the arm's joints for ever, in turn with a policy."""
+    real_robot = connected(arm, life)
+    pipe = None if beside is None else PIPE
     with tempfile.TemporaryDirectory() as folder, contextlib.closing(real_robot):
-        given = ArmScene(Scene(None, 0.0, None), 0.0, Path(folder), Path(folder) / "STOP", None)
-        mission = HandMission(ROBOT, Door(ROBOT, Waver(), False), given, None)
-        drive_by_hand(real_robot, mission, given, lambda _: None, {})
+        given = ArmScene(Scene(pipe, 0.08, None), 0.0, Path(folder), Path(folder) / "STOP", None)
+        mission = HandMission(ROBOT, Door(ROBOT, Waver(beside is not None), beside is not None), given, beside)
+        drive_by_hand(real_robot, mission, given, life.step, {})
 
 
-def connected(name: str, arm: Path, life: float, report: int, patience: float) -> RealRobot:
+def connected(arm: Path, life: Life) -> RealRobot:
     """The arm, and an ending that comes from within after a time."""
 
     def end(number: int, frame: FrameType | None) -> None:  # noqa: ARG001  # the signature of a handler
-        os.write(report, str(time.monotonic()).encode())
-        if name == "segfault":
+        os.write(life.report, str(time.monotonic()).encode())
+        if life.name == "segfault":
             ctypes.string_at(0)
         raise RuntimeError("an exception somewhere in the program")
 
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs start with it ignored,
     signal.signal(signal.SIGHUP, signal.SIG_DFL)  # and those of nohup with this one
-    if name in ("exception", "segfault"):
+    if life.from_within:
         signal.signal(signal.SIGALRM, end)
-        signal.setitimer(signal.ITIMER_REAL, max(life, 1e-3))
-    real_robot = open_backend("hardware", ROBOT, 1, {"arm": str(arm), "patience": patience})
+        if not life.driving:
+            signal.setitimer(signal.ITIMER_REAL, max(life.seconds, 1e-3))
+    real_robot = open_backend("hardware", ROBOT, 1, {"arm": str(arm), "patience": life.patience})
     assert isinstance(real_robot, load_real_robot())
     return real_robot
 
