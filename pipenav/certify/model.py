@@ -27,14 +27,14 @@ class Model(NamedTuple):
         pipe: the corner.
         bore: `plane` or `round`.
         overlap: overlap with the wall that is allowed [m].
-        freed: number of a joint whose limits do not count, to see whether they are the reason; None for none.
+        freed: numbers of joints whose limits do not count, to see whether they are the reason.
     """
 
     robot: RobotSpec
     pipe: PipeCorner
     bore: str = "plane"
     overlap: float = 0.0
-    freed: int | None = None
+    freed: tuple[int, ...] = ()
 
     @property
     def turn(self) -> float:
@@ -62,10 +62,9 @@ class Model(NamedTuple):
     def limits(self) -> tuple[Floats, Floats]:
         """Smallest and largest positions of the joints in the canonical frame, (joints,) each [rad or m]."""
         lower, upper = np.array(self.robot.lower), np.array(self.robot.upper)
-        if self.freed is not None:
-            hinge = bool(self.robot.hinges[self.freed])
-            more = ANY_ANGLE if hinge else 2 * self.robot.length
-            lower[self.freed], upper[self.freed] = lower[self.freed] - more, upper[self.freed] + more
+        for joint in self.freed:
+            more = ANY_ANGLE if self.robot.hinges[joint] else 2 * self.robot.length
+            lower[joint], upper[joint] = lower[joint] - more, upper[joint] + more
         if self.pipe.turn_sign < 0:
             hinges = self.robot.hinges
             return np.where(hinges, -upper, lower), np.where(hinges, -lower, upper)

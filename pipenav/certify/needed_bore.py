@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
+from pipenav.certify.cell_search import MOST_WORK
 from pipenav.certify.model import Model
 from pipenav.certify.verdict import not_covered, passable, proof_of
 from pipenav.pipes.corner_checks import DIAMETER_RANGE_MM
@@ -24,8 +27,11 @@ BELOW = 2e-3
 AGAIN = (1e-3, 2e-3, 4e-3, 6e-3, 8e-3)
 """Distances below the smallest passable bore that was found at which a motion is looked for once more [m]."""
 
-MOST_WORK = 250_000
+FRONTIER_WORK = MOST_WORK // 4
 """Most cells of an arm that each proof looks at: a quarter of a single certificate's, as there are many."""
+
+APART_ARM, APART_WHOLE = 2.5e-3, 5e-4
+"""Distance of the two bores from which they are looked at again, for arms and for whole robots [m]."""
 
 
 class NeededBore(NamedTuple):
@@ -47,6 +53,9 @@ class NeededBore(NamedTuple):
 def needed_bore(model: Model, resolution: float) -> NeededBore:
     """Bores between which the frontier of pipes like the given one lies; the bend keeps its radius in bores.
 
+    Where they lie far apart, motions are looked for at every step between them, and proofs with all cells of a single
+    certificate's.
+
     Args:
         model: what is certified.
         resolution: width of the smallest cells [rad].
@@ -55,7 +64,13 @@ def needed_bore(model: Model, resolution: float) -> NeededBore:
     if not_covered(model):
         return NeededBore(None, None)
     smallest = _smallest_passable(model, least)
-    return NeededBore(_largest_impossible(model, resolution, least, smallest or LARGEST), smallest)
+    bores = (least, smallest or LARGEST)
+    largest = _largest_impossible(model, resolution, bores, FRONTIER_WORK)
+    if smallest is None or smallest - (largest or least) <= (APART_WHOLE if model.robot.free else APART_ARM):
+        return NeededBore(largest, smallest)
+    between = np.arange((largest or least) + STEP, smallest, STEP).tolist()
+    smallest = next((bore for bore in between if passable(model.with_bore(bore), None) is not None), smallest)
+    return NeededBore(_largest_impossible(model, resolution, (largest or least, smallest), MOST_WORK), smallest)
 
 
 def narrowest(robot: RobotSpec) -> float:
@@ -84,18 +99,20 @@ def _smallest_passable(model: Model, least: float) -> float | None:
         low, high = least, found
 
 
-def _largest_impossible(model: Model, resolution: float, least: float, smallest: float) -> float | None:
+def _largest_impossible(model: Model, resolution: float, bores: tuple[float, float], work: int) -> float | None:
+    """Largest bore with a proof among those from one on to below one with a motion [m], with so many cells each."""
+    least, smallest = bores
     high, below = smallest, BELOW
     while True:
         low = max(least, smallest - below)
-        if proof_of(model.with_bore(low), None, resolution, MOST_WORK) is not None:
+        if proof_of(model.with_bore(low), None, resolution, work) is not None:
             break
         if low <= least:
             return None
         high, below = low, 2 * below
     while high - low > STEP:
         middle = (low + high) / 2
-        if proof_of(model.with_bore(middle), None, resolution, MOST_WORK) is None:
+        if proof_of(model.with_bore(middle), None, resolution, work) is None:
             high = middle
         else:
             low = middle

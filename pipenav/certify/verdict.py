@@ -24,6 +24,9 @@ MARGIN = 1.5e-4
 STRAIGHT = math.radians(0.5)
 """Change of heading below which a pipe counts as straight [rad]."""
 
+SOON, SOON_WORK = math.radians(1.0), 20_000
+"""Width of the smallest cells of a proof that is found soon or not at all [rad], and most cells that it looks at."""
+
 Kind = Literal["passable", "impossible", "undecided"]
 
 
@@ -169,10 +172,21 @@ class Freed(NamedTuple):
 
 def freed_joint(model: Model, ends: Ends) -> Freed | None:
     """The first joint of an arm whose limits alone keep it from a target; None where there is none such."""
+    if _too_narrow(model, ends):
+        return None
     for number in range(len(model.robot.joints)):
-        if (found := passable(model._replace(freed=number), ends)) is not None:
+        if (found := passable(model._replace(freed=(number,)), ends)) is not None:
             return Freed(number, found)
     return None
+
+
+def _too_narrow(model: Model, ends: Ends) -> bool:
+    """Whether a proof is soon found that no limits of joints keep an arm from its targets, but the walls alone."""
+    free = model._replace(freed=tuple(range(len(model.robot.joints))))
+    travel = free.limits[1][0] - model.limits[1][0]
+    low, high = ends.slide
+    spans = ArmSpans(free, ends._replace(slide=(low - travel, high + travel)), MARGIN)
+    return search(spans, spans.axes, SOON, SOON_WORK).proven
 
 
 def _arm_reason(model: Model, ends: Ends) -> str:

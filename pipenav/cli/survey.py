@@ -53,14 +53,16 @@ def survey(
         pipenav survey my-pipes.shp --diameter DIAM:in --entries 12 --untethered --routes my-routes
     """
     from pipenav.networks.reader import read_network_map
+    from pipenav.processes.collector import seldom_collected
 
-    network = read_network_map(file, _read_options(map))
-    if result.check:
-        refuse_ignored({"--routes": result.routes, "--out": result.out}, "--check only reads the map")
-        _show_notes(file, network)
-        return
-    config = _config(map, way)
-    _survey(file, network, config, _findings(trial, where), result)
+    with seldom_collected():  # a map of 100,000 fittings is a million small objects
+        network = read_network_map(file, _read_options(map))
+        if result.check:
+            refuse_ignored({"--routes": result.routes, "--out": result.out}, "--check only reads the map")
+            _show_notes(file, network)
+            return
+        config = _config(map, way)
+        _survey(file, network, config, _findings(trial, where), result)
 
 
 def _read_options(map: MapOptions) -> ReadOptions:
@@ -129,6 +131,7 @@ def _findings(trial: TrialOptions, where: PlaceOptions) -> Findings:
 
 def _survey(file: Path, network: NetworkMap, config: SurveyConfig, findings: Findings, result: ResultOptions) -> None:
     """Survey a network, write the folder and say what came out."""
+    from pipenav.storage.atomic_files import used_folder
     from pipenav.storage.lock import one_writer
     from pipenav.survey.folder import FILES, write_survey
     from pipenav.survey.record import Subject, survey_record
@@ -137,6 +140,8 @@ def _survey(file: Path, network: NetworkMap, config: SurveyConfig, findings: Fin
 
     out = result.out or Path("runs") / f"survey-{file.stem}"
     with one_writer(out) as folder, ExitStack() as stack:
+        if result.routes is not None:  # refused before the work is done
+            stack.enter_context(used_folder(result.routes))
         progress = _progress(stack)
         try:
             surveyed = survey_of(network, findings, config, progress)

@@ -104,7 +104,7 @@ def _connections(network: NetworkMap) -> Iterator[Note]:
     lines = [[tuple(p) for p in network.points_of(i).tolist()] for i in np.flatnonzero(mains).tolist()]
     names = [network.line_names[i] for i in np.flatnonzero(mains).tolist()]
     loose = {tuple(network.position[i].tolist()) for i in np.flatnonzero(degree == 1).tolist()}
-    found = [end for end in ends_on_lines(lines, NEAR) if end.end in loose]
+    found = ends_on_lines(lines, NEAR, loose)
     if found:
         text = f"ends that meet nothing lie within {NEAR:g} m of another line: tees without a node, left as ends"
         yield Note("end-on-line", "info", text, len(found), tuple(names[end.other] for end in found[:5]))

@@ -78,6 +78,13 @@ def _table(tables: dict[str, Any], name: str, where: str, needed: bool = True) -
         raise ConfigError(f"{where} has no table {name!r} with columns, index and data: write it with to_json again.")
     if len(index) != len(data) or not all(isinstance(row, list) and len(row) == len(columns) for row in data):
         raise ConfigError(f"{where}, table {name}: a row is longer or shorter than its columns: write it anew.")
+    labels: dict[str, int] = {}
+    for row, label in enumerate(map(str, index), 1):
+        if (first := labels.setdefault(label, row)) != row:
+            raise ConfigError(
+                f"{where}, table {name}, row {row}: index {shown(label)} stands in row {first} already: give each row "
+                "its own."
+            )
     return _Table(name, index, [dict(zip(columns, row, strict=True)) for row in data])
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -25,6 +25,10 @@ CELL = 25.0
 
 MOST_CELLS = 4000
 """Most cells that one segment is entered into: 100 km of it."""
+
+
+ROUNDING = 1e-3
+"""Distance that rounding stays below in coordinates of up to a million kilometres [m]."""
 
 
 class PolyLine(NamedTuple):
@@ -171,20 +175,36 @@ class EndOnLine(NamedTuple):
     other: int
 
 
-def ends_on_lines(lines: Sequence[Sequence[Point]], snap: float) -> list[EndOnLine]:
-    """Ends of lines within `snap` [m] of the inside of another line, which has no end there."""
+def ends_on_lines(
+    lines: Sequence[Sequence[Point]], snap: float, among: Container[Point] | None = None
+) -> list[EndOnLine]:
+    """Ends of lines within a distance of the inside of another line, which has no end there.
+
+    Args:
+        lines: points of the lines.
+        snap: the distance [m].
+        among: ends that are looked at; None for all.
+    """
+    near = snap + ROUNDING
     cells: dict[tuple[int, int], list[tuple[int, int]]] = defaultdict(list)
     for i, points in enumerate(lines):
         for j, (a, b) in enumerate(pairwise(points)):
             for cell in _crossed(a, b):
                 cells[cell].append((i, j))
-    return [
-        EndOnLine(other, segment, share, end, i)
-        for i, points in enumerate(lines)
-        for end in (points[0], points[-1])
-        for other, segment in cells.get((math.floor(end[0] / CELL), math.floor(end[1] / CELL)), ())
-        if other != i and (share := _on_inside(lines[other], segment, end, snap)) is not None
-    ]
+    found = []
+    for i, points in enumerate(lines):
+        for end in (points[0], points[-1]):
+            if among is not None and end not in among:
+                continue
+            x, y = end[:2]
+            for other, segment in cells.get((math.floor(x / CELL), math.floor(y / CELL)), ()):
+                (x1, y1, _), (x2, y2, _) = lines[other][segment : segment + 2]
+                beside = x < min(x1, x2) - near or x > max(x1, x2) + near
+                if beside or y < min(y1, y2) - near or y > max(y1, y2) + near:
+                    continue  # most are: told apart at once
+                if other != i and (share := _on_inside(lines[other], segment, end, snap)) is not None:
+                    found.append(EndOnLine(other, segment, share, end, i))
+    return found
 
 
 def _crossed(a: Point, b: Point) -> list[tuple[int, int]]:

@@ -34,7 +34,9 @@ def read_shapefile(path: Path, options: ReadOptions) -> NetworkMap:
             f"{shown_path(path)} needs pyshp to be read: install it with pip install pipenav[survey], or save the "
             "lines as GeoJSON."
         ) from error
-    where = shown_path(path)
+    where, table = shown_path(path), path.with_suffix(".dbf")
+    if path.is_file() and not table.is_file():
+        raise ConfigError(f"{where} has no {shown(table.name, quoted=False)} beside it, its table: put it there.")
     parts = {kind: io.BytesIO(read_bytes(path.with_suffix(f".{kind}"), MAX_NETWORK)) for kind in ("shp", "dbf")}
     draft = MapDraft(where, "shapefile")
     projection = path.with_suffix(".prj")

@@ -18,7 +18,7 @@ def network_text(path: Path) -> str:
         FileProblem: it cannot be read.
         ConfigError: it is no plain file, too large, or no text.
     """
-    content = read_bytes(path, MAX_NETWORK)
+    content = _content(path)
     if b"\0" in content[: 1 << 16]:
         raise ConfigError(f"{shown_path(path)} is not text: give a file of the format that its ending names.")
     try:
@@ -34,4 +34,11 @@ def network_json(path: Path) -> object:
         FileProblem: it cannot be read.
         ConfigError: it is no plain file, too large, or no JSON.
     """
-    return parse_json(as_text(read_bytes(path, MAX_NETWORK), shown_path(path)), shown_path(path))
+    return parse_json(as_text(_content(path), shown_path(path)), shown_path(path))
+
+
+def _content(path: Path) -> bytes:
+    content = read_bytes(path, MAX_NETWORK)
+    if not content.strip():
+        raise ConfigError(f"{shown_path(path)} is empty: give the file of a network.")
+    return content

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -32,11 +33,20 @@ def filled_page(template: Path, data: Any) -> str:
     Raises:
         ValueError: a number in the data is not finite.
     """
-    text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    return "".join(page_parts(template, [json.dumps(data, separators=(",", ":"), allow_nan=False)]))
+
+
+def page_parts(template: Path, data: Iterable[str]) -> Iterator[str]:
+    """The page of `filled_page` in parts, from the text of its data in parts."""
     head = _shared("head.html").replace(STYLE, _shared("page.css"), 1)
     helpers = "\n".join(map(_shared, FUNCTIONS))
-    scripts = _shared("data.html").replace(HELPERS, helpers, 1).replace(DATA, text, 1)
-    return template.read_text(encoding="utf-8").replace(HEAD, head, 1).replace(SCRIPTS, scripts, 1)
+    scripts = _shared("data.html").replace(HELPERS, helpers, 1)
+    whole = template.read_text(encoding="utf-8").replace(HEAD, head, 1).replace(SCRIPTS, scripts, 1)
+    before, after = whole.split(DATA, 1)
+    yield before
+    for part in data:
+        yield part.replace("<", "\\u003c")
+    yield after
 
 
 def _shared(name: str) -> str:

@@ -6,8 +6,6 @@ cable that slides around a turn of angle a with friction mu needs exp(mu a) time
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from pipenav.arrays import Floats
@@ -19,16 +17,17 @@ PVC_FRICTION = 0.3
 """Friction of a cable in a PVC pipe, chosen; 0.6 in corroded steel, where 14 N pull 125 m."""
 
 
-def drag_per_metre(weight: float, friction: float, rise: float = 0.0) -> float:
-    """Growth of a cable's tension along a straight pipe [N/m]; a cable that slides down by itself pulls nobody back.
+def drag_per_metre(weight: float, friction: float, rise: Floats | float = 0.0) -> Floats:
+    """Growth of a cable's tension along straight pipes [N/m]; a cable that slides down by itself pulls nobody back.
 
     Args:
         weight: weight of the cable [N/m].
         friction: coefficient of friction of the cable in the pipe.
-        rise: sine of the pipe's slope, positive where the robot goes up.
+        rise: sine of each pipe's slope, positive where the robot goes up; the result has its shape.
     """
-    level = math.sqrt(max(1 - rise * rise, 0.0))
-    return max(weight * (friction * level + rise), 0.0)
+    slope = np.asarray(rise)
+    level = np.sqrt(np.maximum(1 - slope * slope, 0.0))
+    return np.asarray(np.maximum(weight * (friction * level + slope), 0.0))
 
 
 def capstan(friction: float, turned: Floats | float) -> Floats:

@@ -14,7 +14,7 @@ import numpy as np
 
 from pipenav.arrays import Floats, Ints
 from pipenav.survey.passage import Tether, Ways
-from pipenav.survey.reach import search
+from pipenav.survey.reach import TetheredWays, search_from
 
 MOST_ENTRIES = 500
 """Most entries that are proposed."""
@@ -57,11 +57,44 @@ class Proposal(NamedTuple):
 
 
 class _Candidate(NamedTuple):
-    """A point with what is seen from it: directed segments, (k,), and lengths along them, (k,) [m]."""
+    """A point with what is seen from it.
+
+    Attributes:
+        point: point of the graph.
+        segments: segments of which something is seen, in order, (k,).
+        sides: number of the segment in `segments`, times two, and one more where it is seen against its direction,
+            (n,).
+        far: length that is seen from each side, (n,) [m].
+    """
 
     point: int
-    directed: Ints
+    segments: Ints
+    sides: Ints
     far: Floats
+
+    @classmethod
+    def of(cls, point: int, far: dict[int, float]) -> _Candidate:
+        """A point and the lengths that are seen of directed segments [m]."""
+        directed = np.fromiter(far, np.int32)
+        segments = np.unique(directed >> 1)
+        sides = 2 * np.searchsorted(segments, directed >> 1).astype(np.int32) + (directed & 1)
+        return cls(point, segments, sides, np.fromiter(far.values(), float))
+
+    def with_own(self, covered: Floats) -> Floats:
+        """Lengths that are seen from both sides of its segments by others and from here, (k, 2) [m]."""
+        sides = covered[self.segments]
+        flat = sides.ravel()
+        flat[self.sides] = np.maximum(flat[self.sides], self.far)
+        return sides
+
+    def gain(self, covered: Floats, length: Floats) -> float:
+        """Length that it adds to what is seen [m]; `covered` is that of all segments from both sides, (s, 2) [m]."""
+        whole = length[self.segments]
+        before = covered[self.segments]
+        sides = self.with_own(covered)
+        return float(
+            (np.minimum(sides[:, 0] + sides[:, 1], whole) - np.minimum(before[:, 0] + before[:, 1], whole)).sum()
+        )
 
 
 def propose(ways: Ways, tether: Tether, confidence: float, goal: Goal, whole: float) -> Proposal:
@@ -76,28 +109,27 @@ def propose(ways: Ways, tether: Tether, confidence: float, goal: Goal, whole: fl
     """
     length = np.array(ways.length)
     candidates = _candidates(ways, tether, confidence)
-    covered = np.zeros(2 * len(length))
-    heap = [(-_gain(candidate, covered, length), i, 0) for i, candidate in enumerate(candidates)]
+    covered = np.zeros((len(length), 2))
+    first = np.array([candidate.gain(covered, length) for candidate in candidates])
+    heap = [(-gain, i, 0) for i, gain in enumerate(first.tolist())]
     heapq.heapify(heap)
-    first = np.sort([-gain for gain, _, _ in heap])[::-1]
     target = None if goal.share is None else goal.share * whole
     most = goal.number or MOST_ENTRIES
-    points: list[int] = []
+    chosen: list[int] = []
     seen: list[float] = []
-    while heap and len(points) < most and not (target is not None and seen and seen[-1] >= target):
+    while heap and len(chosen) < most and not (target is not None and seen and seen[-1] >= target):
         gain, i, when = heapq.heappop(heap)
-        if when < len(points):  # another entry has come since: what is left of the gain?
-            heapq.heappush(heap, (-_gain(candidates[i], covered, length), i, len(points)))
+        if when < len(chosen):  # another entry has come since: what is left of the gain?
+            heapq.heappush(heap, (-candidates[i].gain(covered, length), i, len(chosen)))
             continue
         if -gain < LEAST_GAIN:
             break
-        candidate = candidates[i]
-        covered[candidate.directed] = np.maximum(covered[candidate.directed], candidate.far)
-        points.append(candidate.point)
-        seen.append(float(np.minimum(covered[0::2] + covered[1::2], length).sum()))
+        covered[candidates[i].segments] = candidates[i].with_own(covered)
+        chosen.append(i)
+        seen.append(float(np.minimum(covered[:, 0] + covered[:, 1], length).sum()))
     aim = (seen[-1] if seen else 0.0) if target is None or not seen or seen[-1] < target else target
-    least = _least(candidates, points, aim, length, first)
-    return Proposal(points, seen, target, least, len(candidates))
+    least = _least(candidates, chosen, aim, length, first)
+    return Proposal([candidates[i].point for i in chosen], seen, target, least, len(candidates))
 
 
 def _candidates(ways: Ways, tether: Tether, confidence: float) -> list[_Candidate]:
@@ -106,14 +138,14 @@ def _candidates(ways: Ways, tether: Tether, confidence: float) -> list[_Candidat
     special = np.flatnonzero(degree != 2)
     others = np.flatnonzero(degree == 2)
     order = [*special.tolist(), *others[_spread(len(others))].tolist()]
+    tethered = TetheredWays.of(ways, tether)
     found: list[_Candidate] = []
     work = 0
     for point in order:
-        reach = search(ways, tether, confidence, [point])
+        reach = search_from(tethered, confidence, tethered.starts([point]))
         work += reach.work
         if reach.far:
-            far = np.fromiter(reach.far.values(), float)
-            found.append(_Candidate(point, np.fromiter(reach.far, np.intp), far))
+            found.append(_Candidate.of(point, reach.far))
         if work > MOST_WORK:
             break
     return found
@@ -128,30 +160,32 @@ def _spread(count: int) -> Ints:
     return np.array([k for k in turned if k < count], np.intp)
 
 
-def _gain(candidate: _Candidate, covered: Floats, length: Floats) -> float:
-    """Length that a candidate adds to what is seen [m]."""
-    segments = np.unique(candidate.directed >> 1)
-    there = np.searchsorted(segments, candidate.directed >> 1)
-    sides = covered[np.stack([2 * segments, 2 * segments + 1], axis=1)]
-    before = np.minimum(sides.sum(axis=1), length[segments])
-    np.maximum.at(sides, (there, candidate.directed & 1), candidate.far)
-    return float((np.minimum(sides.sum(axis=1), length[segments]) - before).sum())
+def _least(candidates: list[_Candidate], chosen: list[int], aim: float, length: Floats, first: Floats) -> int:
+    """Number of entries below which nobody sees `aim` [m], by the gains at the beginning and after each choice.
 
-
-def _least(candidates: list[_Candidate], points: list[int], aim: float, length: Floats, first: Floats) -> int:
-    """Number of entries below which nobody sees `aim` [m], by the gains at the beginning and after each choice."""
-    by_point = {candidate.point: candidate for candidate in candidates}
-    covered = np.zeros(2 * len(length))
-    gains, seen, best = first, 0.0, 0
-    for k in range(len(points) + 1):
-        sums = np.cumsum(gains)
+    Args:
+        candidates: the candidates.
+        chosen: numbers of those that were chosen.
+        aim: length [m].
+        length: lengths of the segments, (s,) [m].
+        first: gain of each candidate at the beginning [m].
+    """
+    covered = np.zeros((len(length), 2))
+    gains, seen, best = first.copy(), 0.0, 0
+    segments = np.concatenate([np.zeros(0, np.int32), *(candidate.segments for candidate in candidates)])
+    owners = np.repeat(np.arange(len(candidates)), [len(candidate.segments) for candidate in candidates])
+    for k in range(len(chosen) + 1):
+        sums = np.cumsum(np.sort(gains)[::-1])
         missing = aim - seen
         needed = 0 if missing <= 1e-6 else int(np.searchsorted(sums, missing - 1e-6)) + 1
         best = max(best, needed)
-        if k == len(points) or k >= 5:  # later choices leave little to be gained, and a weaker bound
+        if k == len(chosen) or k >= 5:  # later choices leave little to be gained, and a weaker bound
             break
-        chosen = by_point[points[k]]
-        covered[chosen.directed] = np.maximum(covered[chosen.directed], chosen.far)
-        gains = np.sort([_gain(candidate, covered, length) for candidate in candidates])[::-1]
-        seen = float(np.minimum(covered[0::2] + covered[1::2], length).sum())
+        one = candidates[chosen[k]]
+        covered[one.segments] = one.with_own(covered)
+        touched = np.zeros(len(length), bool)
+        touched[one.segments] = True
+        for i in np.unique(owners[touched[segments]]).tolist():  # the gains of all others are what they were
+            gains[i] = candidates[i].gain(covered, length)
+        seen = float(np.minimum(covered[:, 0] + covered[:, 1], length).sum())
     return best

@@ -218,16 +218,33 @@ def _run(at: _At) -> tuple[int, int]:
 
 def _movements(at: _At, feature: Feature) -> Iterable[Movement]:
     """The passages through a fitting, each way."""
-    run = _run(at) if len(at.segments) > 2 else (0, 0)
+    if len(at.segments) == 2:
+        return _two_movements(at, feature)
+    return _branched_movements(at, feature) if len(at.segments) > 2 else ()
+
+
+def _two_movements(at: _At, feature: Feature) -> list[Movement]:
+    """The passages between two pipes; in one bore, both ways are of the same classes."""
+    interior = _interior(at.away[0], at.away[1])
+    one = classes = _two_pipes(at, feature, (0, 1), math.degrees(interior))
+    if at.bores[0] != at.bores[1]:
+        classes = _two_pipes(at, feature, (1, 0), math.degrees(interior))
+    (first, last), turn = at.leaving, math.pi - interior
+    return [
+        Movement(at.point, first ^ 1, last, turn, *one),
+        Movement(at.point, last ^ 1, first, turn, *classes),
+    ]
+
+
+def _branched_movements(at: _At, feature: Feature) -> Iterator[Movement]:
+    """The passages through a fitting of more than two pipes."""
+    run = _run(at)
     for i, leaving in enumerate(at.leaving):
         for j, out in enumerate(at.leaving):
             if i == j:
                 continue
             interior = _interior(at.away[i], at.away[j])
-            if len(at.segments) == 2:
-                classes, reason = _two_pipes(at, feature, (i, j), math.degrees(interior))
-            else:
-                classes, reason = _branched(at, feature, (i, j), run)
+            classes, reason = _branched(at, feature, (i, j), run)
             yield Movement(at.point, leaving ^ 1, out, math.pi - interior, classes, reason)
 
 

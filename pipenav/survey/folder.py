@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-import json
+import itertools
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
 from pipenav.storage.atomic_files import Content, atomic_write_all
+from pipenav.storage.json_parts import json_parts
 from pipenav.survey.html_report import html_report
 from pipenav.survey.map_figure import map_png
 from pipenav.survey.tables import features_csv, map_geojson
@@ -22,10 +24,20 @@ def write_survey(folder: Path, record: dict[str, Any]) -> None:
         FileProblem: they cannot be written; earlier ones are untouched.
     """
     contents: tuple[Content, ...] = (
-        json.dumps(record, separators=(",", ":"), allow_nan=False) + "\n",
+        _text(itertools.chain(json_parts(record), "\n")),
         features_csv(record),
-        map_geojson(record),
+        _text(map_geojson(record)),
         map_png(record),
-        html_report(record),
+        _text(html_report(record)),
     )
     atomic_write_all({folder / name: content for name, content in zip(FILES, contents, strict=True)})
+
+
+def _text(parts: Iterable[str]) -> Callable[[Path], None]:
+    """Writer of a file whose text is made while it is written: that of a large network does not fit beside itself."""
+
+    def write(draft: Path) -> None:
+        with draft.open("w", encoding="utf-8", newline="") as file:
+            file.writelines(parts)
+
+    return write

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from pipenav.pages.page import filled_page
+from pipenav.pages.page import page_parts
+from pipenav.storage.json_parts import json_parts
 
 TEMPLATE = Path(__file__).with_name("report.html")
 
@@ -13,11 +15,11 @@ LARGE = ("features", "segments")
 """Parts of the record that the page gets in a shorter form."""
 
 
-def html_report(record: dict[str, Any]) -> str:
-    """The page of a survey's record."""
+def html_report(record: dict[str, Any]) -> Iterator[str]:
+    """The page of a survey's record, in parts."""
     data = {
         "record": {key: value for key, value in record.items() if key not in LARGE},
-        "features": [
+        "features": (
             {
                 "id": feature["id"],
                 "name": feature["name"],
@@ -39,8 +41,8 @@ def html_report(record: dict[str, Any]) -> str:
                 "passages": feature["passages"],
             }
             for feature in record["features"]
-        ],
-        "segments": [
+        ),
+        "segments": (
             {
                 "line": segment["line"],
                 "ends": segment["ends"],
@@ -54,6 +56,6 @@ def html_report(record: dict[str, Any]) -> str:
                 "reason": segment["reason"],
             }
             for segment in record["segments"]
-        ],
+        ),
     }
-    return filled_page(TEMPLATE, data)
+    return page_parts(TEMPLATE, json_parts(data))

@@ -154,14 +154,16 @@ class Ways(NamedTuple):
 
     def lifted(self, fittings: Fittings, judgements: list[Judged], limit: str) -> Ways:
         """The ways as they would be without one limit, see `LIFTED`; the tether is none of the ways'."""
-        kinds = {"bends": ("bend",), "tees": ("tee", "cross"), "reducers": ("reducer",)}
+        kinds = {"bends": ("bend",), "tees": ("tee", "cross"), "reducers": ("reducer",)}.get(limit, ())
         cost, passable = list(self.cost), self.passable
-        for i, (movement, judgement) in enumerate(zip(fittings.movements, judgements, strict=True)):
-            lifted = {kind.kind for kind in movement.classes if not kind.straight} & set(kinds.get(limit, ()))
-            if lifted or (limit == "unknown" and judgement.verdict == "unknown"):
-                cost[i] = 0.0
-            if limit == "policy" and judgement.cause == "policy":
-                cost[i] = 0.0
+        if kinds:
+            for i, movement in enumerate(fittings.movements):
+                if any(kind.kind in kinds and not kind.straight for kind in movement.classes):
+                    cost[i] = 0.0
+        if limit in ("unknown", "policy"):
+            for i, judgement in enumerate(judgements):
+                if limit == (judgement.cause if limit == "policy" else judgement.verdict):
+                    cost[i] = 0.0
         if limit in ("bores", "slopes", "unknown"):
             passable = passable.copy()
             passable[[s for s, reason in self.unknown.items() if _is_of(limit, reason)]] = True

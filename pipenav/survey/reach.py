@@ -71,6 +71,36 @@ class Reach(NamedTuple):
         return seen_length(self.far, length)
 
 
+class TetheredWays(NamedTuple):
+    """Ways as a robot with one cable meets them: everything that its searches ask, as plain numbers.
+
+    Attributes:
+        ways: the ways through the network.
+        tether: the cable.
+        passable: whether a robot may drive in each segment, s values.
+        growth: growth of the cable's tension along each directed segment, 2 s values [N/m].
+        capstan: factor on that tension in each movement, m values.
+    """
+
+    ways: Ways
+    tether: Tether
+    passable: list[bool]
+    growth: list[float]
+    capstan: list[float]
+
+    @classmethod
+    def of(cls, ways: Ways, tether: Tether) -> TetheredWays:
+        """Ways with a cable."""
+        climb = np.array(ways.climb)
+        growth = drag_per_metre(tether.weight, tether.friction, np.stack([climb, -climb], axis=1))
+        factors = capstan(tether.friction, np.array(ways.turn))
+        return cls(ways, tether, ways.passable.tolist(), growth.ravel().tolist(), factors.tolist())
+
+    def starts(self, points: Iterable[int]) -> list[Label]:
+        """Labels at points that are dug up, from which the robot can go into any pipe."""
+        return [Label(0.0, 0.0, 0.0, directed, None) for point in points for directed in self.ways.leaving[point]]
+
+
 def seen_length(far: dict[int, float], length: Floats) -> Floats:
     """Length that is seen of each segment, (s,) [m].
 
@@ -94,14 +124,13 @@ def search(ways: Ways, tether: Tether, confidence: float, entries: Iterable[int]
         entries: numbers of the points.
         base: an earlier reach whose labels are as good as ways of this search: only what goes beyond it is found.
     """
-    starts = [Label(0.0, 0.0, 0.0, directed, None) for point in entries for directed in ways.leaving[point]]
-    return search_from(ways, tether, confidence, starts, base)
+    tethered = TetheredWays.of(ways, tether)
+    return search_from(tethered, confidence, tethered.starts(entries), base)
 
 
-def search_from(
-    ways: Ways, tether: Tether, confidence: float, starts: Iterable[Label], base: Reach | None = None
-) -> Reach:
+def search_from(tethered: TetheredWays, confidence: float, starts: Iterable[Label], base: Reach | None = None) -> Reach:
     """Reach from labels, see `search`."""
+    ways, tether, passable, growth, factors = tethered
     budget = -math.log(confidence) + ROUNDING
     labels: dict[int, list[Label]] = {}
     far: dict[int, float] = {}
@@ -112,11 +141,11 @@ def search_from(
     while heap:
         label = heapq.heappop(heap)[2]
         directed, segment = label.directed, label.directed >> 1
-        if not ways.passable[segment] or _beaten(label, labels, base):
+        if not passable[segment] or _beaten(label, labels, base):
             continue
         work += 1
         labels.setdefault(directed, []).append(label)
-        length, gain = ways.length[segment], _growth(ways.climb[segment], directed & 1, tether)
+        length, gain = ways.length[segment], growth[directed]
         room = min(tether.cable - label.distance, (tether.pull - label.tension) / gain if gain > 0 else math.inf)
         far[directed] = max(far.get(directed, 0.0), min(length, max(room, 0.0)))
         if room < length:
@@ -124,7 +153,7 @@ def search_from(
             continue
         distance, tension = label.distance + length, label.tension + gain * length
         for onward, movement in ways.onward[directed]:
-            dragged = tension * float(capstan(tether.friction, ways.turn[movement]))
+            dragged = tension * factors[movement]
             cost = label.cost + ways.cost[movement]
             new = Label(distance, dragged, cost, onward, label)
             if cost > budget:
@@ -137,24 +166,16 @@ def search_from(
     return Reach(far, labels, stops, by_tether, work)
 
 
-def _growth(climb: float, backwards: int, tether: Tether) -> float:
-    """Growth of the cable's tension along a segment [N/m]."""
-    return drag_per_metre(tether.weight, tether.friction, -climb if backwards else climb)
-
-
 def _beaten(label: Label, labels: dict[int, list[Label]], base: Reach | None) -> bool:
     """Whether another label of the same directed segment is no worse in all, or there are too many already."""
     own = labels.get(label.directed, ())
     if len(own) >= MOST_LABELS:
         return True
-    held = [own] if base is None else [own, base.labels.get(label.directed, ())]
-    return any(
-        other.distance <= label.distance + ROUNDING
-        and other.tension <= label.tension + ROUNDING
-        and other.cost <= label.cost + ROUNDING
-        for some in held
-        for other in some
-    )
+    held = own if base is None else [*own, *base.labels.get(label.directed, ())]
+    if not held:
+        return False
+    distance, tension, cost = (value + ROUNDING for value in label[:3])
+    return any(other[0] <= distance and other[1] <= tension and other[2] <= cost for other in held)
 
 
 def way_to(label: Label) -> Ints:

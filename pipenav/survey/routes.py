@@ -48,7 +48,8 @@ def far_routes(result: Survey) -> list[FarRoute]:
         name = _file_name(f"{result.graph.name_of(points[0])}-to-{result.graph.name_of(points[-1])}")
         try:
             route = shortened_route(result, points, bores)
-            text = route_toml(route, f"from {result.graph.name_of(points[0])}, straights shortened, no branches")
+            way = f"from {result.graph.name_of(points[0])} to {result.graph.name_of(points[-1])}"
+            text = route_toml(route, f"{way}, straights shortened, no branches")
             made[name] = FarRoute(name, text, "")
         except PipenavError as error:
             made.setdefault(name, FarRoute(name, "", str(error)))
@@ -127,26 +128,30 @@ def _radius(result: Survey, point: int, beside: list[float]) -> float:
 
 
 def route_toml(route: PipeRoute, description: str) -> str:
-    """A route without branches as a route file (docs/formats/route-folder.md)."""
+    """A route without branches as a route file (docs/formats/route-folder.md), in tenths: no map knows more."""
     lines = [
         "schema = 3",
         f"description = {_quoted(description)}",
-        f"diameter_mm = {m_to_mm(route.diameter):.6g}",
-        f"slope_deg = {rad_to_deg(route.slope):.6g}",
-        f"first_straight_mm = {m_to_mm(route.straights[0]):.6g}",
+        f"diameter_mm = {_tenths(m_to_mm(route.diameter))}",
+        f"slope_deg = {_tenths(rad_to_deg(route.slope))}",
+        f"first_straight_mm = {_tenths(m_to_mm(route.straights[0]))}",
     ]
     for corner, straight in zip(route.corners, route.straights[1:], strict=True):
         lines.append("\n[[corners]]")
         if corner.reducer and corner.to_diameter is not None:
-            lines += [f"to_diameter_mm = {m_to_mm(corner.to_diameter):.6g}"]
+            lines += [f"to_diameter_mm = {_tenths(m_to_mm(corner.to_diameter))}"]
         else:
-            lines += [f"angle_deg = {rad_to_deg(corner.angle):.8g}", f'turn = "{corner.turn}"']
+            lines += [f"angle_deg = {_tenths(rad_to_deg(corner.angle))}", f'turn = "{corner.turn}"']
             lines += [
-                f"roll_deg = {rad_to_deg(corner.roll):.8g}",
-                f"bend_radius_mm = {m_to_mm(corner.bend_radius):.6g}",
+                f"roll_deg = {_tenths(rad_to_deg(corner.roll))}",
+                f"bend_radius_mm = {_tenths(m_to_mm(corner.bend_radius))}",
             ]
-        lines.append(f"straight_mm = {m_to_mm(straight):.6g}")
+        lines.append(f"straight_mm = {_tenths(m_to_mm(straight))}")
     return "\n".join(lines) + "\n"
+
+
+def _tenths(value: float) -> str:
+    return f"{round(value, 1) + 0.0:g}"  # no -0
 
 
 def _quoted(text: str) -> str:

@@ -17,7 +17,7 @@ from pipenav.survey.features import Fittings, Geometry, fittings_of
 from pipenav.survey.findings import Finding, Findings, Progress
 from pipenav.survey.graph import MainsGraph, mains_graph
 from pipenav.survey.passage import LIFTED, Judged, Tether, Ways, geometry_accuracy, judgements_of, ways_of
-from pipenav.survey.reach import Reach, search, search_from
+from pipenav.survey.reach import Reach, TetheredWays, search, search_from
 
 MOST_BLOCKERS = 60
 """Most points whose length behind them is searched."""
@@ -196,13 +196,14 @@ def _blockers(
     before = reach.seen(length)
     open_pipes = ways.passable.copy()
     open_pipes[list(ways.unknown)] = True
-    opened_ways = ways._replace(passable=open_pipes)
+    closed = TetheredWays.of(ways, config.tether)
+    lifted = TetheredWays.of(ways._replace(passable=open_pipes), config.tether)
     found = []
     for point, numbers in list(stops.items())[: MOST_BLOCKERS * 20]:
         opened = [reach.stops[i] for i in numbers]
         labels = [stop.label._replace(cost=stop.label.before.cost if stop.label.before else 0.0) for stop in opened]
         unknown = any(judgements[stop.movement].verdict == "unknown" for stop in opened)
-        more = search_from(opened_ways if unknown else ways, config.tether, config.confidence, labels, reach)
+        more = search_from(lifted if unknown else closed, config.confidence, labels, reach)
         both = {d: max(reach.far.get(d, 0.0), far) for d, far in more.far.items()}
         touched = np.unique(np.fromiter(both, np.intp, len(both)) >> 1)
         gain = sum(_gained(s, both, reach.far, length, before) for s in touched.tolist())

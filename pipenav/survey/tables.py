@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import csv
 import io
-import json
+from collections.abc import Iterator
 from typing import Any
+
+from pipenav.storage.json_parts import json_parts
 
 CODES = {
     "bend": "BND",
@@ -84,25 +86,25 @@ def remark(feature: dict[str, Any]) -> str:
     return ", ".join(words)
 
 
-def map_geojson(record: dict[str, Any]) -> str:
-    """The pipes and the features other than straight joints as GeoJSON, coordinates as in the map, in metres."""
+def map_geojson(record: dict[str, Any]) -> Iterator[str]:
+    """The pipes and the features other than straight joints as GeoJSON, coordinates as in the map, in metres.
+
+    It comes in parts.
+    """
+    yield from json_parts(
+        {"type": "FeatureCollection", "coordinates": "metres, as in the map", "features": _drawn(record)}
+    )
+    yield "\n"
+
+
+def _drawn(record: dict[str, Any]) -> Iterator[dict[str, Any]]:
     places = {feature["id"]: feature["position_m"] for feature in record["features"]}
-    made = [
-        _feature(
-            "LineString",
-            [places[end] for end in segment["ends"]],
-            {
-                key: segment[key]
-                for key in ("line", "length_m", "bore_mm", "bore", "seen_m", "status", "cause", "reason")
-            },
-        )
-        for segment in record["segments"]
-    ]
-    made += [
-        _feature(
-            "Point",
-            feature["position_m"],
-            {
+    for segment in record["segments"]:
+        told = ("line", "length_m", "bore_mm", "bore", "seen_m", "status", "cause", "reason")
+        yield _feature("LineString", [places[end] for end in segment["ends"]], {key: segment[key] for key in told})
+    for feature in record["features"]:
+        if feature["kind"] != "joint":
+            properties = {
                 "id": feature["id"],
                 "node": feature["name"],
                 "code": CODES[feature["kind"]],
@@ -110,15 +112,10 @@ def map_geojson(record: dict[str, Any]) -> str:
                 "verdict": feature["verdict"],
                 "cause": feature["cause"],
                 "reason": feature["reason"],
-            },
-        )
-        for feature in record["features"]
-        if feature["kind"] != "joint"
-    ]
-    entries = [point["feature"] for point in record["entries"]["points"]]
-    made += [_feature("Point", places[point], {"id": point, "code": "ENTRY"}) for point in entries]
-    whole = {"type": "FeatureCollection", "coordinates": "metres, as in the map", "features": made}
-    return json.dumps(whole, separators=(",", ":")) + "\n"
+            }
+            yield _feature("Point", feature["position_m"], properties)
+    for point in record["entries"]["points"]:
+        yield _feature("Point", places[point["feature"]], {"id": point["feature"], "code": "ENTRY"})
 
 
 def _feature(kind: str, coordinates: Any, properties: dict[str, Any]) -> dict[str, Any]:

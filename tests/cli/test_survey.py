@@ -60,6 +60,7 @@ def test_a_check_simulates_and_writes_nothing(in_folder: Path, capsys: pytest.Ca
         (("--bends", "1.5"), "--bends 1.5 is no radius"),
         (("--policy", "arm"), "passes no pipe as a whole"),
         (("--check", "--routes", "x"), "--routes would be ignored"),
+        (("--routes", "town.geojson"), "cannot use the folder town.geojson: it is a file"),
     ],
 )
 def test_wrong_options_leave_nothing(

@@ -48,7 +48,14 @@ CASES = {
     "no units": ("net.pcf", PCF.replace("UNITS-CO-ORDS", "X"), "names no UNITS-CO-ORDS"),
     "another unit": ("net.pcf", PCF.replace("UNITS-BORE MM", "UNITS-BORE KM"), "UNITS-BORE 'KM' is unknown"),
     "a point of two": ("net.pcf", PCF.replace(" 0.0 100.0", "", 1), r"line 6: .* needs x, y and z"),
-    "no shapefile": ("net.shp", "hello", "cannot read|is no readable shapefile"),
+    "no table beside it": ("net.shp", "hello", r"has no net\.dbf beside it"),
+    "an index twice": (
+        "net.json",
+        JSON.replace("[0, 1, 2]", "[0, 1, 1]", 1),
+        "table junction, row 3: index '1' stands in row 2",
+    ),
+    "nothing": ("net.csv", " \n", "is empty"),
+    "nothing, as JSON": ("net.geojson", "", "is empty"),
     "unknown": ("net.dxf", "0\nSECTION\n", r"of an unknown format: give a file that ends in \.inp"),
 }
 

@@ -37,7 +37,7 @@ def browser() -> Iterator[Any]:
 @pytest.fixture
 def page_file(record: dict[str, Any], tmp_path: Path) -> Path:
     path = tmp_path / "report.html"
-    path.write_text(html_report(record), encoding="utf-8")
+    path.write_text("".join(html_report(record)), encoding="utf-8")
     return path
 
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 from pathlib import Path
 
 import pytest
+from helpers.documented import pipenav
 from helpers.surveys import AnsweredFindings, map_of, random_tree
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -87,7 +89,7 @@ def test_records_are_whole(tmp_path: Path, seed: int, nodes: int) -> None:
         distances = [float(row["distance_m"]) for row in reached if row["entry"] == entry]
         assert distances == sorted(distances)
         assert max(distances) <= result.config.tether.cable + 1e-6
-    drawn = json.loads(map_geojson(record))["features"]
+    drawn = json.loads("".join(map_geojson(record)))["features"]
     assert sum(feature["geometry"]["type"] == "LineString" for feature in drawn) == len(record["segments"])
 
 
@@ -105,15 +107,35 @@ def test_routes_to_far_ends_can_be_read(tmp_path: Path) -> None:
     assert len(route.corners) == 4
     assert [corner.turn for corner in route.corners] in (["right", "left"] * 2, ["left", "right"] * 2)
     assert max(route.straights) < 13
+    written = [float(line.split(" = ")[1]) for line in made.text.splitlines() if re.search("_(deg|mm) = ", line)]
+    assert written and all(value == round(value, 1) for value in written)
+
+
+@pytest.mark.slow
+def test_routes_are_taken_by_gen_pipe_eval_and_view(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two corners of a map: the file is made into a pipe, evaluated in, and drawn."""
+    monkeypatch.chdir(tmp_path)
+    network = map_of([(0.0, 0.0, 0.0), (9.0, 0.0, 0.0), (16.0, 3.0, 0.1), (25.0, 3.0, 0.2)], [(0, 1), (1, 2), (2, 3)])
+    result = survey(network, AnsweredFindings(tmp_path), SurveyConfig(entries=("N0",), tether=Tether().lifted))
+    (made,) = far_routes(result)
+    Path(made.name).write_text(made.text)
+    for command in (
+        f"gen-pipe --route {made.name}",
+        f"eval --policy pirate --pipes {made.name} --episodes 1 --out evaluation",
+        f"view --policy pirate --pipes {made.name} --out view.png",
+    ):
+        assert pipenav(*command.split()) == 0
+    assert json.loads(Path("evaluation/eval.json").read_text())["success"] == 1.0
+    assert Path(made.name).with_suffix("").joinpath("pipe.urdf").is_file() and Path("view.png").is_file()
 
 
 def test_names_of_a_strangers_file_cannot_leave_the_page(tmp_path: Path) -> None:
     network = random_tree(1, 4)
     result, findings = surveyed(network, FROM_FIRST, tmp_path)
     record = survey_record(result, Subject("</script><script>alert(1)</script>", findings.trials, []))
-    page = html_report(record)
+    page = "".join(html_report(record))
     assert "alert(1)</script>" not in page
-    harmless = html_report(survey_record(result, Subject("a file", findings.trials, [])))
+    harmless = "".join(html_report(survey_record(result, Subject("a file", findings.trials, []))))
     assert page.count("</script>") == harmless.count("</script>")
     assert not [
         word for word in ("http://", "https://", "//cdn") if word in page.replace("http://www.w3.org/2000/svg", "")

@@ -34,7 +34,7 @@ class TetherConfig(Table):
     @property
     def per_metre(self) -> float:
         """Drag of a metre of cable in a straight, level pipe [N/m]."""
-        return drag_per_metre(self.weight, self.friction)
+        return float(drag_per_metre(self.weight, self.friction))
 
 
 class Tethers:
