@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from pipenav.driving.ask import Operator
     from pipenav.driving.plans import DrivePlan
     from pipenav.driving.records import DriveRecords
-    from pipenav.driving.sessions import Session, Shown
+    from pipenav.driving.sessions import Session
+    from pipenav.driving.shown import Shown
 
 DEFAULT_PIPE = "d=90,angle=90"
 

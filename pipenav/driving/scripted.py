@@ -13,6 +13,7 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.driving.ask import NOTHING, Ask, Seen
+from pipenav.driving.primitives import ROLL
 from pipenav.driving.route_steps import order_after
 from pipenav.driving.scan_match import ScanMatch
 from pipenav.pipes.corner import PipeCorner
@@ -96,8 +97,14 @@ class StepScript(Scripted):
         if seen.step == "b" and self._early and self._in_b > 20:
             return self._press("c")
         if seen.done:
-            return self._press(order_after(seen.step))
+            return self._press(self._next(seen))
         return Ask(active=True)
+
+    def _next(self, seen: Seen) -> str:
+        """The key after a step that is done: a roll where the next corner lies in another plane, and then on."""
+        if seen.step == ROLL:
+            return "e"
+        return ROLL if seen.step == "e" and not seen.in_plane else order_after(seen.step)
 
     def _press(self, step: str) -> Ask:
         self._wait = int(self._rng.integers(*REACTION))
