@@ -114,7 +114,7 @@ def _check(file: Path, device: Device, control: str, action: str, robot: RobotSp
     Raises:
         PipenavError: there is no such action or joint.
     """
-    joints = [joint.name for joint in robot.joints]
+    joints = [joint.name for joint in robot.joints] + ([] if robot.roll is None else [robot.roll.joint.name])
     analogue = control.startswith(("axis", "cc"))
     known = [*ANALOGUE, *joints] if analogue else [*TAPS, *HELD, *(name + sign for name in joints for sign in "+-")]
     if action in known:

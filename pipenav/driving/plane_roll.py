@@ -91,6 +91,13 @@ class PlaneRoll:
         away = points - self._legs.start[corner + 1]
         return np.stack([away @ along, away @ (math.cos(self.plane) * left + math.sin(self.plane) * up)], axis=1)
 
+    def down(self, corner: int) -> Floats:
+        """Direction downwards in the straight before a corner, as the drawing has it: along the straight, to the
+        robot's left and square to its plane, (3,)."""
+        along, left, up = self._legs.axes[corner].T
+        cos, sin = math.cos(self.plane), math.sin(self.plane)
+        return np.stack([along, cos * left + sin * up, cos * up - sin * left]) @ np.asarray(self._route.down)
+
     def walls(self, corner: int) -> Floats:
         """Walls of a corner in the robot's plane, (k, 2, 2) [m]; where it lies in another, those of the straight."""
         given, diameter = self._route.corners[corner], m_to_mm(2 * float(self._legs.radius[corner]))
@@ -102,18 +109,20 @@ class PlaneRoll:
         return np.array([np.stack([x, np.full(2, side * pipe.radius)], axis=1) for side in (1.0, -1.0)])
 
 
+WAYS = ("→ ahead", "↗ ahead left", "↑ left", "↖ back left", "← back", "↙ back right", "↓ right", "↘ ahead right")
+"""Eighths of a turn from a robot's heading to its left, with arrows as in a picture of its plane."""
+
+ACROSS = math.radians(60.0)
+"""Least angle between down and the picture's plane at which down points through the picture."""
+
+
 def down_words(down: Floats) -> str:
-    """Words for the direction of down as a robot's front half feels it, seen from above its plane.
+    """Words for a direction downwards in a picture of the robot's plane.
 
     Args:
-        down: that direction in the half's frame: forwards, to the left, and across its plane upwards, (3,).
+        down: unit vector downwards: along the straight, to the robot's left, and to the viewer, (3,).
     """
-    forward, left, across = down
-    if np.linalg.norm(down) < senses.WEIGHT:
-        return "nothing weighs"
-    in_plane = math.hypot(forward, left)
-    if in_plane < abs(across) * math.tan(math.radians(30.0)):
-        return "down is below the picture" if across < 0 else "down is above the picture"
-    eighth = round(math.atan2(left, forward) / (math.pi / 4)) % 8
-    way = ("ahead", "ahead left", "left", "back left", "back", "back right", "right", "ahead right")[eighth]
-    return f"down is {way} of the robot"
+    along, left, to_viewer = down
+    if abs(to_viewer) > math.sin(ACROSS):
+        return "down points out of the picture" if to_viewer > 0 else "down points into the picture"
+    return f"down {WAYS[round(math.atan2(left, along) / (math.pi / 4)) % len(WAYS)]}"

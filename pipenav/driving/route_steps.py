@@ -43,7 +43,7 @@ def corner_row(pipe: Pipe | None) -> CornerRow | None:
     """Corners of a pipe; None where it is not known, or has other fittings than corners."""
     if pipe is None:
         return None
-    if pipe.corner is not None:
+    if pipe.corner is not None and not pipe.corner.branches:
         return CornerRow((pipe.corner,), ())
     route = as_route(pipe)
     if route.has_fittings:

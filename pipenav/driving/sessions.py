@@ -171,7 +171,8 @@ class Session:
                 "episode": number,
                 "seed": plan.seed,
                 "robot_file": plan.robot.model_dump(mode="json"),
-                "task": plan.task.model_dump(mode="json"),
+                # In space a robot drives itself between corners, which is no lesson for a policy.
+                **({} if plan.in_space else {"task": plan.task.model_dump(mode="json")}),
             }
         )
         return _Episode(telemetry)
@@ -190,7 +191,8 @@ class Session:
             episode.force = max(episode.force, force)
             episode.penetration = max(episode.penetration, penetration)
         if episode.telemetry is not None:
-            episode.telemetry.tick({**tick_record(episode.steps, door, reading, force), **lesson.record})
+            taught = {} if self._plan.in_space else lesson.record
+            episode.telemetry.tick({**tick_record(episode.steps, door, reading, force), **taught})
         episode.steps += 1
 
     def _finish(self, episode: _Episode, job: int, door: Door, outcome: str) -> None:

@@ -20,7 +20,7 @@ from pipenav.driving.slew import TO_FULL_SPEED, Slew, SlewLimits
 from pipenav.pipes.route import PipeRoute
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.rolling.clamp import check_robot
-from pipenav.tasks.rolling.manoeuvre import FRONT, SETTLED, RollCommand
+from pipenav.tasks.rolling.manoeuvre import SETTLED, RollCommand
 from pipenav.units import rad_to_deg
 
 TWISTED = "the halves lie in different planes: finish the roll, or turn the roll joint back"
@@ -88,8 +88,12 @@ class SpaceDoor(Door):
     def scenery(self) -> str:
         """Words for which way is down, and how far the robot's plane is from that of the next corner."""
         corner = self._ahead
-        off = "" if corner is None else f", plane {rad_to_deg(self._plane.away(corner)):+.0f}° to the next corner's"
-        return down_words(self._now.down[0, FRONT]) + off
+        off = (
+            ""
+            if corner is None
+            else f"   the next corner's plane is {rad_to_deg(self._plane.away(corner)):+.0f}° from the robot's"
+        )
+        return down_words(self._plane.down(self._shown)) + off
 
     def start_in_space(self, reading: SpaceReading, scene: Scene, route: PipeRoute) -> None:
         """Begin an episode; readings are rows of one."""
