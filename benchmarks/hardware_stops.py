@@ -80,7 +80,7 @@ TURN = 4
 """Control steps for which a policy drives, and then a person, in turn."""
 
 DRIVERS = ("", PERSON, POLICY)
-"""Those who may drive when a driver is ended; nobody before its loop."""
+"""Names of who may drive when a driver is ended; nobody before its loop."""
 
 
 class Trial(NamedTuple):

@@ -183,7 +183,7 @@ class Door:
         return self._slew.person(goals)
 
     def _goal(self, reading: Reading) -> Floats | None:
-        """What the step or primitive under way goes to, (actuators,); None where none is."""
+        """Goal of the step or primitive under way, (actuators,); None where none is."""
         if self._under_way in STEPS and self._steps is not None:
             goal = self._steps.goal()
             return np.concatenate([goal.set_points, goal.wheels])

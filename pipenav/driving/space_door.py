@@ -91,7 +91,7 @@ class SpaceDoor(Door):
         off = (
             ""
             if corner is None
-            else f"   the next corner's plane is {rad_to_deg(self._plane.away(corner)):+.0f}° from the robot's"
+            else f"   the next corner's plane is {round(rad_to_deg(self._plane.away(corner))):+d}° from the robot's"
         )
         return down_words(self._plane.down(self._shown)) + off
 
