@@ -44,6 +44,8 @@ def drive(
 
     Shared control, a held key takes over: pipenav drive --policy pirate-strong --pipes d=70,angle=55
 
+    Corners in several planes, with a roll (r) into each: pipenav drive --robot pirate-strong --pipes runs-rolled:1
+
     Without a person: pipenav drive --operator scripted --pipes working-range --episodes 10
 
     An arm made of software, over its bus, alone or with a policy: pipenav drive --emulate --policy real-setup
