@@ -15,6 +15,7 @@ from pipenav.driving.ask import PERSON, Operator, Seen
 from pipenav.driving.door import TURNING_LEASH, Door, Scene
 from pipenav.driving.plane_roll import PlaneRoll, down_words
 from pipenav.driving.primitives import AS_STEPS, ROLL
+from pipenav.driving.rear_flip import RearFlip
 from pipenav.driving.route_steps import roll_room
 from pipenav.driving.slew import TO_FULL_SPEED, Slew, SlewLimits
 from pipenav.pipes.route import PipeRoute
@@ -48,6 +49,7 @@ class SpaceDoor(Door):
         self._roll_slew = Slew(roll_limits(robot), 1)
         self._roll_share = 0.0  # speed of the roll joint that is asked for by hand
         self._roll_goal = 0.0
+        self._flip: RearFlip | None = None
 
     @property
     def told(self) -> Floats:
@@ -99,6 +101,7 @@ class SpaceDoor(Door):
         """Begin an episode; readings are rows of one."""
         self._plane, self._now = PlaneRoll(self.robot, route), reading
         self._roll_slew.start(reading.roll)
+        self._flip = None
         self.start(reading.body, scene)
 
     def next_in_space(self, reading: SpaceReading, policy: Callable[[], RollCommand] | None) -> RollCommand:
@@ -170,6 +173,8 @@ class SpaceDoor(Door):
                 self.said = OTHER_PLANE
                 return
         super()._begin(name, reading)
+        if self.step == "a" and steps is not None:
+            self._flip = RearFlip.needed(self.robot, steps.pipe, reading.q[0])
 
     def _begin_roll(self, reading: Reading) -> None:  # noqa: ARG002  # `_now` has it all
         steps, corner = self._steps, self._ahead
@@ -185,6 +190,11 @@ class SpaceDoor(Door):
             self._under_way = ROLL
 
     def _goal(self, reading: Reading) -> Floats | None:
+        if self.step == "a" and self._flip is not None:
+            flipping = self._flip.goal(reading.q[0])
+            if not self._flip.done:
+                return flipping
+            self._flip = None
         if self.step != ROLL:
             return super()._goal(reading)
         goal = self._plane.goal(self._now)

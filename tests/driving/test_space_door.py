@@ -19,6 +19,7 @@ from pipenav.driving.ask import NOTHING, Ask, Seen
 from pipenav.driving.door import STEPS_ONLY, Door, Scene
 from pipenav.driving.plans import make_plan
 from pipenav.driving.primitives import NO_ROLL
+from pipenav.driving.rear_flip import RearFlip
 from pipenav.driving.route_steps import corner_row
 from pipenav.driving.scripted import StepScript, script_for
 from pipenav.driving.sessions import Session
@@ -142,6 +143,40 @@ def test_a_policys_roll_is_what_it_wants_and_a_take_over_holds_it() -> None:
     assert back[-1] == pytest.approx(-0.8)
     path = np.array(told + held + back)
     assert np.abs(np.diff(path)).max() <= roll_limits(ROBOT).step[0] + ROUNDING
+
+
+@given(turn=st.sampled_from(["left", "right"]), rear=st.sampled_from([-1, 1]), front=st.sampled_from([-1, 1]))
+def test_before_step_a_the_rear_half_clamps_as_the_corner_turns_and_the_front_half_stays(
+    turn: str, rear: int, front: int
+) -> None:
+    pipe = PipeCorner.of(90, 80, turn)
+    steep = float(steepness(ROBOT, pipe.radius))
+    clamped = steep * np.array([1.0, -2.0, 1.0])
+    bends = np.concatenate([rear * clamped, front * clamped[::-1]])
+    flip = RearFlip.needed(ROBOT, pipe, bends)
+    assert (flip is None) == (rear == pipe.turn_sign)
+    if flip is not None:
+        goal = flip.goal(bends)
+        assert not flip.done
+        assert (goal[6:] == 0).all()
+        assert goal[[0, 5]] == pytest.approx(steep * np.array([pipe.turn_sign, front]))
+        assert goal[1] * pipe.turn_sign < -steep
+        assert goal[4] * front < -steep
+        flip.goal(goal[:6])
+        assert flip.done
+
+
+def test_the_front_half_holds_until_the_rear_half_has_turned_over() -> None:
+    bench = Bench(0.0)
+    before = bench.door.command[:6]
+    assert before[1] > 0  # as in a turn to the right, and the first corner turns to the left
+    bench.step(Ask(active=True, step="a"))
+    for _ in range(60):
+        told = bench.step(Ask(active=True)).values[0]
+        if abs(told[4]) < 0.5 * abs(before[4]):
+            break
+    assert bench.reading.body.q[0, 1] < 0
+    assert abs(told[4]) < 0.5 * abs(before[4])
 
 
 @pytest.mark.parametrize("row", [True, False])
