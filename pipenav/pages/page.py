@@ -6,8 +6,9 @@ import json
 from pathlib import Path
 from typing import Any
 
-HEAD, SCRIPTS = "<!--HEAD-->", "<!--DATA-->"
-"""Places in a template for all that comes before its title, and for the data with the shared functions."""
+HEAD, TOP, SCRIPTS = "<!--HEAD-->", "<!--TOP-->", "<!--DATA-->"
+"""Places in a template for all that comes before its title, for the page's top with title, subject and totals, where it
+has these, and for the data with the shared functions."""
 
 STYLE, HELPERS, DATA = "/*STYLE*/", "/*HELPERS*/", "/*DATA*/"
 """Places in the shared parts for the style, the functions, and the data."""
@@ -26,7 +27,7 @@ def filled_page(template: Path, data: Any) -> str:
     markup.
 
     Args:
-        template: the template, with its two places.
+        template: the template, with its places.
         data: what the page shows, as JSON can hold it.
 
     Raises:
@@ -36,7 +37,8 @@ def filled_page(template: Path, data: Any) -> str:
     head = _shared("head.html").replace(STYLE, _shared("page.css"), 1)
     helpers = "\n".join(map(_shared, FUNCTIONS))
     scripts = _shared("data.html").replace(HELPERS, helpers, 1).replace(DATA, text, 1)
-    return template.read_text(encoding="utf-8").replace(HEAD, head, 1).replace(SCRIPTS, scripts, 1)
+    page = template.read_text(encoding="utf-8").replace(HEAD, head, 1).replace(TOP, _shared("top.html"), 1)
+    return page.replace(SCRIPTS, scripts, 1)
 
 
 def _shared(name: str) -> str:
