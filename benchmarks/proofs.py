@@ -1,7 +1,12 @@
-"""Policies against proofs: `python benchmarks/proofs.py --episodes 10000`.
+"""Policies against proofs, 10,000 episodes unless told otherwise.
+
+    python benchmarks/proofs.py                     # one process
+    python benchmarks/proofs.py --processes 16      # the same lines in the same order, one policy and angle each
 
 For each policy and angle, pipes just below the frontier are proven impossible by `pipenav.certify`, once for rigid
 bodies and once with the overlap that the task allows, and the policy tries to pass them in a simulator.
+
+The pipes are proven first, so that the episodes can be shared evenly by the proofs that there are.
 
 - A success in a pipe that is proven impossible with the overlap contradicts the proof: none may occur.
 - In a pipe that is proven impossible for rigid bodies alone, soft contacts may let a robot pass. The success with the
@@ -13,10 +18,15 @@ Ends with exit code 1 where there was a contradiction.
 from __future__ import annotations
 
 import argparse
+import itertools
 import math
+import os
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from itertools import repeat
+from multiprocessing import get_context
+from multiprocessing.queues import SimpleQueue
 from typing import NamedTuple
 
 import numpy as np
@@ -55,40 +65,68 @@ class Count(NamedTuple):
     contradictions: int
 
 
+class Proof(NamedTuple):
+    """Pipes of one angle that are proven impossible for a policy's robot.
+
+    Attributes:
+        policy: name or file of the policy.
+        angle: interior angle [deg].
+        overlap: overlap with the walls that the proof allows [m].
+        bores: bores below the frontier, widest first, turns in alternation, each proven impossible [mm].
+        seconds: time that finding them took [s].
+    """
+
+    policy: str
+    angle: float
+    overlap: float
+    bores: list[float]
+    seconds: float
+
+    def pipes(self) -> list[PipeCorner]:
+        """The pipes."""
+        return [turned(bore, self.angle, number) for number, bore in enumerate(self.bores)]
+
+
+class Trial(NamedTuple):
+    """A policy's episodes in the pipes of one proof, and the time that they took [s]."""
+
+    tries: Count
+    seconds: float
+
+
 def main() -> None:
+    """Prove, try, and print a line for each proof."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--episodes", type=int, default=10_000, help="episodes of all policies together")
+    parser.add_argument("--episodes", type=int, default=10_000, help="episodes of all policies together, at least")
     parser.add_argument("--policies", nargs="+", default=POLICIES, help="shipped policies or files")
     parser.add_argument("--angles", nargs="+", type=float, default=ANGLES_DEG, help="interior angles [deg]")
     parser.add_argument("--backend", default="mujoco", help="the simulator")
     parser.add_argument("--seed", type=int, default=0, help="seed of starts and targets")
+    parser.add_argument("--processes", type=int, default=1, help="processes; each has one policy and angle at a time")
     given = parser.parse_args()
-    share = given.episodes / (2 * len(given.policies) * len(given.angles))
-    every = []
-    print(
-        "policy           proof          angle  bores [mm]     episodes  successes  contradictions  time [s]",
-        flush=True,
-    )
-    for name in given.policies:
-        controller = open_controller(name)
-        for angle in given.angles:
-            largest = WIDEST_MM
-            for overlap in (0.0, controller.task.max_penetration):
-                began = time.monotonic()
-                largest = largest_impossible(controller, overlap, angle, largest)
-                pipes = list(impossible_pipes(controller, overlap, angle, largest))
-                if not pipes:
-                    continue
-                each = math.ceil(share / len(pipes))
-                found = tried(controller, pipes, each, given.seed, overlap, SimulatorSettings(given.backend, {}))
-                every.append(found)
-                bores = f"{m_to_mm(pipes[-1].diameter):.1f}-{m_to_mm(pipes[0].diameter):.1f}"
-                proof = f"{m_to_mm(overlap):g} mm overlap" if overlap else "rigid"
-                print(
-                    f"{name:16} {proof:14} {angle:5g}  {bores:13} {found.episodes:9,} {found.successes:10,} "
-                    f"{found.contradictions:15,} {time.monotonic() - began:9.0f}",
-                    flush=True,
-                )
+    cases = list(itertools.product(given.policies, given.angles))
+    spawn = get_context("spawn")
+    shares = spawn.SimpleQueue()
+    for share in shares_of_cores(given.processes):
+        shares.put(share)
+    with ProcessPoolExecutor(given.processes, spawn, keep_to_cores, (shares,)) as pool:
+        proofs = []
+        for found in pool.map(proven, *zip(*cases, strict=True)):
+            proofs += found
+            print(f"proofs of {found[0].policy} at {found[0].angle:g} deg", file=sys.stderr, flush=True)
+        proofs = [proof for proof in proofs if proof.bores]
+        if not proofs:
+            sys.exit("no pipe is proven impossible")
+        each = math.ceil(given.episodes / len(proofs))
+        print("policy           proof          angle  bores [mm]     episodes  successes  contradictions  time [s]")
+        every = []
+        for proof, trial in zip(
+            proofs,
+            pool.map(tried, proofs, repeat(each), repeat(given.seed), repeat(given.backend)),
+            strict=True,
+        ):
+            every.append(trial.tries)
+            print(line(proof, trial), flush=True)
     total = Count(*map(sum, zip(*every, strict=True)))
     most = 100 * wilson(total.contradictions, total.episodes).high
     print(
@@ -98,6 +136,30 @@ def main() -> None:
     sys.exit(1 if total.contradictions else 0)
 
 
+def line(proof: Proof, trial: Trial) -> str:
+    """Line of the table for one proof."""
+    kind = f"{m_to_mm(proof.overlap):g} mm overlap" if proof.overlap else "rigid"
+    bores = f"{proof.bores[-1]:.1f}-{proof.bores[0]:.1f}"
+    tries = trial.tries
+    return (
+        f"{proof.policy:16} {kind:14} {proof.angle:5g}  {bores:13} {tries.episodes:9,} {tries.successes:10,} "
+        f"{tries.contradictions:15,} {proof.seconds + trial.seconds:9.0f}"
+    )
+
+
+def keep_to_cores(shares: SimpleQueue[set[int]]) -> None:
+    """Keep a process to its share of the cores, so that simulators and networks start no threads beyond it."""
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, shares.get())
+
+
+def shares_of_cores(processes: int) -> list[set[int]]:
+    """Cores for each process; processes beyond the cores share them."""
+    cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else [0]
+    each = max(1, len(cores) // processes)
+    return [{cores[(number * each + i) % len(cores)] for i in range(each)} for number in range(processes)]
+
+
 def impossible(controller: AnyController, pipe: PipeCorner, overlap: float) -> bool:
     """Whether a pipe is proven impossible for all starts and targets, with an overlap of so much [m]."""
     model, task = Model(controller.robot, pipe, "plane", overlap), controller.task
@@ -105,25 +167,37 @@ def impossible(controller: AnyController, pipe: PipeCorner, overlap: float) -> b
     return certify(model, ends, RESOLUTION).kind == "impossible"
 
 
-def largest_impossible(controller: AnyController, overlap: float, angle: float, high: float) -> float:
+def proven(policy: str, angle: float) -> list[Proof]:
+    """Proofs of one policy and angle [deg]: for rigid bodies, and with the overlap that the task allows."""
+    controller, largest, proofs = open_controller(policy), WIDEST_MM, []
+    narrowest = narrowest_mm(controller)
+    for overlap in (0.0, controller.task.max_penetration):
+        began = time.monotonic()
+        largest = largest_impossible(controller, overlap, angle, (narrowest, largest))
+        below = [largest - less for less in BELOW_MM if largest - less >= narrowest]
+        bores: list[float] = []
+        for bore in below:
+            if impossible(controller, turned(bore, angle, len(bores)), overlap):
+                bores.append(bore)
+        proofs.append(Proof(policy, angle, overlap, bores, time.monotonic() - began))
+    return proofs
+
+
+def turned(bore: float, angle: float, number: int) -> PipeCorner:
+    """A pipe of a bore [mm] and an angle [deg]; it turns left or right as its number is even or odd."""
+    return PipeCorner.of(bore, angle, "right" if number % 2 else "left")
+
+
+def largest_impossible(controller: AnyController, overlap: float, angle: float, bounds: tuple[float, float]) -> float:
     """Largest bore of an angle [deg] that is proven impossible, up to the step, below one that is not [mm]."""
-    low = narrowest_mm(controller)
+    low, high = bounds
     while high - low > STEP_MM:
         middle = low + STEP_MM * round((high - low) / (2 * STEP_MM))
-        if impossible(controller, PipeCorner.of(middle, angle), overlap):
+        if impossible(controller, turned(middle, angle, 0), overlap):
             low = middle
         else:
             high = middle
     return low
-
-
-def impossible_pipes(controller: AnyController, overlap: float, angle: float, largest: float) -> Iterator[PipeCorner]:
-    """Pipes of an angle [deg] below the frontier, widest first, turns in alternation, each proven impossible."""
-    for number, below in enumerate(BELOW_MM):
-        if largest - below >= narrowest_mm(controller):
-            pipe = PipeCorner.of(largest - below, angle, "right" if number % 2 else "left")
-            if impossible(controller, pipe, overlap):
-                yield pipe
 
 
 def narrowest_mm(controller: AnyController) -> float:
@@ -137,19 +211,14 @@ def narrowest_mm(controller: AnyController) -> float:
             bore += STEP_MM
 
 
-def tried(
-    controller: AnyController,
-    pipes: Sequence[PipeCorner],
-    episodes: int,
-    seed: int,
-    overlap: float,
-    simulator: SimulatorSettings,
-) -> Count:
-    """The policy's episodes in pipes that are proven impossible."""
-    results = run_task(controller, pipes, episodes, seed, simulator)
+def tried(proof: Proof, share: int, seed: int, backend: str) -> Trial:
+    """The policy's episodes in pipes that are proven impossible, at least a share of so many."""
+    began, controller, pipes = time.monotonic(), open_controller(proof.policy), proof.pipes()
+    episodes = math.ceil(share / len(pipes))
+    results = run_task(controller, pipes, episodes, seed, SimulatorSettings(backend, {}))
     passed = (results.outcome == Outcome.REACHED).reshape(len(pipes), episodes)
     sank = results.penetration.reshape(len(pipes), episodes)
-    if overlap:
+    if proof.overlap:
         contradictions = int(passed.sum())
     else:
         contradictions = 0
@@ -157,7 +226,8 @@ def tried(
             if through.any():
                 least = float(np.min(deep[through])) + LEAST_OVERLAP
                 contradictions += impossible(controller, pipe, least)
-    return Count(len(pipes), passed.size, int(passed.sum()), contradictions)
+    tries = Count(len(pipes), passed.size, int(passed.sum()), contradictions)
+    return Trial(tries, time.monotonic() - began)
 
 
 if __name__ == "__main__":

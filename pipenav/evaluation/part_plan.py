@@ -26,8 +26,9 @@ PARTS = 16
 PART_EPISODES = (64, 1024)
 """Fewest and most episodes of a part: with fewer, robots wait for each other; more are lost with a worker."""
 
-MOST_TOGETHER = 4096
-"""Most episodes of parts that one process runs in one go, where that changes no result."""
+MOST_TOGETHER = 409_600
+"""Most control steps, by the task's time limit for a corner, of parts that one process runs in one go, where that changes
+no result: a stop loses them."""
 
 
 def bounds_of(total: int) -> list[int]:
@@ -105,11 +106,11 @@ class PartPlan:
 
     def missing(self, kept: Sequence[bool], together: bool) -> Iterator[range]:
         """Numbers of the parts that are not kept: each alone, or several in a row as far as they may run together."""
-        bounds, group = self.bounds, range(0)
+        group = range(0)
         together = together and self.robots_are_independent
         for index, there in enumerate(kept):
             fits = (
-                together and group and group.stop == index and bounds[index + 1] - bounds[group.start] <= MOST_TOGETHER
+                together and group and group.stop == index and self._steps(group.start, index + 1) <= MOST_TOGETHER
             )
             if not there and fits:
                 group = range(group.start, index + 1)
@@ -119,6 +120,14 @@ class PartPlan:
             group = range(0) if there else range(index, index + 1)
         if group:
             yield group
+
+    def _steps(self, first: int, end: int) -> int:
+        """Control steps that the parts `first` to the one before `end` may take, by the time limit for each corner."""
+        begin, to = self.bounds[first], self.bounds[end]
+        each = self.episodes.episodes
+        pipes = self.episodes.pipes[begin // each : -(-to // each)]
+        corners = max((len(pipe.turn_signs) for pipe in pipes), default=1)
+        return (to - begin) * corners * self.episodes.task.max_steps
 
     def key(self, index: int) -> str:
         """Name that tells a part, by its number from 0, from those of every other evaluation."""

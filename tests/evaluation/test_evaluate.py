@@ -100,7 +100,7 @@ def test_progress_is_reported_until_the_end() -> None:
 
 def test_the_shipped_policy_passes_the_working_range() -> None:
     policy = shipped.policies_dir() / "arm" / "best.zip"
-    assert policy.is_file(), "models/policies/arm/best.zip is missing: train it by pipenav train --preset arm"
+    assert policy.is_file(), "models/policies/arm/best.zip is missing: train it by pipenav train --preset arm-tees"
     sample = parse_corners(["working-range"])[::16]
     assert len(sample) == 12
     found = run_task(PolicyController(load_policy(policy)), sample, EPISODES, seed=11)

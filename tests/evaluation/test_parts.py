@@ -93,7 +93,7 @@ def test_mujocos_results_do_not_depend_on_the_parts(
 ) -> None:
     expected = CheckedEvaluation(config(name)).run().to_json()
     monkeypatch.setattr(part_plan, "PART_EPISODES", sizes)
-    monkeypatch.setattr(part_plan, "MOST_TOGETHER", 5)
+    monkeypatch.setattr(part_plan, "MOST_TOGETHER", 500)
     assert CheckedEvaluation(config(name)).run().to_json() == expected
 
 
@@ -116,6 +116,14 @@ def test_parts_that_are_missing_run_once_each(kept: list[bool], together: bool) 
     assert [i for group in groups for i in group] == [i for i, there in enumerate(kept) if not there]
     if not together:
         assert all(len(group) == 1 for group in groups)
+
+
+@pytest.mark.parametrize(("policy", "most"), [("arm", 4096), ("pirate", 1365)])
+def test_a_stop_loses_few_episodes_of_long_ones(policy: str, most: int) -> None:
+    plan = CheckedEvaluation(EvaluationConfig(policy=policy, episodes=50)).parts
+    groups = list(plan.missing([False] * plan.count, together=True))
+    assert len(groups) > 1
+    assert all(plan.bounds[one.stop] - plan.bounds[one.start] <= most for one in groups)
 
 
 @given(st.data())
