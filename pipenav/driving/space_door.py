@@ -50,6 +50,9 @@ class SpaceDoor(Door):
         self._roll_share = 0.0  # speed of the roll joint that is asked for by hand
         self._roll_goal = 0.0
         self._flip: RearFlip | None = None
+        self._rolled = (
+            False  # since then (e) drives on clamped as the roll has left it: turning over would lose the plane
+        )
 
     @property
     def told(self) -> Floats:
@@ -101,7 +104,7 @@ class SpaceDoor(Door):
         """Begin an episode; readings are rows of one."""
         self._plane, self._now = PlaneRoll(self.robot, route), reading
         self._roll_slew.start(reading.roll)
-        self._flip = None
+        self._flip, self._rolled = None, False
         self.start(reading.body, scene)
 
     def next_in_space(self, reading: SpaceReading, policy: Callable[[], RollCommand] | None) -> RollCommand:
@@ -174,7 +177,9 @@ class SpaceDoor(Door):
                 return
         super()._begin(name, reading)
         if self.step == "a" and steps is not None:
-            self._flip = RearFlip.needed(self.robot, steps.pipe, reading.q[0])
+            self._flip, self._rolled = RearFlip.needed(self.robot, steps.pipe, reading.q[0]), False
+        if self.step == "e" and self._rolled and self._clamped is not None:
+            self._clamped.begin("forward", reading, self.command[: self._joints])
 
     def _begin_roll(self, reading: Reading) -> None:  # noqa: ARG002  # `_now` has it all
         steps, corner = self._steps, self._ahead
@@ -187,7 +192,7 @@ class SpaceDoor(Door):
             self.said = NO_ROOM
         else:
             self._plane.begin(self._now, corner)
-            self._under_way = ROLL
+            self._under_way, self._rolled = ROLL, True
 
     def _goal(self, reading: Reading) -> Floats | None:
         if self.step == "a" and self._flip is not None:
@@ -195,6 +200,10 @@ class SpaceDoor(Door):
             if not self._flip.done:
                 return flipping
             self._flip = None
+        if self.step == "e" and self._rolled and self._clamped is not None:
+            forward = self._clamped.goal(reading)
+            forward[self._joints :] *= not self.step_done
+            return forward
         if self.step != ROLL:
             return super()._goal(reading)
         goal = self._plane.goal(self._now)

@@ -109,9 +109,7 @@ class PartPlan:
         group = range(0)
         together = together and self.robots_are_independent
         for index, there in enumerate(kept):
-            fits = (
-                together and group and group.stop == index and self._steps(group.start, index + 1) <= MOST_TOGETHER
-            )
+            fits = together and group and group.stop == index and self._steps(group.start, index + 1) <= MOST_TOGETHER
             if not there and fits:
                 group = range(group.start, index + 1)
                 continue

@@ -217,6 +217,11 @@ def test_a_script_passes_a_rolled_route_by_steps_and_rolls(weight: float, tmp_pa
     assert abs(math.cos(ticks[-1]["plane"])) < math.sin(math.radians(15.0))  # a quarter of a turn, to either side
     assert session.records[0].largest_jump <= 1 + 1e-6
     assert "observation" not in ticks[0]
+    clamped = next(tick for tick in ticks if tick["step"] == "e" and abs(tick["plane"]) > 1.0)
+    begun = next(tick for tick in ticks if tick["step"] == "a" and tick["tick"] > clamped["tick"])
+    for joint in (1, 4):  # what presses goes on pressing until step (a) turns the rear half over
+        held = [tick["q"][joint] for tick in ticks[clamped["tick"] : begun["tick"]]]
+        assert min(held) * max(held) > 0
 
 
 @pytest.mark.slow
