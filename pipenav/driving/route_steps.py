@@ -126,6 +126,8 @@ class RouteSteps:
     ) -> None:
         self._robot, self._row, self._reading, self._turn_sign = robot, row, reading, turn_sign
         self.corner, self.refusal = 0, ""
+        self._kept: float | None = None  # distance to the next corner when a robot began to roll into its plane
+        self._driven_on = 0.0
         self.pipe = self._as_it_turns()
         self._steps = StepDriver(robot, self.pipe, tip_gap, reading)
 
@@ -161,6 +163,17 @@ class RouteSteps:
         self._reading = reading
         self._steps.see(reading)
 
+    def keep(self, reading: Reading, driven_on: float) -> None:
+        """Take in, in place of `see`, the readings of a robot that rolled into another plane after (e).
+
+        Args:
+            reading: readings after a control period, rows of one.
+            driven_on: distance that it drove on since it began to roll [m].
+        """
+        if self._kept is None:
+            self._kept = self._ahead()
+        self._reading, self._driven_on = reading, driven_on
+
     def begin(self, step: str) -> None:
         """Begin a step, if it is the next one or the one before; `refusal` says why not."""
         self.refusal = ""
@@ -181,11 +194,13 @@ class RouteSteps:
 
     def _ahead(self) -> float:
         """Distance of the tip before the next inner wall's bend, by the wheels [m]."""
+        if self._kept is not None:
+            return self._kept - self._driven_on
         following = self._row.corners[self.corner + 1]
         return self._row.spacing[self.corner] - following.inner_edge - self._steps.tip
 
     def _next_corner(self) -> None:
-        gap = max(self._ahead(), 0.0)
+        gap, self._kept = max(self._ahead(), 0.0), None
         self.corner += 1
         self.pipe = self._as_it_turns()
         self._steps = StepDriver(self._robot, self.pipe, gap, self._reading)

@@ -20,7 +20,7 @@ from pipenav.driving.route_steps import roll_room
 from pipenav.driving.slew import TO_FULL_SPEED, Slew, SlewLimits
 from pipenav.pipes.route import PipeRoute
 from pipenav.robots.robot import RobotSpec
-from pipenav.tasks.rolling.clamp import check_robot
+from pipenav.tasks.rolling.clamp import check_robot, rolled_distance
 from pipenav.tasks.rolling.manoeuvre import SETTLED, RollCommand
 from pipenav.units import rad_to_deg
 
@@ -50,6 +50,7 @@ class SpaceDoor(Door):
         self._roll_share = 0.0  # speed of the roll joint that is asked for by hand
         self._roll_goal = 0.0
         self._flip: RearFlip | None = None
+        self._driven_on = 0.0  # distance since the roll began [m]
         self._rolled = (
             False  # since then (e) drives on clamped as the roll has left it: turning over would lose the plane
         )
@@ -158,8 +159,13 @@ class SpaceDoor(Door):
         return self._plane.turn_sign(corner)
 
     def _see(self, reading: Reading) -> None:
-        if self.step != ROLL:  # a robot that rolls stays where it is
+        if not self._rolled or self._steps is None or self._steps.step != "e":
             super()._see(reading)
+            return
+        if self.step != ROLL:  # a robot that rolls stays where it is
+            assert reading.wheel_speeds is not None
+            self._driven_on += float(rolled_distance(self.robot, reading.q, reading.wheel_speeds)[0])
+        self._steps.keep(reading, self._driven_on)
 
     def _seen(self, reading: Reading) -> Seen:
         corner = self._ahead
@@ -192,7 +198,7 @@ class SpaceDoor(Door):
             self.said = NO_ROOM
         else:
             self._plane.begin(self._now, corner)
-            self._under_way, self._rolled = ROLL, True
+            self._under_way, self._rolled, self._driven_on = ROLL, True, self._driven_on if self._rolled else 0.0
 
     def _goal(self, reading: Reading) -> Floats | None:
         if self.step == "a" and self._flip is not None:
