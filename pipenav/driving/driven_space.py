@@ -8,7 +8,6 @@ from functools import partial
 import numpy as np
 
 from pipenav.arrays import Floats, Ints
-from pipenav.backends.messages import Reading
 from pipenav.backends.spatial import SpaceBackend, SpaceReading, SpaceTruth
 from pipenav.backends.viewer import Viewer
 from pipenav.driving.door import Scene
@@ -58,10 +57,6 @@ class DrivenSpace(SpaceBackend):
 
     def read(self) -> SpaceReading:
         return self._inner.read()
-
-    def readings(self) -> Reading:
-        """Readings that there are in the plane too."""
-        return self._inner.read().body
 
     def truth(self) -> SpaceTruth:
         return self._inner.truth()
