@@ -3,10 +3,11 @@
 (a) bare physics: the same models in MuJoCo's Batch on all cores, nothing else
 (b) the backend: sensors and truth as well
 (c) the traverse task in space: pilots, outcomes and resets as well
+(d) the same task in turns of two shares, as a training steps it
 
 64 robots move in the 24 routes of `runs-rolled`, driven by the shipped policy `pirate-strong`, whose own time does not
-count.
-In every control step (a) steps the states from which (b) and (c) went on, so that all three share the machine alike.
+count. In every control step (a) steps the states from which (b) and (c) went on, so that all three share the machine
+alike. After some steps the robots of (d) repeat them, in the same episodes with the same actions and results.
 """
 
 from __future__ import annotations
@@ -14,9 +15,9 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import statistics
 import time
-from collections.abc import Sequence
+from collections import deque
+from collections.abc import Callable, Sequence
 from typing import Any
 
 for variable in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
@@ -29,6 +30,7 @@ import numpy as np
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.simulators import open_space
 from pipenav.backends.spatial import SpaceBackend, SpaceReading, SpaceTruth
+from pipenav.envs.sb3_env import TaskVecEnv
 from pipenav.pipes.route import PipeRoute
 from pipenav.pipes.route_sets import parse_routes
 from pipenav.policies.controller import actions_of
@@ -38,6 +40,9 @@ from pipenav.tasks.rolling.batch import RollingBatch
 from pipenav.tasks.traverse.episode import TraverseEpisodes, sample
 
 ROBOTS = 64
+
+BLOCK = 20
+"""Control steps after which the robots of (d) repeat them."""
 
 
 class Timed(SpaceBackend):
@@ -116,39 +121,94 @@ def main() -> None:
         print("\n".join(f"{name:34} {value:g}" for name, value in measured.items()))
 
 
+class InTurns:
+    """The robots of (d): two shares that go through the episodes of another batch, with the same actions.
+
+    Args:
+        open_share: makes a share of n robots with the source of its episodes.
+    """
+
+    def __init__(self, open_share: Callable[[int, Callable[[Ints], TraverseEpisodes]], RollingBatch]) -> None:
+        self._episodes = [deque[TraverseEpisodes]() for _ in range(ROBOTS)]
+        half = ROBOTS // 2
+        self.env = TaskVecEnv(*(open_share(half, lambda ids, first=i * half: self._next(ids + first)) for i in (0, 1)))
+
+    def note(self, indices: Ints, episodes: TraverseEpisodes) -> None:
+        """Take in the episodes that some robots begin."""
+        for k, i in enumerate(indices):
+            self._episodes[i].append(episodes.part(slice(k, k + 1)))
+
+    def _next(self, indices: Ints) -> TraverseEpisodes:
+        first, *rest = zip(*(self._episodes[i].popleft() for i in indices), strict=True)
+        return TraverseEpisodes(sum(first, ()), *map(np.concatenate, rest))
+
+    def seconds(self, actions: list[Floats], expected: Floats) -> float:
+        """Time that the control steps with these actions take [s]; they end with the observations `expected`."""
+        begin = time.perf_counter()
+        for k in range(len(actions) + 1):
+            steps = []
+            for share in self.env.shares:
+                if k:
+                    steps.append(self.env.receive(share))
+                if k < len(actions):
+                    share.send(actions[k][share.rows])
+        taken = time.perf_counter() - begin
+        assert np.array_equal(np.concatenate([step.observation for step in steps]), expected.astype(np.float32))
+        return taken
+
+
 def measure(steps: int) -> dict[str, float]:
-    """Rates of (a) to (c) and their ratios, by their names in the output."""
+    """Rates of (a) to (d) and their ratios, by their names in the output."""
     controller, rng = open_controller("pirate-strong"), np.random.default_rng(0)
     robot, task, routes = controller.robot, controller.task, parse_routes(["runs-rolled"])
     drawn = iter(range(10**9))
 
     def source(indices: Ints) -> TraverseEpisodes:
-        return sample(robot, task, [routes[next(drawn) % len(routes)] for _ in indices], rng)
+        episodes = sample(robot, task, [routes[next(drawn) % len(routes)] for _ in indices], rng)
+        in_turns.note(indices, episodes)
+        return episodes
 
+    in_turns = InTurns(lambda n, own: RollingBatch(robot, task, open_space("mujoco", robot, n, {}), n, own))
     backend = Timed(open_space("mujoco", robot, ROBOTS, {}))
     batch, bare = RollingBatch(robot, task, backend, ROBOTS, source), Bare(backend.inner)
-    observation, seconds = batch.reset(), []
+    observation, rows, turns, told = batch.reset(), [], [], []
+    in_turns.env.reset()
     substeps = backend.inner._settings.substeps  # type: ignore[attr-defined]
     for _ in range(steps):
-        actions = actions_of(controller, observation, batch)
+        told.append(actions_of(controller, observation, batch))
         before, begin = backend.seconds, time.perf_counter()
-        step = batch.step(actions)
+        step = batch.step(told[-1])
         taken = time.perf_counter() - begin
         alone, begin = bare.seconds(substeps, backend.before), time.perf_counter()
         observation, ended = step.observation, np.flatnonzero(step.outcome != Outcome.RUNNING)
         if len(ended):
             observation = batch.reset(ended)
-        seconds.append((alone, backend.seconds - before, taken + time.perf_counter() - begin))
+        rows.append((alone, backend.seconds - before, taken, taken + time.perf_counter() - begin))
+        if len(told) == BLOCK:
+            turns.append((sum(row[0] for row in rows[-BLOCK:]), in_turns.seconds(told, observation)))
+            told = []
     batch.close()
-    a, b, c = (ROBOTS / statistics.median(column) for column in zip(*seconds[10:], strict=True))
-    whole = sum(row[0] for row in seconds[10:]) / sum(row[2] for row in seconds[10:])
+    in_turns.env.close()
+    return rates(np.array(rows[BLOCK:]), np.array(turns[1:]))
+
+
+def rates(rows: Floats, turns: Floats) -> dict[str, float]:
+    """What was measured, by its name in the output.
+
+    Args:
+        rows: duration of each control step in (a), (b), (c) and in (c) with its resets, (steps, 4) [s].
+        turns: duration of each block of control steps in (a) and (d), (blocks, 2) [s].
+    """
+    a, b, c, _ = ROBOTS / np.median(rows, axis=0)
     return {
         "bare physics [control steps/s]": round(a),
         "backend [control steps/s]": round(b),
         "task [control steps/s]": round(c),
+        "task in turns [control steps/s]": round(BLOCK * ROBOTS / np.median(turns[:, 1])),
         "b/a": round(b / a, 3),
         "c/a": round(c / a, 3),
-        "c/a with all resets": round(whole, 3),
+        "c/a with all resets": round(rows[:, 0].sum() / rows[:, 3].sum(), 3),
+        "d/a with all resets": round(float(np.median(turns[:, 0] / turns[:, 1])), 3),
     }
 
 

@@ -7,7 +7,8 @@ divides it into two halves; the plane of the front half is turned from that of t
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import NamedTuple
 
 from pipenav.arrays import Floats, Ints
@@ -102,6 +103,14 @@ class SpaceBackend(ABC):
                 [rad or m, rad/s].
             roll: set-points of the roll joints, (n,) [rad].
         """
+
+    def begin(self, set_points: Floats, roll: Floats) -> Callable[[], None]:
+        """Begin a control period: what is returned moves the robots, and may be called in another thread.
+
+        Until it has returned nothing else may be called. The arguments are those of `step`; a simulator that has work
+        to do before robots move does it here, where it delays no other robots.
+        """
+        return partial(self.step, set_points, roll)
 
     @abstractmethod
     def read(self) -> SpaceReading:

@@ -45,6 +45,7 @@ FORCE_HELP = "Largest contact force on any one link [N]: an episode with more ha
 SENSORS_HELP = (
     "Sensors of a whole robot: ideal, or mems with the errors of a consumer part. Default: as it was trained."
 )
+RECOVER_HELP = "A whole robot that is stuck in the plane rolls back by itself and tries again; in space it does anyway."
 STARTS_HELP = "Starts in which robots are stuck, by name (stuck-starts) or as FILE.json: brings its pipes and episodes."
 DISTURB_HELP = "Disturbances, by name or as FILE.toml; see `pipenav list disturbances`."
 AUDIT_HELP = "Replay this share of the successful episodes, 10% or 0.1, by geometry alone, without the simulator."
@@ -74,6 +75,7 @@ SensorsOption = Annotated[
     Literal["ideal", "mems"] | None, typer.Option(help=SENSORS_HELP, metavar="GRADE", rich_help_panel=EPISODES)
 ]
 StartsOption = Annotated[str | None, typer.Option(help=STARTS_HELP, rich_help_panel=EPISODES)]
+RecoverOption = Annotated[bool, typer.Option("--recover", help=RECOVER_HELP, rich_help_panel=EPISODES)]
 OutOption = Annotated[Path | None, typer.Option(help="Evaluation folder; default beside the policy.")]
 RequireOption = Annotated[str | None, typer.Option(metavar="PERCENT", help="Exit code 1 below this success, for CI.")]
 AuditOption = Annotated[str | None, typer.Option(metavar="SHARE", help=AUDIT_HELP)]
@@ -100,6 +102,7 @@ class LoadOptions(OptionGroup):
     max_force: ForceOption = None
     sensors: SensorsOption = None
     starts: StartsOption = None
+    recover: RecoverOption = False
 
 
 @dataclass(frozen=True)
@@ -140,7 +143,7 @@ def evaluate(
         pipenav eval --stage locate --robot high-fidelity --pipes thesis
         pipenav eval --policy pirate --pipes runs-level --option timestep=0.001
         pipenav eval --policy arm --disturb real-world --require 90%
-        pipenav eval --policy pirate --starts stuck-starts
+        pipenav eval --policy pirate --starts stuck-starts --recover
         pipenav eval --policy pirate --pipes d=100,angle=90 --tether 100 --max-force 100
         pipenav eval --policy pirate --pipes d=60,angle=55 --certify --audit 10%
     """

@@ -68,6 +68,9 @@ class EvaluationConfig(Table):
     sensors: SensorsName | None = Field(
         None, exclude_if=not_given, description="grade of a whole robot's sensors; none: as its policy was trained"
     )
+    recover: bool = Field(
+        False, exclude_if=operator.not_, description="whether whole robots back out by themselves where they are stuck"
+    )
     audit: float | None = Field(
         None, gt=0, le=1, exclude_if=not_given, description="share of the successful episodes to audit by geometry"
     )

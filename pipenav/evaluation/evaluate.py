@@ -71,7 +71,7 @@ class CheckedEvaluation:
         self._controller = None if config.policy is None else open_controller(config.policy, config.robot, config.seed)
         self._robot = load_robot(config.robot or "basic") if self._controller is None else self._controller.robot
         self._config: TaskConfig = ReachConfig() if self._controller is None else self._controller.task
-        self._config = _with_sensors(_tethered(self._config, config), config)
+        self._config = _recovering(_with_sensors(_tethered(self._config, config), config), config)
         self._task = task_of(self._config)
         if starts is not None:
             _check_starts(starts, self._robot, self._config)
@@ -246,3 +246,16 @@ def _with_sensors(task: TaskConfig, config: EvaluationConfig) -> TaskConfig:
             "--sensors."
         )
     return task.model_copy(update={"sensors": config.sensors})
+
+
+def _recovering(task: TaskConfig, config: EvaluationConfig) -> TaskConfig:
+    """The task with recovery, where an evaluation asks for it.
+
+    Raises:
+        PipenavError: the task is none of a whole robot.
+    """
+    if not config.recover:
+        return task
+    if not isinstance(task, TraverseConfig):
+        raise PipenavError("a whole robot recovers by itself: give a policy such as pirate, or leave out --recover.")
+    return task.model_copy(update={"recovery": True})

@@ -27,6 +27,7 @@ def circumstances(evaluation: Evaluation) -> str:
     more += "" if config.max_force is None else f", at most {config.max_force:g} N"
     more += "" if config.starts is None else f", {config.starts}"
     more += "" if config.sensors is None else f", {config.sensors} sensors"
+    more += ", recovery" if config.recover else ""
     settings = ", ".join(f"{name} {value}" for name, value in evaluation.options.items())
     return (
         f"stage {evaluation.stage}{located}, {pipes} pipe{'s' if pipes > 1 else ''} × {evaluation.episodes_per_pipe} "

@@ -1,9 +1,9 @@
 """Pairs of a robot's part and a piece of wall that can touch within a control period.
 
 MuJoCo collides exactly the pairs that a model lists, so that it searches no trees of bounding boxes, which took half of
-a physics step. A list holds every pair nearer than `SLACK` to where the robot is expected to pass: on a straight way
-from each of its points to where that point gets if it moves as in the period before. As long as no point strays
-further from this way, the contacts are those of all pairs, in the same order.
+a physics step. A list holds every pair nearer than a slack to the way on which the robot is expected to move. As long
+as no point strays further from its way, the contacts are those of all pairs, in the same order. A robot whose next way
+lies in the one that was listed keeps its list.
 """
 
 from __future__ import annotations
@@ -18,15 +18,13 @@ from numpy.typing import NDArray
 from pipenav.arrays import Flags, Floats, Ints
 from pipenav.robots import RobotSpec
 from pipenav_mujoco.model import ROBOT, WALL
-
-SLACK = 0.010
-"""Distance from its expected way up to which a point of a robot may pass [m]: 99 of 100 periods of a fast robot do."""
+from pipenav_mujoco.ways import SLACK, Way
 
 ROUNDING = 1e-5
-"""Distance added to `SLACK` in the search, which computes in single precision [m]."""
+"""Distance added to the slack in the search, which computes in single precision [m]."""
 
 ROAM = 0.08
-"""Distance that a robot's points move before its neighbourhood is looked up anew [m]."""
+"""Distance from a robot's points up to which its neighbourhood reaches [m]; further for a way that needs it."""
 
 NEIGHBOURS = 64
 """Pieces of wall that neighbourhoods have room for at first."""
@@ -115,11 +113,9 @@ class _Boxes(NamedTuple):
         half = np.full((n, 3, w), -np.inf, np.float32)
         return cls(np.zeros((n, 3, 3, w), np.float32), np.zeros((n, 3, w), np.float32), half)
 
-    def some(self, indices: Ints) -> _Boxes:
-        """Boxes of some robots."""
-        if len(indices) == len(self.half):
-            return self
-        return _Boxes(*(values[indices] for values in self))
+    def some(self, indices: Ints, width: int | None = None) -> _Boxes:
+        """The first boxes of some robots, all by default."""
+        return _Boxes(*(values[..., :width][indices] for values in self))
 
     def widened(self, w: int) -> _Boxes:
         """The same boxes with room for w."""
@@ -168,13 +164,15 @@ class NearPairs:
         self._parts, self._n = parts, n
         # Geoms on the same line with the same reach, such as both balls of a wheel, are one part in the search.
         alike, self._row = np.unique(np.column_stack([parts.ends.T, parts.reach]), axis=0, return_inverse=True)
-        self._first, self._last = alike[:, :2].T.astype(int)
+        self._ends = alike[:, :2].T.astype(int).tolist()
         self._reach = alike[:, 2]
         self._walls = _Boxes.none(n, walls)
         self._geom, self._body = np.zeros((2, n, walls), np.int64)
         self._lists: list[_List] = []
-        self._anchor = np.full((n, int(parts.ends.max()) + 1, 3), np.nan)
+        self._anchor, self._roam = np.full((n, int(parts.ends.max()) + 1, 3), np.nan), np.zeros(n)
         self._near, self._near_walls = _Boxes.none(n, NEIGHBOURS), np.zeros((n, NEIGHBOURS), np.int64)
+        self._width = np.zeros(n, int)  # number of pieces of wall in each neighbourhood
+        self._listed = Way(np.zeros_like(self._anchor), np.zeros_like(self._anchor), np.full(n, -np.inf))
 
     def take(self, models: Sequence[Any], indices: Ints, walls: Sequence[Walls]) -> None:
         """Let some robots have models of their own.
@@ -191,22 +189,43 @@ class NearPairs:
                 values[i] = value
             self._geom[i], self._body[i] = of_model.geom, of_model.body
             self._lists[i] = _List(models[i])
-        self._anchor[indices] = np.nan
+        self._anchor[indices], self._listed.slack[indices] = np.nan, -np.inf
 
-    def find(self, indices: Ints, start: Floats, end: Floats) -> int:
-        """List the pairs of some robots whose points (k, p, 3) move from `start` to `end`.
+    def find(self, indices: Ints, way: Way, steady: Flags | None = None) -> int:
+        """List the pairs of some robots on their ways, but where the listed way holds the next one.
+
+        Args:
+            indices: which robots, (k,).
+            way: their ways; a slack is lowered to `SLACK` where a model has no room for it.
+            steady: whether each robot moves steadily, (k,), so that it is looked ahead; none by default.
 
         Returns:
-            The largest number of pairs of a robot; where a model has no room for them, nothing is listed.
+            The largest number of pairs of a robot; one whose model has no room for its pairs is not listed.
         """
-        self._look_around(indices, start, end)
-        near = self._touched(self._near.some(indices), start, end, SLACK)
-        robot, part, place = np.nonzero(near[:, self._row])
+        anew = np.flatnonzero(~self._listed.rows(indices).holds(way))
+        if not len(anew):
+            return 0
+        plain, room = way.rows(anew), self._lists[0].room
+        counts = self._list(indices[anew], plain if steady is None else plain.ahead(steady[anew]))
+        if len(crowded := np.flatnonzero(counts > room)):
+            tight = anew[crowded]
+            way.slack[tight] = np.minimum(way.slack[tight], SLACK)
+            counts[crowded] = self._list(indices[tight], way.rows(tight))
+        return int(counts.max())
+
+    def _list(self, indices: Ints, way: Way) -> Ints:
+        """List the pairs of those robots on their ways that have room, and count the pairs of all, (k,)."""
+        self._look_around(indices, way)
+        near = self._touched(self._near.some(indices, int(self._width[indices].max())), way)
+        part, robot, place = np.nonzero(near[self._row])
         counts = np.bincount(robot, minlength=len(indices))
-        most = int(counts.max(initial=0))
-        if most <= self._lists[0].room:
-            self._write(indices, counts, robot, part, self._near_walls[indices[robot], place])
-        return most
+        fits = counts <= self._lists[0].room
+        if not fits.all():
+            part, robot, place = part[fits[robot]], robot[fits[robot]], place[fits[robot]]
+        self._write(indices, np.where(fits, counts, 0), robot, part, self._near_walls[indices[robot], place])
+        for listed, values in zip(self._listed, way, strict=True):
+            listed[indices[fits]] = values[fits]
+        return counts
 
     def _write(self, indices: Ints, counts: Ints, robot: Ints, part: Ints, wall: Ints) -> None:
         """Write pairs into models, sorted as MuJoCo sorts those that it finds itself: by bodies, then by geoms."""
@@ -221,14 +240,16 @@ class NearPairs:
         for i, begin, end in zip(indices.tolist(), [0, *ends], ends, strict=False):
             self._lists[i].write(first[begin:end], second[begin:end], friction[begin:end])
 
-    def _look_around(self, indices: Ints, start: Floats, end: Floats) -> None:
-        """Look up the neighbourhoods of robots that have left theirs."""
-        moved = [((points - self._anchor[indices]) ** 2).sum(axis=2).max(axis=1) for points in (start, end)]
-        left = ~(np.maximum(*moved) <= ROAM**2)
+    def _look_around(self, indices: Ints, way: Way) -> None:
+        """Look up the neighbourhoods of robots that leave theirs."""
+        moved = [((points - self._anchor[indices]) ** 2).sum(axis=2).max(axis=1) for points in way[:2]]
+        left = ~(np.sqrt(np.maximum(*moved)) + way.slack <= self._roam[indices])
         if not left.any():
             return
-        rows, points = indices[left], start[left]
-        reached = self._touched(self._walls.some(rows), points, points, SLACK + ROAM).any(axis=1)
+        rows, points = indices[left], way.start[left]
+        length = np.sqrt(((way.end[left] - points) ** 2).sum(axis=2).max(axis=1))
+        self._roam[rows] = np.maximum(ROAM, length + way.slack[left])
+        reached = self._touched(self._walls.some(rows), Way(points, points, self._roam[rows])).any(axis=0)
         counts = reached.sum(axis=1)
         if counts.max() > self._near_walls.shape[1]:
             self._near = self._near.widened(int(counts.max()))
@@ -236,28 +257,32 @@ class NearPairs:
         width = self._near_walls.shape[1]
         some = np.argsort(~reached, axis=1, kind="stable")[:, :width]  # those reached first, ascending
         some = np.pad(some, [(0, 0), (0, width - some.shape[1])])
-        self._near_walls[rows] = some
+        self._near_walls[rows], self._width[rows] = some, counts
         self._near.axes[rows] = np.take_along_axis(self._walls.axes[rows], some[:, None, None], axis=3)
         self._near.middle[rows] = np.take_along_axis(self._walls.middle[rows], some[:, None], axis=2)
         half = np.take_along_axis(self._walls.half[rows], some[:, None], axis=2)
         self._near.half[rows] = np.where(np.arange(width) < counts[:, None, None], half, np.float32(-np.inf))
         self._anchor[rows] = points
 
-    def _touched(self, boxes: _Boxes, start: Floats, end: Floats, slack: float) -> Flags:
-        """Whether each box is within a distance of each part on its way, (k, parts, w): never false where it is."""
+    def _touched(self, boxes: _Boxes, way: Way) -> Flags:
+        """Whether each box is within the slack of each part on its way, (parts, k, w): never false where it is."""
         k, w = boxes.half.shape[0], boxes.half.shape[2]
-        points, p = np.concatenate([start, end], axis=1).astype(np.float32), start.shape[1]
+        points, p = np.concatenate(way[:2], axis=1).astype(np.float32), way.start.shape[1]
         along = points @ boxes.axes.reshape(k, 3, 3 * w)  # (k, 2 p, 3 w)
         along -= boxes.middle.reshape(k, 1, 3 * w)
-        low, high = np.minimum(along[:, :p], along[:, p:]), np.maximum(along[:, :p], along[:, p:])
-        low = np.minimum(low[:, self._first], low[:, self._last])
-        high = np.maximum(high[:, self._first], high[:, self._last])
-        gap = np.maximum(low, np.negative(high, out=high), out=low)
-        gap -= boxes.half.reshape(k, 1, 3 * w)
+        along = along.swapaxes(0, 1).copy()
+        low, high = np.minimum(along[:p], along[p:]), np.maximum(along[:p], along[p:])
+        low -= (half := boxes.half.reshape(k, 3 * w))  # distance from the box towards either side
+        high = np.negative(np.add(high, half, out=high), out=high)
+        gap, other = np.empty((len(self._reach), k, 3 * w), np.float32), np.empty_like(half)
+        for of_part, first, last in zip(gap, *self._ends, strict=True):
+            np.minimum(low[first], low[last], out=of_part)
+            np.maximum(of_part, np.minimum(high[first], high[last], out=other), out=of_part)
         gap = np.maximum(gap, np.float32(0.0), out=gap)
         gap *= gap
         distance = gap[..., :w] + gap[..., w : 2 * w] + gap[..., 2 * w :]
-        return np.asarray(distance <= ((self._reach + slack + ROUNDING) ** 2).astype(np.float32)[:, None])
+        limit = ((self._reach[:, None] + way.slack + ROUNDING) ** 2).astype(np.float32)
+        return np.asarray(distance <= limit[:, :, None])
 
 
 class _List:
@@ -280,21 +305,3 @@ class _List:
         if count < self._count:
             self._geom1[count : self._count] = self._geom2[count : self._count] = self._nothing
         self._count = count
-
-
-def strays(start: Floats, end: Floats, passed: Floats) -> Flags:
-    """Whether points of k robots passed further than `SLACK` from their expected ways.
-
-    Args:
-        start, end: where the ways begin and end, (k, p, 3) [m].
-        passed: where the points were whenever contacts were computed, (k, substeps, p, 3) [m].
-
-    Returns:
-        (k,).
-    """
-    begin, way = (np.moveaxis(v, -1, 0)[:, :, None].copy() for v in (start, end - start))  # by coordinates: fast
-    gone = np.moveaxis(passed, -1, 0) - begin  # (3, k, substeps, p)
-    share = (gone[0] * way[0] + gone[1] * way[1] + gone[2] * way[2]) / np.maximum((way**2).sum(axis=0), 1e-12)
-    gone -= np.clip(share, 0.0, 1.0) * way
-    beside = gone[0] ** 2 + gone[1] ** 2 + gone[2] ** 2
-    return np.asarray((beside > SLACK**2).any(axis=(1, 2)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -36,11 +36,13 @@ class MujocoSpace(SpaceBackend):
         self._loads, self._ranges = np.zeros((n, len(robot.driven_actuators))), np.zeros((n, robot.laser.beams))
         self._depth, self._contact_share, self._link_forces = np.zeros(n), np.zeros(n), np.zeros((n, len(links), 3))
         self._pose: space_kinematics.SpacePose | None = None
+        self._moved = False
 
     def incline(self, indices: Ints, gravity: Floats) -> None:
         self._gravity[indices] = gravity
 
     def reset(self, indices: Ints, routes: Sequence[PipeRoute], q: Floats, base: Floats, plane: Floats) -> SpaceReading:
+        self._sense()
         self._batch.put(indices, routes)
         for values in (self._loads, self._turned, self._depth, self._contact_share, self._link_forces):
             values[indices] = 0.0
@@ -60,18 +62,37 @@ class MujocoSpace(SpaceBackend):
         return np.asarray(self._batch.masses[:, None] * self._gravity[indices][:, None])
 
     def pull(self, forces: Floats) -> None:
+        rear, front = self._own_pose().points[:, :2].swapaxes(0, 1)
         views, every = self._batch.views, np.arange(self._n)
         first, weight = views.moving[0], self._weights(every)[:, 0]
-        rear, front = self._own_pose().points[:, :2].swapaxes(0, 1)
         arm = (rear - front) * self._batch.rear_share
         views.pull[:, first, :3] = weight + forces
         views.pull[:, first, 3:] = np.cross(arm, forces)
 
-    def step(self, set_points: Floats, roll: Floats) -> None:
+    def begin(self, set_points: Floats, roll: Floats) -> Callable[[], None]:
+        self._sense()
         views = self._batch.views
         views.ctrl[:, :-1], views.ctrl[:, -1] = set_points, roll
-        sensors = self._batch.step(self._own_pose().points)  # (n, substeps, gyroscopes + 3 per link, half, wheel + 1)
-        self._pose, views = None, self._batch.views  # which are others where models grew
+        self._batch.begin(self._own_pose().points)
+        return self._move
+
+    def _move(self) -> None:
+        self._batch.move()
+        self._moved = True
+
+    def step(self, set_points: Floats, roll: Floats) -> None:
+        self.begin(set_points, roll)()
+
+    def _sense(self) -> None:
+        """End the last control period, where that is not done yet, and compute what its sensors come to.
+
+        A step leaves it to whoever reads first, since robots may move in a thread beside the rest.
+        """
+        if not self._moved:
+            return
+        self._moved, self._pose = False, None
+        sensors = self._batch.end()  # (n, substeps, gyroscopes + 3 per link, half, wheel + 1)
+        views = self._batch.views  # which are others where models grew
         self._loads = views.asked[:, :-1] / self._robot.effort_limits
         self._scan(np.arange(self._n))
         self._turned = sensors[:, :, : 3 * HALVES].sum(axis=1).reshape(-1, HALVES, 3) * self._settings.timestep
@@ -88,6 +109,7 @@ class MujocoSpace(SpaceBackend):
 
     def _own_pose(self) -> space_kinematics.SpacePose:
         """Pose of all robots now, computed once after each step."""
+        self._sense()
         if self._pose is None:
             self._pose = self._batch.pose(slice(None))
         return self._pose
@@ -103,6 +125,7 @@ class MujocoSpace(SpaceBackend):
         self._ranges[indices] = laser.measure(self._robot.laser, self._batch.distances(origins, beams, indices))
 
     def read(self) -> SpaceReading:
+        self._sense()
         return self._reading(np.arange(self._n))
 
     def _reading(self, indices: Ints) -> SpaceReading:
@@ -116,6 +139,7 @@ class MujocoSpace(SpaceBackend):
         return SpaceReading(body, views.qpos[indices, views.roll], in_halves, self._turned[indices])
 
     def truth(self) -> SpaceTruth:
+        self._sense()
         pose, forces = self._own_pose(), self._link_forces
         largest = np.sqrt((forces**2).sum(axis=2)).max(axis=1)
         contact = largest, self._depth.copy(), self._contact_share.copy(), forces.copy()

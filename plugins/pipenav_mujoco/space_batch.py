@@ -11,14 +11,15 @@ import mujoco
 import mujoco.batch
 import numpy as np
 
-from pipenav.arrays import Floats, Ints
+from pipenav.arrays import Flags, Floats, Ints
 from pipenav.backends import CONTROL_PERIOD, PARKED
 from pipenav.pipes import PipeRoute
 from pipenav.robots import RobotSpec, space_kinematics
 from pipenav_mujoco.model import Contact, compiled
-from pipenav_mujoco.near_pairs import NearPairs, Parts, Walls, strays
+from pipenav_mujoco.near_pairs import NearPairs, Parts, Walls
 from pipenav_mujoco.space_model import FRONT, space_spec
 from pipenav_mujoco.space_walls import WALL_GROUP, Layout, hand_to_world
+from pipenav_mujoco.ways import RECENT, Expected, Way
 
 SEEN = np.array([group == WALL_GROUP for group in range(mujoco.mjNGROUP)], np.uint8)
 """Flags of the geom groups that beams meet."""
@@ -28,9 +29,6 @@ RECORDED = ("sensordata", "xpos", "site_xpos")
 
 PAIRS = 1.35
 """Pairs that models have room for at first, as a multiple of the pieces of wall: enough for nearly every route."""
-
-RECENT = 4
-"""Share of a control period, as its inverse, whose motion says where a robot gets in the next one."""
 
 
 class SpaceSettings(NamedTuple):
@@ -107,8 +105,9 @@ class SpaceBatch:
         self._compiled = lru_cache(maxsize=max(64, n))(self._compile)
         self._models: list[Any] = []
         self._pairs: NearPairs | None = None
-        self._before = np.full((n, len(robot.links) + 1, 3), np.nan)
+        self._expected = Expected(n, len(robot.links) + 1, len(robot.joints))
         self._record: dict[Any, Any] = {}
+        self._way, self._state = Way.resting(np.zeros((n, len(robot.links) + 1, 3))), np.zeros((n, 0))
 
     def _compile(self, route: PipeRoute, layout: Layout) -> _Models:
         settings = self._settings
@@ -155,7 +154,7 @@ class SpaceBatch:
         self._take(walled)
         for values in self.views.own:
             values[indices] = 0.0
-        self._before[indices] = np.nan
+        self._expected.forget(indices)
 
     def _take(self, indices: Ints) -> None:
         """Take copies of the models of some robots' routes, and let MuJoCo place their walls, which a reset alone does.
@@ -183,7 +182,7 @@ class SpaceBatch:
         self._pairs = NearPairs(Parts.of(robot, model, robot.roll.link + FRONT), self._n, len(walls.geom))
         self._views = views = Views(robot, model, self._n, settings.threads)
         links = [model.body(link.name).id for link in robot.links]
-        self._links, self._tip = np.array(links), model.site("tip").id
+        self._links, self._tip = links, model.site("tip").id
         shapes = {"sensordata": (model.nsensordata,), "xpos": (model.nbody, 3), "site_xpos": (model.nsite, 3)}
         for name, shape in shapes.items():
             if (row := (settings.substeps, *shape)) != self._record.get(name, np.zeros(0)).shape[1:]:
@@ -201,39 +200,52 @@ class SpaceBatch:
         qpos = views.qpos[indices]
         return space_kinematics.forward(self._robot, qpos[:, :7], qpos[:, views.joints], qpos[:, views.roll])
 
-    def step(self, points: Floats) -> Floats:
-        """Advance all robots by a control period.
+    def begin(self, points: Floats) -> None:
+        """Begin a control period of all robots.
 
         Args:
             points: rear ends, joints and tips of all robots, (n, links + 1, 3) [m].
+        """
+        self._way = self._expected.ways(points, self.views.ctrl[:, : len(self._robot.joints)])
+        self._find(np.arange(self._n), self._way, self._expected.steady)
+        self._state = self.views.batch.state.copy()
+
+    def move(self) -> None:
+        """Advance all robots by the control period that has begun; it may be called in another thread."""
+        self.views.batch.rollout(self._settings.substeps, record=RECORDED, out=self._record)
+
+    def end(self) -> Floats:
+        """End a control period: robots that strayed go it again.
 
         Returns:
             The sensors of every physics step, (n, substeps, sensors).
         """
-        every, substeps = np.arange(self._n), self._settings.substeps
-        state = self.views.batch.state.copy()
-        end = points + np.nan_to_num(RECENT * (points - self._before))
-        self._find(every, points, end)
-        self.views.batch.rollout(substeps, record=RECORDED, out=self._record)
-        again = np.flatnonzero(strays(points, end, self._passed(self._record)))
+        way, substeps = self._way, self._settings.substeps
+        strayed = way.strayed(self._tracks(self._record))
+        again = np.flatnonzero(~(strayed <= way.slack))
         if len(again):
-            self._repeat(again, state[again], 0, substeps)
+            self._repeat(again, self._state[again], 0, substeps)
         late = substeps - substeps // RECENT
-        self._before = self._passed({name: values[:, late : late + 1] for name, values in self._record.items()})[:, 0]
+        places = {name: values[:, late : late + 1] for name, values in self._record.items()}
+        self._expected.learn(way, strayed, self._tracks(places)[..., 0].transpose(2, 0, 1))
         return np.asarray(self._record["sensordata"])
 
-    def _find(self, indices: Ints, start: Floats, end: Floats) -> None:
-        """List the pairs of some robots, with room for all of them."""
+    def _find(self, indices: Ints, way: Way, steady: Flags | None = None) -> None:
+        """List the pairs of some robots on their ways, with room for all of them."""
         assert self._layout is not None and self._pairs is not None
-        most = self._pairs.find(indices, start, end)
+        most = self._pairs.find(indices, way, steady)
         if most > self._layout.pairs:
             self._open(self._layout.with_pairs(1.5 * most))
             self._take(np.arange(self._n))
-            self._find(indices, start, end)
+            self._find(indices, way)
 
-    def _passed(self, record: dict[Any, Any]) -> Floats:
-        """Points of some robots whenever contacts were computed, (k, substeps, links + 1, 3) [m]."""
-        return np.concatenate([record["xpos"][:, :, self._links], record["site_xpos"][:, :, self._tip, None]], axis=2)
+    def _tracks(self, record: dict[Any, Any]) -> Floats:
+        """Points of k robots whenever contacts were computed, (links + 1, 3, k, substeps) [m]."""
+        tracks = np.empty((len(self._links) + 1, 3, *record["xpos"].shape[:2]))
+        for track, link in zip(tracks[:-1], self._links, strict=True):
+            track[:] = record["xpos"][:, :, link].transpose(2, 0, 1)
+        tracks[-1] = record["site_xpos"][:, :, self._tip].transpose(2, 0, 1)
+        return tracks
 
     def _repeat(self, indices: Ints, states: Floats, first: int, count: int) -> None:
         """Advance some robots anew from the states (k, size) before a physics step, by two halves of `count` steps.
@@ -244,12 +256,12 @@ class SpaceBatch:
             if begin > first:
                 states = self.views.batch.state[indices]
             self.views.batch.state[indices] = states
-            start = self.pose(indices).points
-            self._find(indices, start, start)  # which opens another batch where models have no room
+            way = Way.resting(self.pose(indices).points)
+            self._find(indices, way)  # which opens another batch where models have no room
             record = self.views.batch.rollout(steps, record=RECORDED, ids=indices)
             for name, values in record.items():
                 self._record[name][indices, begin : begin + steps] = values
-            far = strays(start, start, self._passed(record))
+            far = ~(way.strayed(self._tracks(record)) <= way.slack)
             if steps > 1 and far.any():
                 self._repeat(indices[far], states[far], begin, steps)
 

@@ -46,6 +46,7 @@ def test_a_robot_passes_with_a_cable_that_it_can_pull_and_stands_with_a_longer_o
     ("given", "message"),
     [
         ({"tether": 100.0}, "a cable is pulled by a whole robot"),
+        ({"recover": True}, "a whole robot recovers by itself: give a policy such as pirate, or leave out --recover"),
         ({"sensors": "mems"}, "are a whole robot's: give a policy such as pirate, or leave out --sensors"),
         ({"starts": "stuck-starts"}, "--starts are poses of a whole robot"),
         ({"starts": "stuck"}, "unknown set of starts"),

@@ -6,7 +6,6 @@ The policy takes a robot through each corner. Between corners its `Pilot` drives
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 
 import numpy as np
 
@@ -147,7 +146,7 @@ class RollingBatch(TrainingBatch):
         if self._tethers is not None:
             self._backend.pull(self._tethers.forces(self._lines, self._backend.truth().points[:, 0]))
         self._action = np.where(self._driven[:, None], np.clip(action, -1.0, 1.0), 0.0)
-        return partial(self._backend.step, *pilot.command(reading, wanted.values))
+        return self._backend.begin(*pilot.command(reading, wanted.values))
 
     def carried_out(self, rows: Ints, told: Floats) -> Floats:
         pilot, joints = self._pilot, 2 * HALF

@@ -9,7 +9,7 @@ import numpy as np
 
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.backend import Simulator
-from pipenav.backends.messages import Reading, Truth
+from pipenav.backends.messages import Command, Reading, Truth
 from pipenav.backends.refusals import CannotIncline, CannotPull
 from pipenav.pipes.centre_lines import CentreLines
 from pipenav.pipes.corner import PipeCorner
@@ -74,6 +74,7 @@ class TraverseBatch(TrainingBatch):
         self._heading, self._down = np.zeros(n), np.zeros((n, 2))
         self._observation = np.zeros((n, len(self._scale)))
         self._ranges = np.zeros((n, robot.laser.beams))
+        self._felt: Reading
 
     @property
     def ranges(self) -> Floats:
@@ -133,10 +134,7 @@ class TraverseBatch(TrainingBatch):
         self._ages = rng.integers(0, self.config.max_steps // 2, self.n)
 
     def begin(self, action: Floats) -> Callable[[], None]:
-        joints = self._q[:, -self._set_points.shape[1] :]
-        command = observation.to_command(
-            self.robot, self.config, action, joints, self._set_points, self._turn_signs[:, 0]
-        )
+        joints, command = self._q[:, -self._set_points.shape[1] :], self._command(action)
         self._start = joints if self.config.set_points == "measured" else self._set_points
         self._set_points = command.values[:, : joints.shape[1]].copy()
         self._action = np.clip(action, -1.0, 1.0)
@@ -160,13 +158,19 @@ class TraverseBatch(TrainingBatch):
         places = Whereabouts(self._lines.distance(points), self._branches.contain(points, self._lines))
         facts, outcome = self._tracker.step(self.steps, self._limit, places, end, reading, truth)
         self._enter_corners(places.distances.mean(axis=1))
-        self._observation = self._observe(self._feel(reading), every)
+        self._felt = self._feel(reading)
+        self._observation = self._observe(self._felt, every)
         gained = reward(self.config.reward, facts)
         cut_off = (outcome != Outcome.RUNNING) & ~facts.passed & ~facts.failed
         return StepResult(self._observation, gained, outcome, reading.ranges.min(axis=1), truth, cut_off)
 
     def close(self) -> None:
         self._simulator.close()
+
+    def _command(self, action: Floats) -> Command:
+        """Command for canonical actions, (n, action_size)."""
+        joints = self._q[:, -self._set_points.shape[1] :]
+        return observation.to_command(self.robot, self.config, action, joints, self._set_points, self._turn_signs[:, 0])
 
     def _configuration(self, reading: Reading, truth: Truth) -> Floats:
         """Configurations, (n, coordinates), from the joints and from the tip that the simulator knows."""

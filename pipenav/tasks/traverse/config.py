@@ -107,5 +107,10 @@ class TraverseConfig(Table):
         "ideal",
         description="grade of gyroscopes, accelerometers and wheel encoders: without errors, or of a consumer part",
     )
+    recovery: bool = Field(
+        False,
+        description="whether a robot in the plane that its own sensors say is stuck rolls back by itself and tries again; "
+        "in space robots do so anyway",
+    )
     tether: TetherConfig | None = Field(None, description="cable that the robot drags; none: it has none")
     reward: TraverseReward = TraverseReward()

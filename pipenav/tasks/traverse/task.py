@@ -16,6 +16,7 @@ from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.layout import ObservationField
 from pipenav.tasks.outcome import PassageStage
 from pipenav.tasks.rolling.batch import RollingBatch
+from pipenav.tasks.rolling.recovering import RecoveringBatch
 from pipenav.tasks.task import EpisodeSource, Task
 from pipenav.tasks.traverse import episode, observation
 from pipenav.tasks.traverse.batch import TraverseBatch
@@ -54,7 +55,8 @@ class TraverseTask(Task[TraverseConfig, TraverseEpisodes]):
     def batch(
         self, robot: RobotSpec, simulator: Simulator, n: int, source: EpisodeSource[TraverseEpisodes]
     ) -> TraverseBatch:
-        return TraverseBatch(robot, self.config, simulator, n, source)
+        kind = RecoveringBatch if self.config.recovery else TraverseBatch
+        return kind(robot, self.config, simulator, n, source)
 
     def batch_in_space(
         self, robot: RobotSpec, backend: SpaceBackend, n: int, source: EpisodeSource[TraverseEpisodes]

@@ -7,14 +7,13 @@ from contextlib import closing
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from pipenav_mujoco import near_pairs
+from pipenav_mujoco import ways
 from pipenav_mujoco.model import Contact
-from pipenav_mujoco.near_pairs import SLACK, NearPairs, Parts, Walls, strays
+from pipenav_mujoco.near_pairs import NearPairs, Parts, Walls
 from pipenav_mujoco.space_batch import SpaceBatch
 from pipenav_mujoco.space_model import FRONT, space_spec
 from pipenav_mujoco.space_walls import Layout
+from pipenav_mujoco.ways import Way
 
 from pipenav.arrays import Floats, Ints
 from pipenav.backends.simulators import open_space
@@ -59,7 +58,8 @@ def test_lists_of_near_pairs_alter_no_number(gravity: float, hurries: bool, monk
     monkeypatch.setattr(SpaceBatch, "_repeat", noted)
     some = motion(gravity, 15)
     assert (min(repeated, default=40) < 40) == hurries  # even halves of a period were too long
-    monkeypatch.setattr(near_pairs, "SLACK", 0.4)
+    for slack in ("SLACK", "MOST", "LEAST"):
+        monkeypatch.setattr(ways, slack, 0.4)
     np.testing.assert_array_equal(some, motion(gravity, 15))
 
 
@@ -81,7 +81,7 @@ def test_every_contact_is_in_the_list_in_its_order(route: PipeRoute) -> None:
         joints = [listed.joint(joint.name).qposadr[0] for joint in ROBOT.joints]
         roll = qpos[None, listed.joint("roll").qposadr[0]]
         points = space_kinematics.forward(ROBOT, qpos[None, :7], qpos[None, joints], roll).points
-        assert pairs.find(np.arange(1), points, points) <= ROOM
+        assert pairs.find(np.arange(1), Way.resting(points)) <= ROOM
         both = []
         for model in (listed, found_by_all):
             data = mujoco.MjData(model)
@@ -94,17 +94,3 @@ def test_every_contact_is_in_the_list_in_its_order(route: PipeRoute) -> None:
         np.testing.assert_array_equal(*both)
         met += len(both[0])
     assert met > 300
-
-
-@given(st.lists(st.floats(-1, 1), min_size=6, max_size=6), st.floats(0, 1), st.floats(0, 3))
-def test_a_point_strays_that_is_further_from_its_way_than_the_slack(
-    ends: list[float], share: float, beside: float
-) -> None:
-    start, end = np.array(ends).reshape(2, 1, 1, 3)
-    way = (end - start).ravel()
-    across = np.cross(way, [0.3, -0.5, 0.8])
-    across = across / np.linalg.norm(across) if np.linalg.norm(across) > 1e-6 else np.array([1.0, 0.0, 0.0])
-    passed = start + share * (end - start)
-    far = passed + beside * SLACK * across
-    if abs(beside - 1) > 1e-3:
-        assert strays(start, end, np.stack([passed, far], axis=1))[0] == (beside > 1)
