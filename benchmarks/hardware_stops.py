@@ -69,6 +69,10 @@ ENDINGS = {
 LONGEST_END = 5.0
 """Longest time until a driver has ended after its ending [s]; one that goes on is killed and counts as failed."""
 
+SUPERVISED = 0.15
+"""Time for the supervisor of a driver that is dead, before the next one starts [s]: what it sends later counts as left
+on."""
+
 SECOND = 0.03
 """Longest time from the first Ctrl-C to the second [s]."""
 
@@ -244,7 +248,7 @@ def run_trial(life: Life, driver: Callable[[Life], None]) -> Trial:
         time.sleep(0.01)
         if time.monotonic() > give_up:  # torque stays on until then, which the log shows
             os.kill(child, signal.SIGKILL)
-    time.sleep(0.15)  # for the supervisor of a driver that is dead
+    time.sleep(SUPERVISED * life.patience)
     return Trial(started, ended, who)
 
 

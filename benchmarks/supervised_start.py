@@ -1,17 +1,20 @@
 """Steps and time to 99 % in held-out pipes for an arm's training, with a supervised start and without one.
 
     pipenav drive --robot basic --operator scripted --pipes taught.toml --episodes 3 --out taught
-    python benchmarks/supervised_start.py taught --set learner.noise_start=0.1 learner.learning_rate=3e-4
+    python benchmarks/supervised_start.py taught --seeds 5 --set learner.noise_start=0.1 learner.learning_rate=3e-4
 
-Trains the preset `arm` without the recordings and with them, for each seed in turn, and measures the policy in the set
-`working-range` after every 3,000 steps. Times are those of the processor, with the supervised start and without these
-measurements. The first row of a training with a supervised start is the policy right after that start.
+Trains the preset `arm` without the recordings, without them but with the settings of `--set`, and with both, for each
+seed in turn, and measures the policy in the set `working-range` after every 3,000 steps, until 99 % of the episodes
+pass. Times are those of the processor, with the supervised start and without these measurements. The first row of a
+training with a supervised start is the policy right after that start. At the end it prints steps and seconds to 99 %
+for each kind: median and range over the seeds. A training takes about 15 s of a processor.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import statistics
 import tempfile
 import time
 from pathlib import Path
@@ -31,6 +34,8 @@ from pipenav.tasks.registry import task_of
 HELD_OUT, EPISODES, SEED = "working-range", 2, 77
 EVERY, CHECKED = 3_000, 20
 GOOD = 0.99
+KINDS = ["plain", "settings", "recordings"]
+"""Kinds of training: as the preset says, with the settings of `--set`, and with these and the recordings."""
 
 
 class HeldOut:
@@ -71,27 +76,38 @@ def trained(config: TrainConfig) -> HeldOut:
         return held_out
 
 
+def summary(rows_of_seeds: list[list[tuple[int, float, float]]]) -> str:
+    """Steps and seconds to `GOOD` of several trainings: median and range; a training that did not get there is last."""
+    never = (float("inf"), float("inf"))
+    reached = [next(((n, s) for n, s, success in rows if success >= GOOD), never) for rows in rows_of_seeds]
+    words = []
+    for values, unit in zip(zip(*reached, strict=True), ("steps", "s"), strict=True):
+        middle = statistics.median(values)
+        words.append(f"{middle:,.5g} {unit} ({min(values):,.5g} to {max(values):,.5g})")
+    there = sum(one != never for one in reached)
+    return f"{there} of {len(reached)} came to {GOOD:.0%}, in {' and '.join(words)}"
+
+
 def main() -> None:
     """Train, measure, and print every row."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("recordings", nargs="+")
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--first", type=int, default=0, help="first seed")
-    parser.add_argument("--set", nargs="*", default=[], help="settings of the training with recordings alone")
-    parser.add_argument("--only", choices=["with", "without"])
+    parser.add_argument("--set", nargs="*", default=[], help="settings of all but the plain training")
+    parser.add_argument("--only", nargs="+", choices=KINDS, default=KINDS)
     arguments = parser.parse_args()
-    kinds = {"without": {}, "with": {"recordings.folders": arguments.recordings}}
-    results = {}
+    results: dict[str, list[list[tuple[int, float, float]]]] = {name: [] for name in arguments.only}
     for seed in range(arguments.first, arguments.first + arguments.seeds):
-        for name, more in kinds.items():
-            if arguments.only in (None, name):
-                print(f"seed {seed}, {name} recordings", flush=True)
-                own = arguments.set if name == "with" else []
-                config = load_config(
-                    "arm", settings=own, options={"seed": seed, "check.every": EVERY, "check.episodes": CHECKED, **more}
-                )
-                results[f"{name} {seed}"] = trained(config).rows
+        for name in arguments.only:
+            print(f"seed {seed}, {name}", flush=True)
+            own = [] if name == "plain" else arguments.set
+            more = {"recordings.folders": arguments.recordings} if name == "recordings" else {}
+            options = {"seed": seed, "check.every": EVERY, "check.episodes": CHECKED, **more}
+            results[name].append(trained(load_config("arm", settings=own, options=options)).rows)
     print(json.dumps(results))
+    for name, rows in results.items():
+        print(f"{name}: {summary(rows)}")
 
 
 if __name__ == "__main__":

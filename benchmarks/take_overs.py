@@ -2,6 +2,7 @@
 
     python benchmarks/take_overs.py --policy arm --moments 1000
     python benchmarks/take_overs.py --policy pirate-strong --moments 1000
+    python benchmarks/take_overs.py --policy pirate-strong --pipes runs-rolled --roll     # in space, the roll joint too
 
 A hand takes over at random moments, moves something at random for up to 1.1 s and lets go. What was commanded is read
 from the telemetry. Exits with 1 if a command jumped by more than a step's limit, or a joint's commanded speed by more
@@ -31,13 +32,14 @@ def main() -> int:
     parser.add_argument("--policy", default="arm")
     parser.add_argument("--moments", type=int, default=1000, help="least number of take-overs")
     parser.add_argument("--pipes", nargs="+", default=["working-range"])
+    parser.add_argument("--roll", action="store_true", help="turn the roll joint too, in space")
     given = parser.parse_args()
     took = gave = passed = episodes = 0
     jump = broken = 0.0
     for seed in itertools.count():
         with tempfile.TemporaryDirectory() as folder:
             plan = make_plan(given.policy, None, given.pipes, 1, seed).on("mujoco", {}, None, Path(folder))
-            session = Session(plan, lambda i, plan=plan: RandomHands(plan.robot, i))  # type: ignore[misc]
+            session = Session(plan, lambda i, plan=plan: RandomHands(plan.robot, i, roll=given.roll))  # type: ignore[misc]
             session.run()
             found = [changes(path, plan.robot) for path in Path(folder).glob("*.jsonl")]
         took += sum(one.count[0] for one in found)

@@ -31,6 +31,15 @@ settings.load_profile("default")
 pytest_plugins = ["helpers.workshop"]
 
 
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    """A headless browser; skips the test where there is none."""
+    from helpers.browser import started_browser
+
+    with started_browser() as started:
+        yield started
+
+
 @pytest.fixture
 def helpers_for_children(monkeypatch: pytest.MonkeyPatch) -> None:
     """Children find the module of a worker that only tests have."""

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from pipenav.driving.ask import Operator
     from pipenav.driving.plans import DrivePlan
     from pipenav.driving.records import DriveRecords
-    from pipenav.driving.sessions import Session, Shown
+    from pipenav.driving.sessions import Session
+    from pipenav.driving.shown import Shown
 
 DEFAULT_PIPE = "d=90,angle=90"
 
@@ -42,6 +43,8 @@ def drive(
     The arm by its tip: pipenav drive --robot basic --pipes d=100,angle=75
 
     Shared control, a held key takes over: pipenav drive --policy pirate-strong --pipes d=70,angle=55
+
+    Corners in several planes, with a roll (r) into each: pipenav drive --robot pirate-strong --pipes runs-rolled:1
 
     Without a person: pipenav drive --operator scripted --pipes working-range --episodes 10
 

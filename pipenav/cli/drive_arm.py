@@ -180,10 +180,11 @@ def _shower(
     """A function that shows the record of a tick."""
     import numpy as np
 
-    from pipenav.driving.sessions import Shown
+    from pipenav.driving.shown import Picture, Shown
     from pipenav.robots import frames, kinematics
 
     pipe = scene.scene.pipe
+    label, walls = ("", np.zeros((0, 2, 2))) if pipe is None else (pipe.label, pipe.segments)
     base = 0.0 if pipe is None else -pipe.inner_edge - scene.scene.tip_gap - robot.length
 
     def show(record: dict[str, Any]) -> None:
@@ -193,7 +194,8 @@ def _shower(
         points = frames.robot_to_pipe(kinematics.waypoints(robot, q[None])[0], base)
         seen = None if mission.target is None else frames.robot_to_pipe(mission.target, base)
         reading = _reading(record)
-        view(Shown(0, pipe, points, seen, reading, mission.door, record["tick"] / 10, 0.0))
+        picture = Picture(label, walls, points, seen)
+        view(Shown(picture, reading, mission.door, record["tick"] / 10, 0.0))
 
     return show
 

@@ -21,7 +21,7 @@ from pipenav.units import rad_to_deg
 
 if TYPE_CHECKING:
     from pipenav.arrays import Floats
-    from pipenav.driving.sessions import Shown
+    from pipenav.driving.shown import Shown
 
 STYLES = ("", "bold cyan", "bold yellow")
 """Colours of walls, robot and target."""
@@ -80,13 +80,13 @@ class DriveView:
     def picture(self, shown: Shown) -> Group:
         """The screen of a control step."""
         columns = max(min(self._console.width - 1, COLUMNS), 20)
-        rows = max(min(self._console.height - 9, ROWS), 5)
-        points = shown.points
+        rows = max(min(self._console.height - 10, ROWS), 5)
+        label, segments, points, aim = shown.picture
         centre = (points.max(axis=0) + points.min(axis=0)) / 2
         extent = np.ptp(points, axis=0)
         width = max(1.3 * extent[0], 1.3 * extent[1] * columns / (2 * rows), 0.5)
-        walls = [] if shown.pipe is None else [_near(part, centre, 2 * width) for part in shown.pipe.segments]
-        target = [] if shown.target is None else [_cross(shown.target, width / 60)]
+        walls = [_near(part, centre, 2 * width) for part in segments]
+        target = [] if aim is None else [_cross(aim, width / 60)]
         cells = draw(View(centre, float(width), columns, rows), [walls, [points], target])
         lines = []
         for row in cells:
@@ -94,11 +94,11 @@ class DriveView:
             for cell in row:
                 line.append(cell.letter, STYLES[cell.layer] if cell.layer >= 0 else "")
             lines.append(line)
-        return Group(*lines, *self._words(shown))
+        return Group(*lines, *self._words(shown, label))
 
-    def _words(self, shown: Shown) -> list[Text]:
+    def _words(self, shown: Shown, label: str) -> list[Text]:
         door, reading = shown.door, shown.reading
-        where = "" if shown.pipe is None else f"{shown.pipe.label}, "
+        where = f"{label}, " if label else ""
         step = f", step ({door.step}) {STEPS[door.step]}" if door.step in STEPS else door.step and f", {door.step}"
         step += ": done" if door.step_done else ""
         joints = "  ".join(
@@ -107,6 +107,7 @@ class DriveView:
         )
         return [
             Text(f"{where}{shown.seconds:.1f} s: {door.who} drives{step}", "bold"),
+            *([Text(door.scenery, "magenta")] if door.scenery else []),
             Text(f"joints {joints}   force {shown.force:.0f} N   taken over {door.takeovers} times"),
             Text(door.said, "yellow"),
             Text(self._legend, "dim"),
@@ -123,7 +124,8 @@ def with_window(opened: contextlib.ExitStack, view: Callable[[Shown], None]) -> 
 
     def show(shown: Shown) -> None:
         if shown.world is not None:
-            target = None if shown.target is None else (float(shown.target[0]), float(shown.target[1]))
+            aim = shown.picture.target
+            target = None if aim is None else (float(aim[0]), float(aim[1]))
             window(shown.world, Sight(f"{shown.seconds:.1f} s: {shown.door.who} drives", target))
         view(shown)
 

@@ -59,6 +59,7 @@ class Seen(NamedTuple):
         pipe: the corner as it is drawn; None where the pipe is none, or not known.
         tip_gap: distance of the tip before the inner wall's bend at the start, about [m].
         who: who drove the control step before.
+        in_plane: whether the robot lies in the plane of the corner that comes next; always, where the pipe lies in one.
     """
 
     tick: int
@@ -69,6 +70,7 @@ class Seen(NamedTuple):
     pipe: PipeCorner | None = None
     tip_gap: float = 0.0
     who: str = PERSON
+    in_plane: bool = True
 
 
 class Operator(Protocol):

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.backends.messages import Reading
 from pipenav.driving.ask import NOTHING, PERSON, POLICY, Ask, Operator, Seen
-from pipenav.driving.primitives import AS_STEPS, DIRECTIONS, FRONT_FIRST, NO_ROLL, Clamped
+from pipenav.driving.primitives import AS_STEPS, DIRECTIONS, FRONT_FIRST, NO_ROLL, ROLL, Clamped
 from pipenav.driving.route_steps import CornerRow, RouteSteps
 from pipenav.driving.slew import Slew, SlewLimits
 from pipenav.driving.steps import STEPS
@@ -24,7 +24,7 @@ TURNING_LEASH, SLIDING_LEASH = 0.25, 0.025
 """Largest distance of a person's set-point from its joint [rad, m]: enough for its full effort, little to spring back
 from."""
 
-STEPS_ONLY = "steps are for a whole robot in corners that lie in one plane"
+STEPS_ONLY = "steps are for a whole robot in a pipe of corners alone"
 """Why a step that was asked for did not begin."""
 
 
@@ -66,6 +66,7 @@ class Door:
         self._slew = Slew(SlewLimits.of(robot), self._joints)
         self._leash = np.where(robot.hinges, TURNING_LEASH, SLIDING_LEASH)
         self._names = [joint.name for joint in robot.joints]
+        self._roll_name = "" if robot.roll is None else robot.roll.joint.name
         self._wheels = SlewLimits.of(robot).upper[self._joints :]
         self._steps: RouteSteps | None = None
         self._clamped: Clamped | None = None
@@ -82,8 +83,28 @@ class Door:
         return self._slew.last.copy()
 
     @property
+    def told(self) -> Floats:
+        """Everything that the robot was told last, (k,)."""
+        return self.command
+
+    @property
+    def limits(self) -> Floats:
+        """Largest change of everything that it is told, in a control step, (k,)."""
+        return SlewLimits.of(self.robot).step
+
+    @property
+    def scenery(self) -> str:
+        """Words for how the robot lies; empty where all of it lies in one plane."""
+        return ""
+
+    @property
+    def in_space(self) -> dict[str, Any]:
+        """Part of a control step's record that there is in space alone."""
+        return {}
+
+    @property
     def step_done(self) -> bool:
-        """Whether the step that is under way is done."""
+        """Whether the step that is under way is done, or the roll."""
         return self._steps is not None and self._under_way in STEPS and self._steps.done
 
     @property
@@ -94,14 +115,15 @@ class Door:
     def start(self, reading: Reading, scene: Scene) -> None:
         """Begin an episode; readings are rows of one."""
         self._slew.start(reading.q[0])
+        self._scene = scene
         self._steps = self._tip = self._clamped = None
         if self.robot.free and scene.row is not None:
-            self._steps = RouteSteps(self.robot, scene.row, scene.tip_gap, reading)
+            self._steps = RouteSteps(self.robot, scene.row, scene.tip_gap, reading, self._turn_sign)
             self._clamped = Clamped(self.robot, self._steps.pipe.radius)
         if not self.robot.free:
             self._tip = TipDriver(self.robot, reading.q[0])
         self._steering, self._under_way = False, ""
-        self._tick, self._scene = 0, scene
+        self._tick = 0
         self.who = POLICY if self._has_policy else PERSON
         self.asked, self.takeovers, self.said = NOTHING, 0, ""
 
@@ -115,8 +137,7 @@ class Door:
         Raises:
             OperatorLost: the person's device is gone.
         """
-        if self._steps is not None:
-            self._steps.see(reading)
+        self._see(reading)
         asked = NOTHING if self._operator is None else self._operator.ask(self._seen(reading))
         self.asked = asked
         self._tick += 1
@@ -129,6 +150,16 @@ class Door:
             self.takeovers += 1
         self.who = PERSON
         return self._by_hand(asked, reading)
+
+    def _turn_sign(self, corner: int) -> float:
+        """+1 where a corner turns to the robot's left, -1 where it turns to its right."""
+        assert self._scene.row is not None
+        return self._scene.row.corners[corner].turn_sign
+
+    def _see(self, reading: Reading) -> None:
+        """Take in the readings after a control period, whoever drove in it."""
+        if self._steps is not None:
+            self._steps.see(reading)
 
     def _seen(self, reading: Reading) -> Seen:
         scene = self._scene
@@ -145,21 +176,27 @@ class Door:
         if asked.tip is not None and self._tip is not None:
             return self._steered(asked.tip, reading)
         self._steering = False
+        goals = self._goal(reading)
+        if goals is None:
+            return self._joint_by_joint(asked, reading)
+        goals[: self._joints] = self._leashed(goals[: self._joints], reading)
+        return self._slew.person(goals)
+
+    def _goal(self, reading: Reading) -> Floats | None:
+        """Goal of the step or primitive under way, (actuators,); None where none is."""
         if self._under_way in STEPS and self._steps is not None:
             goal = self._steps.goal()
-            return self._slew.person(np.concatenate([self._leashed(goal.set_points, reading), goal.wheels]))
+            return np.concatenate([goal.set_points, goal.wheels])
         if self._under_way and self._clamped is not None:
-            goals = self._clamped.goal(reading)
-            goals[: self._joints] = self._leashed(goals[: self._joints], reading)
-            return self._slew.person(goals)
-        return self._joint_by_joint(asked, reading)
+            return self._clamped.goal(reading)
+        return None
 
     def _begin(self, name: str, reading: Reading) -> None:
         """Begin a step or a primitive, or say why not."""
         if self._steps is None or self._clamped is None:
             self.said = STEPS_ONLY
-        elif name == "roll":
-            self.said = NO_ROLL
+        elif name == ROLL:
+            self._begin_roll(reading)
         elif name in DIRECTIONS:
             if self._steps.step == "b" and not self._steps.done:
                 self.said = FRONT_FIRST
@@ -172,15 +209,22 @@ class Door:
             if not self.said:
                 self._under_way = self._steps.step
 
+    def _begin_roll(self, reading: Reading) -> None:  # noqa: ARG002  # a door in space looks at it
+        """Begin to roll, or say why not."""
+        self.said = NO_ROLL
+
     def _joint_by_joint(self, asked: Ask, reading: Reading) -> Floats:
         goal, speed = self._slew.last.copy(), np.ones(self._joints)
-        for name, share in asked.joints.items():
+        if self._roll_name in asked.joints:
+            self._turn_roll_joint(asked.joints[self._roll_name])
+        turned = {name: share for name, share in asked.joints.items() if name != self._roll_name}
+        for name, share in turned.items():
             i = self._names.index(name)
             goal[i] = np.inf if share > 0 else -np.inf
             speed[i] = min(abs(share), 1.0)
         for name, position in asked.positions.items():
             goal[self._names.index(name)] = position
-        moved = [*asked.joints, *asked.positions]
+        moved = [*turned, *asked.positions]
         leashed = self._leashed(goal[: self._joints], reading)
         for name in moved:
             i = self._names.index(name)
@@ -189,6 +233,10 @@ class Door:
             forwards = forward_directions(reading.q)[0]
             goal[self._joints :] = np.clip(asked.wheels, -1.0, 1.0) * self._wheels * forwards
         return self._slew.person(goal, speed)
+
+    def _turn_roll_joint(self, share: float) -> None:  # noqa: ARG002  # a door in space does
+        """Turn the roll joint at a share of its fastest speed, or say why not."""
+        self.said = NO_ROLL
 
     def _steered(self, tip: tuple[float, float], reading: Reading) -> Floats:
         assert self._tip is not None

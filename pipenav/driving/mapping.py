@@ -115,8 +115,9 @@ def _check(file: Path, device: Device, control: str, action: str, robot: RobotSp
         PipenavError: there is no such action or joint.
     """
     joints = [joint.name for joint in robot.joints]
+    turned = joints if robot.roll is None else [*joints, robot.roll.joint.name]
     analogue = control.startswith(("axis", "cc"))
-    known = [*ANALOGUE, *joints] if analogue else [*TAPS, *HELD, *(name + sign for name in joints for sign in "+-")]
+    known = [*ANALOGUE, *joints] if analogue else [*TAPS, *HELD, *(name + sign for name in turned for sign in "+-")]
     if action in known:
         return
     if re.fullmatch(r"joint\d+[+-]?", action):

@@ -18,6 +18,7 @@ from pipenav.policies.named import open_controller
 from pipenav.policies.policy import load_policy, policy_names, resolve_policy
 from pipenav.robots.robot import RobotSpec, load_robot
 from pipenav.tasks.registry import TaskConfig, default_config, task_of
+from pipenav.tasks.rolling.batch import check_in_space
 from pipenav.units import m_to_mm, rad_to_deg
 
 DEFAULT_ROBOT = "pirate"
@@ -64,8 +65,11 @@ class DrivePlan:
 
         Raises:
             UnknownName, ConfigError, FileProblem: there are no such disturbances.
+            PipenavError: a pipe leaves the plane, and the robot, the simulator or the disturbances do not.
         """
         disturbance = UNDISTURBED if disturb is None else load_disturbance(disturb)
+        if self.in_space:
+            check_in_space(self.robot, backend, None if disturb is None else "--disturb")
         simulator = SimulatorSettings(backend, options)
         return replace(self, simulator=simulator, disturbance=disturbance, folder=folder)
 
@@ -73,6 +77,11 @@ class DrivePlan:
     def total(self) -> int:
         """Number of episodes in all."""
         return len(self.pipes) * self.episodes
+
+    @property
+    def in_space(self) -> bool:
+        """Whether a pipe leaves the plane; robots then move in space in all of them."""
+        return any(pipe.in_space for pipe in self.pipes)
 
     @property
     def lengthened(self) -> TaskConfig:
@@ -95,7 +104,7 @@ def make_plan(policy: str | None, robot_name: str | None, given: Sequence[str], 
 
     Raises:
         UnknownName, ConfigError: no such policy, robot or pipe.
-        PipenavError: they do not fit together, or a pipe leaves the plane.
+        PipenavError: they do not fit together.
     """
     controller: AnyController | None = None
     if policy is None:
@@ -110,9 +119,6 @@ def make_plan(policy: str | None, robot_name: str | None, given: Sequence[str], 
             task = task.model_copy(update=same)
     task_of(task).check_robot(robot)
     pipes = task_of(task).parse_pipes(given)
-    for pipe in pipes:
-        if pipe.in_space:
-            raise PipenavError(f"{pipe.label} leaves the plane, which driving cannot do yet: name a pipe in a plane.")
     return DrivePlan(robot, task, pipes, [name_of(pipe) for pipe in pipes], episodes, seed, controller)
 
 

@@ -9,7 +9,10 @@ from pipenav.backends.messages import Reading
 from pipenav.robots.robot import RobotSpec
 from pipenav.tasks.rolling.clamp import RollForward, check_robot
 
-PRIMITIVES = ("clamp", "stretch", "forward", "backward", "turn-in", "roll")
+ROLL = "roll"
+"""Primitive that turns a robot's plane into that of the next corner, in routes that leave the plane."""
+
+PRIMITIVES = ("clamp", "stretch", "forward", "backward", "turn-in", ROLL)
 """Names of the primitives. `stretch` is step (a) and `turn-in` is step (b) of the turning sequence."""
 
 AS_STEPS = {"stretch": "a", "turn-in": "b"}
@@ -18,7 +21,7 @@ AS_STEPS = {"stretch": "a", "turn-in": "b"}
 DIRECTIONS = {"clamp": 0.0, "forward": 1.0, "backward": -1.0}
 """Direction in which a robot rolls that clamps with both halves."""
 
-NO_ROLL = "rolling turns the robot out of its plane, which driving by hand cannot do yet"
+NO_ROLL = "a roll is for routes that leave the plane, and this pipe lies in one"
 """Why a roll that was asked for did not begin."""
 
 FRONT_FIRST = "the front moves on before it clamps: finish (b) first"

@@ -13,6 +13,7 @@ import numpy as np
 
 from pipenav.arrays import Floats
 from pipenav.driving.ask import NOTHING, Ask, Seen
+from pipenav.driving.primitives import ROLL
 from pipenav.driving.route_steps import order_after
 from pipenav.driving.scan_match import ScanMatch
 from pipenav.pipes.corner import PipeCorner
@@ -38,6 +39,42 @@ AHEAD = 0.02
 
 WIDTHS = ((0.5, 0.65, 0.78), (0.3, 0.4, 0.5, 0.65), (0.5, 0.65, 0.8))
 """Ways around a corner to choose from: distances from the inner wall before, at and after it, in diameters."""
+
+
+STUCK, CAUGHT = 20, 80
+"""Control steps in which a robot does not get on, after which a person helps a policy, or takes it back in a step."""
+
+STILL = 0.015
+"""Largest distance of a joint's mean position from that of some time before that counts as not getting on [rad or m]:
+whoever looks at a robot sees through its wagging and the noise of its sensors."""
+
+HELP = (8, 25)
+"""Least and most control steps for which a person helps."""
+
+
+class Past:
+    """Positions of a robot's joints in its last control steps.
+
+    Args:
+        steps: number of control steps, even.
+    """
+
+    def __init__(self, steps: int) -> None:
+        self._steps = steps
+        self._positions: list[Floats] = []
+
+    @property
+    def full(self) -> bool:
+        """Whether there were that many control steps."""
+        return len(self._positions) == self._steps
+
+    def still(self, q: Floats) -> bool:
+        """Take in the positions now, (joints,); whether the joints were where they are for all the time."""
+        self._positions = [*self._positions[1 - self._steps :], q.copy()]
+        if not self.full:
+            return False
+        before, after = np.array(self._positions).reshape(2, self._steps // 2, -1).mean(axis=1)
+        return bool(np.abs(after - before).max() < STILL)
 
 
 class Scripted(ABC):
@@ -71,19 +108,22 @@ class Scripted(ABC):
 
 
 class StepScript(Scripted):
-    """Presses the keys of the steps (a) to (e), each some time after the one before is done."""
+    """Presses the keys of the steps (a) to (e), each some time after the one before is done.
+
+    Where the robot is caught in a step, it takes the robot back a little, and goes on with the step.
+    """
 
     def begin(self, seen: Seen) -> None:  # noqa: ARG002  # the signature of a script
         self._wait = int(self._rng.integers(*REACTION))
         self._early = self._rng.random() < TOO_EARLY
         self._pause = int(self._rng.integers(15, 60)) if self._rng.random() < HESITATION else -1
         self._paused, self._resumed = 0, ""
-        self._in_b = 0
+        self._in_b, self._past, self._back = 0, Past(CAUGHT), 0.0
 
     def answer(self, seen: Seen) -> Ask:
         if self._paused:
             self._paused -= 1
-            return Ask(active=True, step="" if self._paused else self._resumed)
+            return Ask(active=True, wheels=self._back) if self._paused else Ask(active=True, step=self._resumed)
         if self._wait > 0:
             self._wait -= 1
             return Ask(active=True)
@@ -91,13 +131,23 @@ class StepScript(Scripted):
             return self._press("a")
         self._in_b = 0 if seen.step == "a" else self._in_b + (seen.step == "b")
         if seen.step == "b" and self._in_b == self._pause:
-            self._paused, self._resumed = 10, seen.step
+            self._paused, self._resumed, self._back = 10, seen.step, 0.0
+            return Ask(active=True, quiet=True)
+        if self._past.still(seen.reading.q[0]) and seen.step in ("b", "d") and not seen.done:
+            self._past = Past(CAUGHT)
+            self._paused, self._resumed, self._back = int(self._rng.integers(*HELP)), seen.step, -1.0
             return Ask(active=True, quiet=True)
         if seen.step == "b" and self._early and self._in_b > 20:
             return self._press("c")
         if seen.done:
-            return self._press(order_after(seen.step))
+            return self._press(self._next(seen))
         return Ask(active=True)
+
+    def _next(self, seen: Seen) -> str:
+        """The key after a step that is done: a roll where the next corner lies in another plane, and then on."""
+        if seen.step == ROLL:
+            return "e"
+        return ROLL if seen.step == "e" and not seen.in_plane else order_after(seen.step)
 
     def _press(self, step: str) -> Ask:
         self._wait = int(self._rng.integers(*REACTION))
@@ -168,17 +218,6 @@ def _dense_line(robot: RobotSpec, pipe: PipeCorner, base: float, target: Floats)
     return np.stack([np.interp(along, distance, column) for column in points.T], axis=1)
 
 
-STUCK = 20
-"""Control steps in which a robot does not get on, after which a person helps a policy."""
-
-STILL = 0.015
-"""Largest distance of a joint's mean position from that of a second before that counts as not getting on [rad or m]:
-whoever looks at a robot sees through its wagging and the noise of its sensors."""
-
-HELP = (8, 25)
-"""Least and most control steps for which a person helps."""
-
-
 class HelpScript(Scripted):
     """Watches a policy, and helps where the robot does not get on: it takes the robot back a little and hands it back.
 
@@ -186,7 +225,7 @@ class HelpScript(Scripted):
     """
 
     def begin(self, seen: Seen) -> None:
-        self._past: list[Floats] = []
+        self._past = Past(STUCK)
         self._left = self._helps = 0
         self._way = None if self._robot.free else TipScript(self._robot, self._seed, self._rng)
         if self._way is not None:
@@ -195,16 +234,14 @@ class HelpScript(Scripted):
     def answer(self, seen: Seen) -> Ask:
         if self._left > 0:
             self._left -= 1
-            self._past = []
+            self._past = Past(STUCK)
             if self._helps % 2 == 0 and self._way is not None and seen.target is not None:
                 return self._way.answer(seen)
             strength = -float(np.clip(1.0 + self._rng.normal(0.0, TREMOR), 0.3, 1.0))
             return Ask(active=True, wheels=strength) if self._robot.free else Ask(active=True, tip=(strength, 0.0))
-        self._past = [*self._past[1 - STUCK :], seen.reading.q[0].copy()]
-        if len(self._past) == STUCK and self._rng.random() < 0.3:
-            before, after = np.array(self._past).reshape(2, STUCK // 2, -1).mean(axis=1)
-            if np.abs(after - before).max() < STILL:
-                self._left, self._helps = int(self._rng.integers(*HELP)), self._helps + 1
+        still = self._past.still(seen.reading.q[0])
+        if self._past.full and self._rng.random() < 0.3 and still:
+            self._left, self._helps = int(self._rng.integers(*HELP)), self._helps + 1
         return NOTHING
 
 

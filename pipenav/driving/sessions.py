@@ -11,24 +11,18 @@ import numpy as np
 from pipenav.arrays import Floats
 from pipenav.backends.backend import CONTROL_PERIOD
 from pipenav.backends.messages import Reading
-from pipenav.backends.viewer import HasWindow
 from pipenav.deployment.telemetry import Telemetry
-from pipenav.disturbances.disturbed_backend import disturbed
 from pipenav.driving.ask import PERSON, Operator, OperatorLost
 from pipenav.driving.door import Door
-from pipenav.driving.driven import DrivenSimulator
 from pipenav.driving.plans import DrivePlan
 from pipenav.driving.records import EpisodeRecord
-from pipenav.driving.slew import SlewLimits
+from pipenav.driving.shown import Shown, tick_record
+from pipenav.driving.worlds import World, open_world
 from pipenav.errors import PipenavError
 from pipenav.evaluation.episode_runner import EpisodeQueue, joined, random_start
-from pipenav.pipes.pipe import Pipe
 from pipenav.policies.controller import actions_of
-from pipenav.robots import frames
 from pipenav.tasks.batch import TrainingBatch
 from pipenav.tasks.outcome import Outcome
-from pipenav.tasks.reach.batch import ReachBatch
-from pipenav.tasks.registry import task_of
 
 AT_ONCE = 32
 """Most robots that are driven at once, where nobody looks on."""
@@ -36,32 +30,6 @@ AT_ONCE = 32
 
 class EndedByPerson(Exception):  # no error: a person's wish
     """The person ended the session."""
-
-
-class Shown(NamedTuple):
-    """A control step of the first robot, as a screen shows it.
-
-    Attributes:
-        job: number of the episode, of all pipes together.
-        pipe: the pipe; None where it is not known.
-        points: rear end, joints and tip in the pipe's frame, (m, 2) [m].
-        target: target of the tip in that frame, (2,) [m]; None where there is none.
-        reading: readings of the sensors, rows of one.
-        door: the door.
-        seconds: time since the start [s].
-        force: largest contact force so far [N].
-        world: the simulator, which may have a window; None on the arm.
-    """
-
-    job: int
-    pipe: Pipe | None
-    points: Floats
-    target: Floats | None
-    reading: Reading
-    door: Door
-    seconds: float
-    force: float
-    world: HasWindow | None = None
 
 
 class Lesson(NamedTuple):
@@ -76,6 +44,11 @@ class Lesson(NamedTuple):
     observation: Floats
     action: Floats
     reward: float
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """The lesson, as the telemetry holds it."""
+        return {"observation": self.observation.tolist(), "action": self.action.tolist(), "reward": self.reward}
 
 
 class _Episode:
@@ -99,7 +72,7 @@ class Session:
         report: called with the number of episodes that are done and how many of them passed.
 
     Raises:
-        PipenavError: the robot cannot do the task, or its commands are no set-points.
+        PipenavError: its commands are no set-points.
     """
 
     def __init__(
@@ -113,11 +86,8 @@ class Session:
         self._plan, self._show, self._report = plan, show, report
         if plan.task.control != "position":
             raise PipenavError("this policy commands torques, and a person gives set-points: choose one that does too.")
-        n = 1 if alone else min(plan.total, AT_ONCE)
-        self._doors = [
-            Door(plan.robot, operators(i) if operators else None, plan.controller is not None) for i in range(n)
-        ]
-        self._step_limits = SlewLimits.of(plan.robot).step
+        self._operators, self._n = operators, 1 if alone else min(plan.total, AT_ONCE)
+        self._doors: list[Door] = []
         self.records: list[EpisodeRecord] = []
 
     def run(self) -> None:
@@ -125,28 +95,25 @@ class Session:
 
         Raises:
             OperatorLost: a person's device is gone.
+            PipenavError: the robot cannot do the task.
         """
-        plan, n = self._plan, len(self._doors)
+        plan, n = self._plan, self._n
         task = plan.lengthened
         starts = random_start(plan.robot, plan.disturbance.starts(task), plan.pipes, plan.episodes, plan.seed)
         queue: EpisodeQueue[Any] = EpisodeQueue(starts, plan.total, n)
-        segments = max(len(pipe.segments) for pipe in plan.pipes)
-        inner = disturbed(plan.simulator.open(plan.robot, n, segments), plan.robot, n, plan.disturbance, plan.seed)
-        gap = sum(task.start_gap) / 2
-        driven = DrivenSimulator(inner, self._doors, plan.controller is not None, gap)
-        with closing(task_of(task).batch(plan.robot, driven, n, lambda rows: joined(queue.take(rows)))) as batch:
-            driven.target = _targets(batch)
-            self._loop(batch, driven, queue)
+        world, self._doors = open_world(plan, self._operators, n, lambda rows: joined(queue.take(rows)))
+        with closing(world.batch):
+            self._loop(world, queue)
 
-    def _loop(self, batch: TrainingBatch, driven: DrivenSimulator, queue: EpisodeQueue[Any]) -> None:
-        plan = self._plan
+    def _loop(self, world: World, queue: EpisodeQueue[Any]) -> None:
+        plan, batch = self._plan, world.batch
         observation = batch.reset()
         running = [self._begun(int(job)) for job in queue.running]
         idle = np.zeros((batch.n, batch.action_size))
         try:
             while len(self.records) < plan.total:
                 action = idle if plan.controller is None else actions_of(plan.controller, observation, batch)
-                before, seen = driven.read(), observation
+                before, seen = world.readings(), observation
                 batch.begin(action)()
                 acted = self._acted(batch, action)
                 result = batch.end()
@@ -157,7 +124,7 @@ class Session:
                     if queue.running[i] >= 0:
                         lesson = Lesson(seen[i], acted[i], float(result.reward[i]))
                         self._note(episode, i, before.part(np.array([i])), lesson, result.truth)
-                self._look(batch, driven, queue, running[0])
+                self._look(world, running[0])
                 ended = np.flatnonzero(result.outcome != Outcome.RUNNING)
                 for i in ended[queue.running[ended] >= 0].tolist():
                     outcome = Outcome(result.outcome[i])
@@ -204,7 +171,8 @@ class Session:
                 "episode": number,
                 "seed": plan.seed,
                 "robot_file": plan.robot.model_dump(mode="json"),
-                "task": plan.task.model_dump(mode="json"),
+                # In space a robot drives itself between corners, which is no lesson for a policy.
+                **({} if plan.in_space else {"task": plan.task.model_dump(mode="json")}),
             }
         )
         return _Episode(telemetry)
@@ -212,9 +180,9 @@ class Session:
     def _note(self, episode: _Episode, i: int, reading: Reading, lesson: Lesson, truth: Any) -> None:
         """Note a control step of a running episode."""
         door = self._doors[i]
-        command = door.command
+        command = door.told
         if episode.before is not None:
-            jump = np.abs(command - episode.before) / self._step_limits
+            jump = np.abs(command - episode.before) / door.limits
             episode.jump = max(episode.jump, float(jump.max()))
         episode.before = command
         episode.by_person += door.who == PERSON
@@ -223,9 +191,8 @@ class Session:
             episode.force = max(episode.force, force)
             episode.penetration = max(episode.penetration, penetration)
         if episode.telemetry is not None:
-            taught = {"observation": lesson.observation.tolist(), "action": lesson.action.tolist()}
-            record = tick_record(episode.steps, door, reading, force)
-            episode.telemetry.tick({**record, **taught, "reward": lesson.reward})
+            taught = {} if self._plan.in_space else lesson.record
+            episode.telemetry.tick({**tick_record(episode.steps, door, reading, force), **taught})
         episode.steps += 1
 
     def _finish(self, episode: _Episode, job: int, door: Door, outcome: str) -> None:
@@ -250,59 +217,9 @@ class Session:
             episode.telemetry.end(outcome, None, "")
             episode.telemetry.__exit__(None, None, None)
 
-    def _look(self, batch: TrainingBatch, driven: DrivenSimulator, queue: EpisodeQueue[Any], episode: _Episode) -> None:
-        pipe = batch.pipes[0]
-        if self._show is None or pipe is None:
+    def _look(self, world: World, episode: _Episode) -> None:
+        picture = None if self._show is None else world.picture()
+        if self._show is None or picture is None:
             return
-        from pipenav.robots import kinematics
-
-        base, target = driven.bases[0], driven.target(0)
-        points = kinematics.waypoints(batch.robot, batch.q[:1])[0]
-        self._show(
-            Shown(
-                int(queue.running[0]),
-                pipe,
-                frames.robot_to_pipe(points, base),
-                None if target is None else frames.robot_to_pipe(target, base),
-                driven.read().part(np.array([0])),
-                self._doors[0],
-                episode.steps * CONTROL_PERIOD,
-                episode.force,
-                driven,
-            )
-        )
-
-
-def tick_record(tick: int, door: Door, reading: Reading, force: float | None) -> dict[str, Any]:
-    """A control step, as the telemetry holds it: who drove, what was asked for, what the robot was told."""
-    asked = {key: value for key, value in door.asked._asdict().items() if value}
-    record: dict[str, Any] = {
-        "tick": tick,
-        "stage": door.who,
-        "step": door.step,
-        "asked": asked,
-        "q": reading.q[0].tolist(),
-        "qd": reading.qd[0].tolist(),
-        "ranges": reading.ranges[0].tolist(),
-        "time": float(reading.time[0]),
-        "command": door.command.tolist(),
-        "raw": {},
-    }
-    if reading.wheel_speeds is not None:
-        record["wheel_speeds"] = reading.wheel_speeds[0].tolist()
-    if force is not None:
-        record["force"] = force if np.isfinite(force) else None
-    return record
-
-
-def _targets(batch: TrainingBatch) -> Callable[[int], Floats | None]:
-    """Target of a robot in its own frame, by the robot's index."""
-
-    def target(i: int) -> Floats | None:
-        if not isinstance(batch, ReachBatch) or batch.pipes[i] is None:
-            return None
-        pipe = batch.pipes[i]
-        assert pipe is not None
-        return frames.canonical_to_robot(batch.target[i], pipe.turn_sign)
-
-    return target
+        reading, seconds = world.readings().part(np.array([0])), episode.steps * CONTROL_PERIOD
+        self._show(Shown(picture, reading, self._doors[0], seconds, episode.force, world.window))

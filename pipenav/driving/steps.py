@@ -122,6 +122,12 @@ class StepDriver:
         return self._state.tip
 
     @property
+    def rear(self) -> float:
+        """Distance of the rear end along the pipe from the corner, after `see` [m]."""
+        assert self._state is not None, "the robot is seen before it is driven"
+        return float(self._state.distances[0])
+
+    @property
     def done(self) -> bool:
         """Whether the step that is under way is done."""
         return self._state is not None and bool(self.step) and self._turn.done(self._course, self._state)

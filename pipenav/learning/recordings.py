@@ -105,7 +105,8 @@ def _checked(path: Path, recording: Recording, config: TrainConfig) -> Any:
     header = recording.header
     if "robot_file" not in header or "task" not in header:
         raise PipenavError(
-            f"{path} does not hold what a policy would have seen, as recordings of earlier versions: drive it again."
+            f"{path} does not hold what a policy would have seen, as recordings in space and of earlier versions: "
+            "drive in pipes that lie in a plane."
         )
     try:
         given = json.dumps({key: header[key] for key in ("robot_file", "task")})

@@ -7,8 +7,9 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-HEAD, SCRIPTS = "<!--HEAD-->", "<!--DATA-->"
-"""Places in a template for all that comes before its title, and for the data with the shared functions."""
+HEAD, TOP, SCRIPTS = "<!--HEAD-->", "<!--TOP-->", "<!--DATA-->"
+"""Places in a template for all that comes before its title, for the page's top with title, subject and totals, where it
+has these, and for the data with the shared functions."""
 
 STYLE, HELPERS, DATA = "/*STYLE*/", "/*HELPERS*/", "/*DATA*/"
 """Places in the shared parts for the style, the functions, and the data."""
@@ -27,7 +28,7 @@ def filled_page(template: Path, data: Any) -> str:
     markup.
 
     Args:
-        template: the template, with its two places.
+        template: the template, with its places.
         data: what the page shows, as JSON can hold it.
 
     Raises:
@@ -41,7 +42,8 @@ def page_parts(template: Path, data: Iterable[str]) -> Iterator[str]:
     head = _shared("head.html").replace(STYLE, _shared("page.css"), 1)
     helpers = "\n".join(map(_shared, FUNCTIONS))
     scripts = _shared("data.html").replace(HELPERS, helpers, 1)
-    whole = template.read_text(encoding="utf-8").replace(HEAD, head, 1).replace(SCRIPTS, scripts, 1)
+    whole = template.read_text(encoding="utf-8").replace(HEAD, head, 1).replace(TOP, _shared("top.html"), 1)
+    whole = whole.replace(SCRIPTS, scripts, 1)
     before, after = whole.split(DATA, 1)
     yield before
     for part in data:

@@ -34,6 +34,11 @@ def record(title: str, **fields: Schema) -> Schema:
     return {"title": title, "type": "object", "properties": fields}
 
 
+def by_joint(title: str, **fields: Schema) -> Schema:
+    """An object with a record of these fields for each joint, by its name."""
+    return {"title": title, "type": "object", "additionalProperties": record("a joint", **fields)}
+
+
 class Topic(NamedTuple):
     """A topic that holds a part of every tick.
 
@@ -64,6 +69,9 @@ TICK_TOPICS = (
             ranges=listed(NUMBER, "laser readings from right to left [m]"),
             time=described(NUMBER, "time since the start [s]"),
             force=described(NUMBER, "largest contact force, from a simulator [N]"),
+            roll=described(NUMBER, "position of the roll joint, in space [rad]"),
+            down=listed(listed(NUMBER), "direction downwards in the frame of each half, in space"),
+            plane=described(NUMBER, "angle of the robot's plane about its straight, in space [rad]"),
         ),
     ),
     Topic(
@@ -86,6 +94,7 @@ TICK_TOPICS = (
         record(
             "What was asked of the motors and what was sent",
             command=optional(listed(NUMBER, "set-points that were asked for [rad, m]; then wheels")),
+            roll_command=described(NUMBER, "set-point of the roll joint that was asked for, in space [rad]"),
             wheel_speeds=listed(NUMBER, "speeds of the wheels [rad/s]"),
             sent=listed(NUMBER, "set-points that were sent, within all limits [rad, m]"),
             clamped=listed(TEXT, "joints whose set-point was limited"),
@@ -109,27 +118,19 @@ TICK_TOPICS = (
 OTHER = Topic("/other", "pipenav.Other", record("Keys that this version does not know"))
 """Topic that holds all other keys of a tick."""
 
-SERVOS: Schema = {
-    "title": "How hard the servos work",
-    "type": "object",
-    "additionalProperties": record(
-        "a servo, by the name of its joint",
-        load=described(NUMBER, "signed share of its torque"),
-        volts=described(NUMBER, "supply [V]"),
-        celsius=described(NUMBER, "temperature [deg C]"),
-    ),
-}
+SERVOS = by_joint(
+    "How hard the servos work",
+    load=described(NUMBER, "signed share of its torque"),
+    volts=described(NUMBER, "supply [V]"),
+    celsius=described(NUMBER, "temperature [deg C]"),
+)
 
-JOINTS: Schema = {
-    "title": "Joints by name",
-    "type": "object",
-    "additionalProperties": record(
-        "a joint",
-        position=described(NUMBER, "[rad, m]"),
-        speed=described(NUMBER, "[rad/s, m/s]"),
-        set_point=described(NUMBER, "as it was sent [rad, m]"),
-    ),
-}
+JOINTS = by_joint(
+    "Joints by name",
+    position=described(NUMBER, "[rad, m]"),
+    speed=described(NUMBER, "[rad/s, m/s]"),
+    set_point=described(NUMBER, "as it was sent [rad, m]"),
+)
 
 END = record("How it ended", end=TEXT, cause=optional(TEXT), message=TEXT)
 

@@ -37,12 +37,19 @@ def test_a_policy_alone_and_a_script_are_put_beside_each_other(
         assert {tick["stage"] for tick in ticks} == {who}
 
 
+SCRIPTED = ("--operator", "scripted")
 REFUSED = {
     "nobody": (("--operator", "none"), "nobody drives"),
     "no terminal": ((), "stdin is none"),
     "no device": (("--input", "midi", "--device", "/no/such"), "cannot be opened"),
     "a script's device": (("--operator", "scripted", "--device", "3"), "are a person's"),
-    "in space": (("--operator", "scripted", "--pipes", "runs-rolled:1"), "leaves the plane"),
+    "space in a simulator of the plane": (
+        (*SCRIPTED, "--backend", "pybullet", "--pipes", "runs-rolled:1"),
+        "only in a plane",
+    ),
+    "disturbed in space": ((*SCRIPTED, "--disturb", "rough", "--pipes", "runs-rolled:1"), "disturbs robots in a plane"),
+    "steps through a tee": ((*SCRIPTED, "--pipes", "d=100,tee=90"), "other fittings than corners"),
+    "no room to roll": ((*SCRIPTED, "--pipes", "space-s-bends:1"), "steps take at least"),
     "no mapping": (("--mapping", "none.toml"), "none.toml"),
     "a script on the real arm": (("--operator", "scripted", "--arm", "arm.toml"), "never drives the real arm"),
     "two arms": (("--emulate", "--arm", "arm.toml"), "leave out --arm"),

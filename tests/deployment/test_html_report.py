@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.browser import opened, started_browser
+from helpers.browser import EVIL, opened
 
 from pipenav.deployment.html_report import MOST_TICKS, mission_page
 from pipenav.deployment.telemetry import Recording, read_telemetry
@@ -19,7 +18,6 @@ from pipenav.robots.robot import load_robot
 ROBOT = load_robot("real-setup")
 EARLIER = Path(__file__).parents[1] / "data" / "0.1" / "mission" / "telemetry.jsonl"
 PLACEMENT = ArmPlacement(PipeCorner.of(130, 90), -0.4)
-EVIL = "</script><script>alert(1)</script><img src=x onerror=alert(2)>"
 
 
 def state(load: int, decivolts: int, celsius: int) -> str:
@@ -52,12 +50,6 @@ def page_file(folder: Path, recording: Recording, placement: ArmPlacement | None
     file = folder / "report.html"
     file.write_text(mission_page(recording, ROBOT, folder, placement), encoding="utf-8")
     return file
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with started_browser() as started:
-        yield started
 
 
 @pytest.mark.slow

@@ -52,3 +52,12 @@ def test_joints_by_number_and_by_name_are_the_same(tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
     file.write_text('[keyboard]\nq = "joint2+"\nw = "theta2-"', encoding="utf-8")
     assert load_mapping(file, load_robot("basic"), "keyboard") == {"q": "theta1+", "w": "theta2-"}
+
+
+def test_keys_turn_the_roll_joint_and_faders_do_not(tmp_path: Path) -> None:
+    """A fader asks for positions, and a roll joint's is the roll's own."""
+    file = tmp_path / "mine.toml"
+    file.write_text('[keyboard]\nq = "roll+"\nw = "roll"\n[midi]\ncc0 = "roll"', encoding="utf-8")
+    assert load_mapping(file, load_robot("pirate"), "keyboard") == {"q": "roll+", "w": "roll"}
+    with pytest.raises(PipenavError, match="'cc0' of the midi names an unknown action"):
+        load_mapping(file, load_robot("pirate"), "midi")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 
 import numpy as np
@@ -9,14 +10,16 @@ import pytest
 
 from pipenav.deployment.telemetry import read_telemetry
 from pipenav.driving.plans import make_plan
-from pipenav.driving.route_steps import corner_row, least_spacing, order_after, require_room
+from pipenav.driving.route_steps import NEAR, corner_row, least_spacing, order_after, require_room, roll_room
 from pipenav.driving.scripted import script_for
 from pipenav.driving.sessions import Session
 from pipenav.driving.steps import STEPS
 from pipenav.errors import PipenavError
 from pipenav.pipes.corner import PipeCorner
+from pipenav.pipes.corner_sets import parse_corners
 from pipenav.pipes.route import PipeRoute
 from pipenav.robots.robot import load_robot
+from pipenav.units import mm_to_m
 
 ROBOT = load_robot("pirate-strong")
 ROUTE = PipeRoute.of(90, [(90, "left", 0), (75, "left", 0), (100, "right", 0)], straights_mm=[1000, 800, 900, 1000])
@@ -61,12 +64,25 @@ def test_a_half_turn_of_a_plane_is_a_turn_to_the_other_side() -> None:
     assert [corner.turn for corner in row.corners] == ["left", "right"]
 
 
-def test_pipes_that_are_no_row_of_corners_in_a_plane_have_no_steps() -> None:
-    rolled = PipeRoute.of(90, [(90, "left", 0), (90, "left", 90)], straights_mm=[1000, 900, 1000])
-    assert corner_row(rolled) is None
+def test_pipes_with_other_fittings_than_corners_have_no_steps() -> None:
+    tee = parse_corners(["d=100,tee=90"])[0]
+    assert corner_row(tee) is None
     assert corner_row(None) is None
-    with pytest.raises(PipenavError, match="not a row of corners"):
-        require_room(ROBOT, rolled)
+    with pytest.raises(PipenavError, match="other fittings than corners"):
+        require_room(ROBOT, tee)
+
+
+def test_a_roll_takes_more_room_than_the_steps_alone() -> None:
+    """The least straight between two corners grows by what a robot rolls on and stretches before it may roll."""
+    corners = [(90, "left", 0), (90, "left", 90)]
+    row = corner_row(PipeRoute.of(90, corners, straights_mm=[1000, 900, 1000]))
+    assert row is not None
+    assert row.spacing == (pytest.approx(mm_to_m(900)),)
+    least = least_spacing(ROBOT, *row.corners) + ROBOT.lengths[0] + roll_room(ROBOT, row.corners[0]) + NEAR
+    for away, fits in ((0.001, True), (-0.001, False)):
+        route = PipeRoute.of(90, corners, straights_mm=[1000, 1e3 * (least + away), 1000])
+        with contextlib.nullcontext() if fits else pytest.raises(PipenavError, match="steps take at least"):
+            require_room(ROBOT, route)
 
 
 def test_corners_without_room_between_them_are_refused() -> None:

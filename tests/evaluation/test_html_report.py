@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from helpers.browser import opened, started_browser
+from helpers.browser import EVIL, opened
 
 from pipenav.evaluation import Evaluation, EvaluationConfig, PipeRecord
 from pipenav.evaluation.failures import Failure, with_poses
@@ -22,7 +22,7 @@ from pipenav.tasks.outcome import Outcome, PassageStage
 
 EACH = 20
 ROBOT = load_robot("basic")
-EVIL = "</script><script>alert(1)</script><img src=x onerror=alert(2)>.zip"
+EVIL_FILE = f"{EVIL}.zip"
 
 
 def failed_in(number: int) -> int:
@@ -62,12 +62,6 @@ def made(pipes: Sequence[Pipe], policy: str = "arm") -> tuple[Evaluation, Pictur
     config = EvaluationConfig(policy=policy, pipes=("thesis",), episodes=EACH, stage="reach")
     evaluation = Evaluation.of(records, config=config, robot="basic")
     return evaluation, Pictured(ROBOT, pipes, with_poses(failures, replayed.values(), ROBOT), replayed, "view")
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with started_browser() as started:
-        yield started
 
 
 @pytest.fixture(scope="module")
@@ -149,15 +143,15 @@ def test_tables_sort_by_number_both_ways(browser: Any, file: Path) -> None:
 
 @pytest.mark.slow
 def test_names_run_no_code(browser: Any, tmp_path: Path) -> None:
-    evaluation, pictured = made(parse_pipes(["d=90,angle=60", "d=90,angle=90"]), EVIL)
-    labelled = [Labelled(pipe, EVIL) for pipe in pictured.pipes]
+    evaluation, pictured = made(parse_pipes(["d=90,angle=60", "d=90,angle=90"]), EVIL_FILE)
+    labelled = [Labelled(pipe, EVIL_FILE) for pipe in pictured.pipes]
     page_file = tmp_path / "report.html"
     page_file.write_text(
-        evaluation_page(evaluation, pictured._replace(pipes=labelled, replayed={}, again=EVIL)), encoding="utf-8"
+        evaluation_page(evaluation, pictured._replace(pipes=labelled, replayed={}, again=EVIL_FILE)), encoding="utf-8"
     )
     page, trouble = opened(browser, page_file)
     page.locator(".map button").first.click()
-    assert EVIL in page.locator("#title").inner_text() and EVIL in page.locator("#details").inner_text()
+    assert EVIL_FILE in page.locator("#title").inner_text() and EVIL_FILE in page.locator("#details").inner_text()
     assert page.locator("img").count() == 0
     assert not trouble
     page.close()

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.browser import opened, started_browser
+from helpers.browser import opened
 from helpers.thesis_results import write_thesis_results
 
 from pipenav.evaluation.interval import wilson
@@ -45,12 +44,6 @@ def plan(tmp_path_factory: pytest.TempPathFactory) -> ExperimentPlan:
                     writer.writerow(row)
     write_report(plan)
     return plan
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with started_browser() as started:
-        yield started
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,9 @@ import pytest
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 
+EVIL = "</script><script>alert(1)</script><img src=x onerror=alert(2)>"
+"""Text that would become markup, and run, where a page does not keep it text."""
+
 
 @contextmanager
 def started_browser() -> Iterator[Any]:

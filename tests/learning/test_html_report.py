@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from helpers.browser import opened, started_browser
+from helpers.browser import EVIL, opened
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -24,7 +23,6 @@ from pipenav.tasks.outcome import Outcome
 
 PIPES = parse_pipes(["d=90,angle=60", "d=90,angle=90", "d=110,angle=60,turn=right"])
 EACH = 4
-EVIL = "</script><script>alert(1)</script><img src=x onerror=alert(2)>"
 
 
 def outcomes(*successes: int) -> Any:
@@ -57,12 +55,6 @@ def made(path: Path, rows: int, checks: Checks, name: str = "mine") -> tuple[Tra
     if checks.checks:
         write_checks(folder.checks, checks)
     return folder, config
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with started_browser() as started:
-        yield started
 
 
 @pytest.fixture

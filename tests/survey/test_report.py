@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.browser import opened, started_browser
+from helpers.browser import opened
 from helpers.surveys import AnsweredFindings, random_tree
 
 from pipenav.survey.html_report import html_report
@@ -26,12 +25,6 @@ def record(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     findings = AnsweredFindings(tmp_path_factory.mktemp("cache"), lambda name: 2 if "straight" in name else 20)
     result = survey(network, findings, SurveyConfig(tether=Tether(cable=150.0)))
     return survey_record(result, Subject("tree <b>.csv", findings.trials, sensitivities(result, network, findings)))
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with started_browser() as started:
-        yield started
 
 
 @pytest.fixture

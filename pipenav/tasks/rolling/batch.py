@@ -84,6 +84,7 @@ class RollingBatch(TrainingBatch):
         grade = GRADES[config.sensors]
         self._sensors = None if grade is None else Sensors(grade, n, HALVES, len(robot.wheels))
         self._seen: SpaceReading | None = None
+        self._before = np.zeros((n, 2 * HALF))  # joint positions that the last actions count from
 
     @property
     def pipes(self) -> list[PipeRoute | None]:
@@ -139,12 +140,21 @@ class RollingBatch(TrainingBatch):
     def begin(self, action: Floats) -> Callable[[], None]:
         reading, pilot = self._read(), self._pilot
         joints, turn_sign = reading.body.q, pilot.turn_sign
+        self._before = joints if self.config.set_points == "measured" else pilot.set_points
         wanted = observation.to_command(self.robot, self.config, action, joints, pilot.set_points, turn_sign)
         self._driven = pilot.policy_drives
         if self._tethers is not None:
             self._backend.pull(self._tethers.forces(self._lines, self._backend.truth().points[:, 0]))
         self._action = np.where(self._driven[:, None], np.clip(action, -1.0, 1.0), 0.0)
         return self._backend.begin(*pilot.command(reading, wanted.values))
+
+    def carried_out(self, rows: Ints, told: Floats) -> Floats:
+        pilot, joints = self._pilot, 2 * HALF
+        before, signs = self._before[rows], pilot.turn_sign[rows]
+        acted = observation.of_command(self.robot, self.config, told, before, before, signs)
+        self._action[rows] = acted
+        pilot.set_points[rows] = told[:, :joints]
+        return acted
 
     def end(self) -> StepResult:
         pilot, turn_sign = self._pilot, self._pilot.turn_sign

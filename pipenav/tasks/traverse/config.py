@@ -109,8 +109,8 @@ class TraverseConfig(Table):
     )
     recovery: bool = Field(
         False,
-        description="whether a robot in the plane rolls back by itself and tries again where its own sensors say that it "
-        "is stuck; in space robots do so anyway",
+        description="whether a robot in the plane rolls back by itself and tries again where its own sensors say that "
+        "it is stuck; in space robots do so anyway",
     )
     tether: TetherConfig | None = Field(None, description="cable that the robot drags; none: it has none")
     reward: TraverseReward = TraverseReward()
