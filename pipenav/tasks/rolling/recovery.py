@@ -91,7 +91,7 @@ class Recovery:
 
     def _watch(self, bends: Floats, rolled: Floats) -> None:
         """Count the steps since joints, (n, joints) [rad], and wheels, that rolled so far, (n,) [m], were elsewhere."""
-        moved = (np.abs(bends - self._bends) > STILL).any(axis=1)
+        moved = np.asarray((np.abs(bends - self._bends) > STILL).any(axis=1))
         self._bends = np.where(moved[:, None], bends, self._bends)
         self._still = np.where(moved, 0, self._still + 1)
         self._rolled += rolled
