@@ -17,6 +17,7 @@ import os
 import statistics
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 for variable in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
@@ -146,10 +147,10 @@ def rate(action: Callable[[], object], samples: int) -> float:
     return samples / (time.perf_counter() - started)
 
 
-def baseline_env() -> gymnasium.Env:
+def baseline_env(config: TrainConfig) -> gymnasium.Env:
     """Gymnasium environment of (d)."""
-    config = load_config()
-    return gymnasium.make("pipenav/Corner-v0", pipes=list(config.pipes), task=config.task)
+    options = dict(config.options)
+    return gymnasium.make("pipenav/Corner-v0", pipes=list(config.pipes), task=config.task, options=options)
 
 
 class UntilSolved(BaseCallback):
@@ -204,11 +205,12 @@ def held_out_success(model: PPO, config: TrainConfig, each: int = 10) -> float:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--preset", help="another preset of an arm")
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--limit", type=float, default=240.0, help="seconds that (d) may train for")
     arguments = parser.parse_args()
     torch.set_num_threads(1)
-    config = training_stages(load_config())[0].config
+    config = training_stages(load_config(arguments.preset))[0].config
     print(json.dumps(measure_rates(config, arguments.repeats) | measure_times(config, arguments.limit), indent=1))
 
 
@@ -216,7 +218,7 @@ def measure_rates(config: TrainConfig, repeats: int) -> dict[str, float]:
     """Rates of (a) to (d) and their ratios, by their names in the output."""
     n, steps = config.learner.robots, config.learner.rollout_steps
     ours = new_model(config, make_env(config, seed=4))
-    plain = PPO("MlpPolicy", DummyVecEnv([baseline_env]), device="cpu", seed=0)
+    plain = PPO("MlpPolicy", DummyVecEnv([partial(baseline_env, config)]), device="cpu", seed=0)
     ours.learn(10 * n * steps)  # past the first flailing
     plain.learn(256)
     side_by_side = SideBySide(config, ours)
@@ -245,7 +247,7 @@ def measure_times(config: TrainConfig, limit: float) -> dict[str, float]:
     ours = new_model(config, make_env(config, seed=5))
     fast = UntilSolved(config, 4096, limit, set_noise=True)
     ours.learn(config.steps, callback=fast)
-    plain = PPO("MlpPolicy", DummyVecEnv([baseline_env]), device="cpu", seed=0)
+    plain = PPO("MlpPolicy", DummyVecEnv([partial(baseline_env, config)]), device="cpu", seed=0)
     slow = UntilSolved(config, 8192, limit, set_noise=False)
     plain.learn(10_000_000, callback=slow)
     return {
