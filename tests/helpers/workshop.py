@@ -91,7 +91,7 @@ def workshop(shown_files: Path, tmp_path_factory: pytest.TempPathFactory) -> Pat
         tiny_eval = ("eval", "--policy", "arm", "--pipes", "d=100,angle=90", "--episodes", "1")
         assert pipenav(*tiny_eval, "--out", "evaluation") == 0
         assert pipenav("mirror-rear", "--trajectory", "front.csv", "--out", "rear.csv") == 0
-        for place in ("alone", "shared", "composed", "by-hand"):
+        for place in ("alone", "shared", "composed", "by-hand", "alone-1", "shared-1", "by-hand-1"):
             script = ("--robot", "basic", "--operator", "scripted", "--pipes", "d=100,angle=90", "--no-record")
             assert pipenav("drive", *script, "--out", place) == 0
     return folder
