@@ -51,13 +51,14 @@ class Recovery:
         self._back = RollForward(robot, n)
         self._lasted, self._tries = np.zeros((2, n), int)
         self._still, self._idle = np.zeros((2, n), int)
-        self._bends, self._rolled = np.zeros((n, len(robot.joints))), np.zeros(n)
+        self._bends, self._rolled = np.full((n, len(robot.joints)), np.inf), np.zeros(n)
         self.busy = np.zeros(n, bool)
 
     def start(self, indices: Ints) -> None:
         """Begin anew with some robots, (k,)."""
         self.busy[indices], self._tries[indices] = False, 0
         self._still[indices] = self._idle[indices] = 0
+        self._bends[indices], self._rolled[indices] = np.inf, 0.0  # nothing is left of the episode before
 
     def sense(self, reading: Reading, radius: Floats, set_points: Floats) -> None:
         """Take in the readings after a control period, and decide which robots recover.

@@ -62,6 +62,22 @@ def test_a_robot_that_moves_and_rolls_is_not_stuck(size: float, seed: int) -> No
         assert not recovery.busy[0]
 
 
+@given(seeds)
+def test_an_episode_does_not_depend_on_the_one_before(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    used, new, radius = Recovery(ROBOT, 1), Recovery(ROBOT, 1), np.full(1, RADIUS)
+    for bends in rng.uniform(-1, 1, (2 * STALL, 1, 6)):
+        used.sense(reading(bends, rng.uniform(-1, 1)), radius, bends)
+    start = rng.uniform(-1, 1, (1, 6))
+    for recovery in (used, new):
+        recovery.start(np.arange(1))
+    for step in range(2 * STALL):
+        bends, speed = start + rng.uniform(-0.2, 0.2, (1, 6)), rng.uniform(-0.1, 0.4)
+        for recovery in (used, new):
+            recovery.sense(reading(bends, speed), radius, bends)
+        assert used.busy[0] == new.busy[0], step
+
+
 def test_a_robot_is_given_up_after_many_tries() -> None:
     bends, tries = np.full((1, 6), 0.8), 0
     recovery = Recovery(ROBOT, 1)
